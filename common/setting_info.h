@@ -35,7 +35,7 @@ struct SettingRange {
         return (aboveLow ? number > low : number >= low) && (belowHigh ? number < high : number <= high);
     }
     double Clamp(double number) const { return number < low ? low : number > high ? high : number; }
-    /// Whether it is the range of all settings that name none.
+    /// Whether it is the range of settings that declare none.
     bool IsDefault() const { return low == -kMaxSetting && high == kMaxSetting; }
     /// "from 1 to 8", "over 0 up to 1000000".
     std::string Text() const;
@@ -54,7 +54,7 @@ struct SettingInfo {
     OutOfRange outside = OutOfRange::Refuse;
     double outsideValue = 0;     ///< for OutOfRange::UseDefault
     double floor = -kMaxSetting; ///< numbers in range but below this become this, with a warning
-    bool withoutEffect = false;  ///< accepted only; not listed among the settings of a run
+    bool withoutEffect = false;  ///< accepted for compatibility; not listed among the settings of a run
     bool firstOnly = false;      ///< repetitions are left for another table of settings
     std::string_view help{};     ///< one line, a sentence without its full stop
     std::string_view details{};  ///< more for the documentation page
@@ -68,7 +68,7 @@ struct SettingInfo {
 struct SettingEntry {
     SettingInfo info;
     std::string initial; ///< the default as text; empty: none
-    /// For directives of shaders: the stage that they change something for, "bsp", "light", "both" or "none".
+    /// For shader directives: the stage that they have an effect on, "bsp", "light", "both" or "none".
     std::string_view stage{};
 };
 

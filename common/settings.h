@@ -100,7 +100,8 @@ template <typename Options> SettingTarget<Options> Do(std::function<void(Options
     return target;
 }
 
-/// An option of other versions that changes nothing here: it and its help are added to `given`, for WarnWithoutEffect.
+/// An option of other compilers that has no effect here: its name and help are added to `given`, for
+/// WarnWithoutEffect.
 template <typename Options>
 Setting<Options> WithoutEffect(std::vector<std::string> Options::*given, std::string_view name, std::string_view help,
                                std::string_view alias = {}) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Whether bots still know a map that is written anew.
+// GPL-2.0-or-later. Whether bot files still fit a map after it was written.
 #include "q3map2/bot_check.h"
 
 #include "common/error.h"
@@ -21,7 +21,7 @@ void BotCheck::Fix(const BotFile &file, std::uint32_t checksum) const {
     if (file.checksum != before_)
         log_.Warn("bot file",
                   "{} did not fit the map before either: if brushes have changed since it was made, bots walk into "
-                  "walls; then make it anew",
+                  "walls; then make it again with a bot compiler",
                   file.path.string());
 }
 
@@ -38,7 +38,8 @@ void BotCheck::Report(Change change, bool fix) const {
         }
         const std::string advice =
             change == OtherGeometry
-                ? "make it anew with a bot compiler, or, if no brush has changed, let q3map2 -fixaas enter the new map"
+                ? fmt::format("make it again with a bot compiler or, if no brush has changed, run q3map2 -fixaas {}",
+                              bspPath_.string())
                 : fmt::format("q3map2 -fixaas {} makes it fit again", bspPath_.string());
         const std::string text =
             fmt::format("{} is for another version of the map, and engines refuse it, so there will be no bots: {}",
@@ -53,8 +54,8 @@ void WarnOfPackedBotFile(const std::filesystem::path &bspPath, std::span<const s
         if (ChecksumIn(botFile, origin) != MapChecksum(bspPath))
             log.Warn("bot file",
                      "{} is for another version of {}, and engines refuse it, so there will be no bots: copy it beside "
-                     "the map and let q3map2 -fixaas enter the map, or, if brushes have changed, make it anew with a "
-                     "bot compiler",
+                     "the map and run q3map2 -fixaas on the map or, if brushes have changed, make it again with a bot "
+                     "compiler",
                      origin, bspPath.string());
     } catch (const Error &error) {
         log.Warn("bot file", "{}", error.what());

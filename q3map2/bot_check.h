@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Whether bots still know a map that is written anew.
+// GPL-2.0-or-later. Whether bot files still fit a map after it was written.
 #pragma once
 
 #include "common/log.h"
@@ -11,13 +11,13 @@
 
 namespace q3 {
 
-/// Looks at the bot navigation files beside a map before a stage writes it, and tells afterwards which no longer fit.
+/// Reads the bot navigation files beside a map before a stage writes it, and reports afterwards which no longer fit.
 class BotCheck {
   public:
     /// What a stage changes in the map.
     enum Change { SameGeometry, OtherGeometry };
 
-    /// Unreadable files are a warning, and count as not there.
+    /// A file that cannot be read is a warning, and no file is checked then.
     BotCheck(std::filesystem::path bspPath, Log &log);
     /// Warns about each file that names another map than the written one. With `fix` and SameGeometry, files get the
     /// checksum of the written map instead.
@@ -32,8 +32,7 @@ class BotCheck {
     std::uint32_t before_ = 0; ///< checksum of the map; 0 without one
 };
 
-/// Warns about a bot file that a package takes from `origin`, such as an archive, and that is for another version of
-/// the packed map, or is damaged.
+/// Warns if a bot file found at `origin`, such as an archive, is for another version of the packed map, or is damaged.
 void WarnOfPackedBotFile(const std::filesystem::path &bspPath, std::span<const std::byte> botFile,
                          const std::string &origin, Log &log);
 

@@ -15,22 +15,19 @@ namespace {
 
 constexpr std::string_view kRules =
     "Option names are whole words, case-insensitive. Their order does not matter; options, the stage word and the file "
-    "may "
-    "stand anywhere on the line. The extension of the file is replaced by the one that the stage needs. A value must "
-    "be "
-    "a whole word and a number of the range given, or the program stops with an error; where another value is used "
-    "instead, with a warning, the range says so. Numbers without a range may be from -1000000 to 1000000. An unknown "
-    "option after the stage word is a warning, which the end of the run repeats; before it, or when no stage is named, "
-    "it is an error, and so is a second map. Exit status 0: done; 1: failed, with one line that says why. The last "
-    "line "
-    "of a run says how it ended, what it warned of, and what time and memory it took.";
+    "may stand anywhere on the line. The extension of the file is replaced by the one that the stage needs. A value "
+    "must be a whole word and a number of the range given, or the program stops with an error; where another value is "
+    "used instead, with a warning, the range says so. Numbers without a range may be from -1000000 to 1000000. An "
+    "unknown option after the stage word is a warning, which the end of the run repeats; before it, or when no stage "
+    "is named, it is an error, and so is a second map. Exit status 0: done; 1: failed, with one line that says why. "
+    "The last line of a run says how it ended, what it warned of, and what time and memory it took.";
 
 bool HasRange(const SettingEntry &entry) {
     return entry.info.kind == SettingKind::Integer || entry.info.kind == SettingKind::Number;
 }
 
-/// Range and unit, and what becomes of other values: "from 1 to 8 luxels". The range of settings that name none only
-/// if `complete`.
+/// Range and unit, and what becomes of values outside: "from 1 to 8 luxels". The default range is shown only if
+/// `complete`.
 std::string Limits(const SettingEntry &entry, bool complete) {
     const SettingInfo &info = entry.info;
     const bool shown = HasRange(entry) && (complete || !info.range.IsDefault());

@@ -20,8 +20,7 @@ std::string DirectivesPage();
 /// docs/q3map2.1.
 std::string ManualPage();
 
-/// The help of a setting with its unit, range and default, as one sentence. `complete`: with the range that all
-/// settings have which name none.
+/// The help of a setting with its unit, range and default, as one sentence. `complete`: with the default range too.
 std::string FullHelp(const SettingEntry &entry, bool complete);
 /// Text without Markdown for code and links.
 std::string WithoutMarkup(std::string_view text);

@@ -13,38 +13,32 @@ namespace q3 {
 
 namespace {
 
-/// What the game itself takes while a map is loaded: its modules, player models, bots. ioquake3 with OpenArena takes 5
-/// to 7 MB, with modules as libraries; as .qvm files they take more.
+/// Bytes that the game itself takes while a map is loaded: its modules, player models, bots. ioquake3 with OpenArena
+/// takes 5 to 7 MB with modules as libraries, and more with .qvm files.
 constexpr std::uint64_t kGameBytes = 12000000;
-constexpr std::uint64_t kMebibyte = 1 << 20, kHunkStep = 64; ///< MiB, of the value that is proposed
-
-template <typename Record> std::uint64_t BytesIn(const std::vector<Record> &records) {
-    return std::uint64_t(records.size()) * sizeof(Record);
-}
+constexpr std::uint64_t kMebibyte = 1 << 20, kHunkStep = 64; ///< kHunkStep: MiB; proposed values are multiples
 
 std::uint64_t BytesOfGridSH(const Bsp &bsp) {
-    return bsp.gridSH ? BytesIn(bsp.gridSH->points) : 0;
+    return bsp.gridSH ? BytesOfRecords(bsp.gridSH->points) : 0;
 }
 
 /// Bytes of the BSPX lumps.
 std::uint64_t ExtensionBytes(const Bsp &bsp) {
-    std::uint64_t bytes = BytesIn(bsp.lightmapsE5bgr9) + BytesIn(bsp.vertexE5bgr9);
+    std::uint64_t bytes = BytesOfRecords(bsp.lightmapsE5bgr9) + BytesOfRecords(bsp.vertexE5bgr9);
     if (bsp.gridSHContainer == GridSHContainer::Bspx)
         bytes += BytesOfGridSH(bsp);
     if (bsp.sparseGridSH)
         bytes += EncodeSparseGrid(*bsp.sparseGridSH).size();
     if (bsp.rnm)
-        for (const RnmPage &page : bsp.rnm->pages)
-            for (const std::vector<std::uint32_t> &map : page.maps)
-                bytes += BytesIn(map);
+        bytes += BytesOfRnm(*bsp.rnm);
     if (bsp.ambientCubes)
-        bytes += BytesIn(bsp.ambientCubes->leafs) + BytesIn(bsp.ambientCubes->samples);
+        bytes += BytesOfRecords(bsp.ambientCubes->leafs) + BytesOfRecords(bsp.ambientCubes->samples);
     for (const BspxLump &lump : bsp.bspx)
         bytes += lump.data.size();
     return bytes;
 }
 
-/// What makes the largest part of the file smaller; empty: nothing in particular.
+/// How to make the largest part of the file smaller.
 std::string AdviceFor(const Bsp &bsp, std::uint64_t fileBytes) {
     if (BytesOfGridSH(bsp) * 2 > fileBytes) {
         const Float3 &cell = bsp.gridSH->header.gridSize;
@@ -54,7 +48,7 @@ std::string AdviceFor(const Bsp &bsp, std::uint64_t fileBytes) {
                            "the uniform grid",
                            cell[0], cell[1], cell[2]);
     }
-    if ((BytesIn(bsp.lightmapsE5bgr9) + bsp.lightmaps.size()) * 2 > fileBytes)
+    if ((BytesOfRecords(bsp.lightmapsE5bgr9) + bsp.lightmaps.size()) * 2 > fileBytes)
         return "Larger luxels (-samplesize of the bsp stage) make smaller lightmaps";
     return "Leave out what it does not need; -info lists the sizes of its lumps";
 }
@@ -74,8 +68,8 @@ void WarnOfEngineMemory(const std::filesystem::path &bspPath, const Bsp &bsp, co
     const std::uint64_t enough = (needed / kMebibyte / kHunkStep + 1) * kHunkStep;
     log.Warn("too large for engines",
              "{} has {} and needs about {} of an engine's memory for maps, of which ioquake3 has {} by default: it may "
-             "refuse the map (Hunk_AllocateTempMemory: failed). {}; or players start the game with +set com_hunkMegs "
-             "{}",
+             "refuse the map (Hunk_AllocateTempMemory: failed). {}; or have players start the game with +set "
+             "com_hunkMegs {}",
              bspPath.string(), SizeText(file), SizeText(needed), SizeText(limit), AdviceFor(bsp, file), enough);
 }
 

@@ -10,13 +10,12 @@
 
 namespace q3 {
 
-/// Bytes of its memory for a map that an engine needs while it loads the file. It reads the whole file into that
-/// memory, and copies from it the lumps that it knows, which leaves out BSPX lumps. docs/troubleshooting.md has the
-/// measurement.
+/// Bytes of hunk memory (com_hunkMegs) that an engine needs while it loads the file. It reads the whole file into the
+/// hunk and copies the lumps that it knows, which excludes BSPX lumps. docs/troubleshooting.md has the measurement.
 std::uint64_t EngineMemoryFor(const Bsp &bsp, std::uint64_t fileBytes);
 
-/// Warns if the file that was just written needs more than the engines of the game have by default, and says what makes
-/// it smaller.
+/// Warns if the file that was just written needs more than engines of the game have by default, and says how to make it
+/// smaller.
 void WarnOfEngineMemory(const std::filesystem::path &bspPath, const Bsp &bsp, const Game &game, Log &log);
 
 } // namespace q3

@@ -27,7 +27,7 @@ void FileGuard::WritesInto(const fs::path &folder, std::uint64_t bytes) {
     Reserve(fs::absolute(folder), bytes);
 }
 
-/// A file is complete before it replaces its old one, so the old one gives no room.
+/// A new file is complete before it replaces the old one, so the space of the old one does not count as free.
 void FileGuard::Reserve(fs::path folder, std::uint64_t bytes) {
     std::error_code failed;
     while (!fs::exists(folder, failed) && folder.has_relative_path())
@@ -35,12 +35,13 @@ void FileGuard::Reserve(fs::path folder, std::uint64_t bytes) {
     const std::uint64_t needed = needed_[folder] += bytes;
     const fs::space_info space = fs::space(folder, failed);
     if (!failed && needed > 0 && space.available < needed)
-        Complain(fmt::format("{}: cannot write: {} free on this disk, and about {} needed; make room or choose another "
-                             "folder",
-                             folder.string(), SizeText(space.available), SizeText(needed)));
+        FailUnlessForced(fmt::format(
+            "{}: cannot write: {} are free on this disk, and about {} are needed; free some space or choose another "
+            "folder",
+            folder.string(), SizeText(space.available), SizeText(needed)));
 }
 
-void FileGuard::Complain(const std::string &text) const {
+void FileGuard::FailUnlessForced(const std::string &text) const {
     if (!force_)
         throw Error("{}", text);
     log_.Warn("files", "{}", text);
@@ -49,10 +50,11 @@ void FileGuard::Complain(const std::string &text) const {
 void FileGuard::CheckUnchanged() const {
     for (const Input &input : inputs_)
         if (const FileState now = FileState::Of(input.file); now != input.state)
-            Complain(fmt::format("{} was {} while this run was working, by another run or another program, so the "
-                                 "result would be that of the old one{}",
-                                 input.file.string(), now.exists ? "written" : "removed",
-                                 force_ ? "" : ": nothing is written. Run again, or write all the same with -force"));
+            FailUnlessForced(fmt::format(
+                "{} was {} while this run was working, by another run or another program: the result {} made "
+                "from the old file{}",
+                input.file.string(), now.exists ? "written" : "removed", force_ ? "is" : "would be",
+                force_ ? "" : ", so nothing is written. Run again, or write it anyway with -force"));
 }
 
 std::uint64_t SizeOfFile(const fs::path &file) {
@@ -62,11 +64,11 @@ std::uint64_t SizeOfFile(const fs::path &file) {
 }
 
 void WarnIfSourceIsNewer(const fs::path &bspPath, Log &log) {
-    const fs::path source = WithExtension(bspPath, ".map");
+    const fs::path source = Beside(bspPath, ".map");
     const FileState map = FileState::Of(source), bsp = FileState::Of(bspPath);
     if (map.exists && bsp.exists && map.time > bsp.time)
         log.Warn("newer map source",
-                 "{} is newer than {}: what was changed in it since, other than light entities, is not in the .bsp; "
+                 "{} is newer than {}: changes since then, other than those of light entities, are not in the .bsp; "
                  "compile the map again with -bsp",
                  source.string(), bspPath.filename().string());
 }

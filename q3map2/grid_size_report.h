@@ -14,8 +14,8 @@ namespace q3 {
 std::uint64_t EstimateDeflated(std::span<const std::byte> data);
 
 /// Prints points, size and zipped size of the SH grids of a map that was just written, and a cell that would halve
-/// those of the uniform one. Warns when the grid is more than half of the file and over 1 MB,
-/// and its cells are smaller than those of -shsmall, so that this option helps. `fileBytes`: of the .bsp.
+/// those of the uniform one. Warns when the grid is more than half of the file and over 1 MB, and its cells are smaller
+/// than those of -shsmall, so that this option helps. `fileBytes`: of the .bsp.
 void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log);
 
 } // namespace q3

@@ -147,7 +147,7 @@ std::string MapWordHelp(std::string_view topic) {
     return text;
 }
 
-/// Games as players know them.
+/// Full title of a game, for -help game; empty: unknown.
 std::string_view TitleOf(std::string_view game) {
     constexpr std::pair<std::string_view, std::string_view> kTitles[] = {
         {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
@@ -174,9 +174,9 @@ std::string GamesText() {
     for (const Game &game : Games())
         text += fmt::format("  {:<14}{:<11}{}\n", game.name, game.gameDir, TitleOf(game.name));
     return "  -game         folder     title\n" + text +
-           "\nA mod is no game: -game names the game that it runs on, -fs_game its folder. A game with a base folder "
-           "of\n"
-           "another name, as OpenArena's baseoa, has -fs_basegame too: -game quake3 -fs_basegame baseoa.\n";
+           "\nA mod is not a game: -game names the game that it runs on, -fs_game its folder. A game whose base\n"
+           "folder has another name, such as OpenArena's baseoa, needs -fs_basegame: -game quake3 -fs_basegame "
+           "baseoa.\n";
 }
 
 [[noreturn]] void FailUnknown(std::string_view topic, const std::vector<std::string> &topics) {

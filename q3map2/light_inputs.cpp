@@ -36,7 +36,7 @@ void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &
             continue;
         arguments.DropChange(option);
         log.Warn("luxel size without effect",
-                 "{} {} has no effect: {}.srf, which the bsp stage wrote, has the luxel sizes ({} where no shader or "
+                 "{} {} has no effect: {}.srf, which the bsp stage wrote, sets the luxel sizes ({} unless a shader or "
                  "key says otherwise); give {} {} to the bsp stage, or use -samplescale here",
                  option, value, inputs.name, used, option, value);
     }

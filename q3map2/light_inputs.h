@@ -13,8 +13,8 @@ namespace q3 {
 /// parsed.
 LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log);
 
-/// Warns of luxel sizes among the words of the command line that the .srf overrides, and takes them off the changed
-/// options.
+/// Warns of luxel sizes on the command line (`given`) that the .srf overrides, and removes them from the list of
+/// changed options.
 void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &inputs, Arguments &arguments, Log &log);
 
 /// The texlights of a map: lights.rad among the game's files, `given` (-lights), and the .rad beside the .bsp, in this

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What light a relight takes away from a map.
+// GPL-2.0-or-later. Light that relighting a map loses.
 #include "q3map2/lost_light_check.h"
 
 #include "common/error.h"
@@ -12,25 +12,13 @@ namespace q3 {
 
 namespace {
 
-/// Of a point of the legacy grid, all channels together; byte scale.
+/// Mean over the points of the legacy grid of ambient plus directed light, summed over channels; 8-bit levels.
 double MeanLight(const Bsp &bsp) {
     std::uint64_t sum = 0;
     for (const bspGridPoint_t &point : bsp.gridPoints)
         for (std::size_t channel = 0; channel < 3; ++channel)
             sum += point.ambient[channel] + unsigned(point.directed[channel]);
     return bsp.gridPoints.empty() ? 0 : double(sum) / double(bsp.gridPoints.size());
-}
-
-template <typename Record> std::uint64_t BytesOfRecords(const std::vector<Record> &records) {
-    return std::uint64_t(records.size()) * sizeof(Record);
-}
-
-std::uint64_t BytesOfRnm(const RnmLightmaps &rnm) {
-    std::uint64_t bytes = sizeof rnm.header;
-    for (const RnmPage &page : rnm.pages)
-        for (const std::vector<std::uint32_t> &map : page.maps)
-            bytes += BytesOfRecords(map);
-    return bytes;
 }
 
 std::uint64_t BytesOfLump(const Bsp &bsp, std::string_view name) {
@@ -43,8 +31,8 @@ struct LightLump {
     std::string_view kind;   ///< of the warning
     std::string_view what;   ///< for messages
     std::uint64_t bytes = 0; ///< 0: the map does not have it
-    bool stays = false;      ///< or is made again
-    std::string_view option; ///< that makes it again
+    bool stays = false;      ///< this run keeps it or makes it again
+    std::string_view option; ///< makes it again
 };
 
 } // namespace
@@ -60,7 +48,7 @@ void LostLightCheck::Report(const Bsp &bsp, bool force, Log &log) const {
         "does not have; put its .map beside it, or keep the map as it was",
         after * 100 / before_);
     if (after * 2 < before_ && !force)
-        throw Error("{}. Nothing is written, and -force writes it all the same", text);
+        throw Error("{}. Nothing is written; -force writes the map anyway", text);
     log.Warn("light entities lost", "{}", text);
     log.Repeat(text);
 }
@@ -94,8 +82,8 @@ void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const Light
     for (const LightLump &lump : lumps)
         if (lump.bytes > 0 && !lump.stays)
             log.Warn(lump.kind,
-                     "the {} of the map ({}) will be dropped: this run makes no other, and it would not fit the new "
-                     "light; {} makes one",
+                     "the {} of the map ({}) will be dropped: this run does not make a new one, and the old one would "
+                     "not match the new light; {} makes one",
                      lump.what, SizeText(lump.bytes), lump.option);
 }
 

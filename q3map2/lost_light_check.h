@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What light a relight takes away from a map: light entities that are gone, lumps that are not made.
+// GPL-2.0-or-later. Light that relighting a map loses: missing light entities, lumps that are not made again.
 #pragma once
 
 #include "common/log.h"

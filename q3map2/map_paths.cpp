@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 11> kExtensionsOfMaps = {".map", ".bsp",   ".reg", ".ent", ".prt", ".srf",
-                                                                ".lin", ".caulk", ".rad", ".aas", ".html"};
+constexpr std::array<std::string_view, 11> kMapFileExtensions = {".map", ".bsp",   ".reg", ".ent", ".prt", ".srf",
+                                                                 ".lin", ".caulk", ".rad", ".aas", ".html"};
 
 bool IsFile(const fs::path &path) {
     std::error_code absent;
@@ -36,8 +36,8 @@ bool HasExtension(const fs::path &path, std::string_view extension) {
     return EqualNoCase(path.extension().string(), extension);
 }
 
-bool HasMapsExtension(const fs::path &path) {
-    return std::ranges::any_of(kExtensionsOfMaps, [&](std::string_view e) { return HasExtension(path, e); });
+bool HasMapFileExtension(const fs::path &path) {
+    return std::ranges::any_of(kMapFileExtensions, [&](std::string_view e) { return HasExtension(path, e); });
 }
 
 fs::path Appended(fs::path path, std::string_view extension) {
@@ -65,7 +65,7 @@ std::optional<fs::path> FileOf(const fs::path &base, std::string_view extension)
     return std::nullopt;
 }
 
-/// Files that may have been meant by `path`, which does not exist.
+/// Existing files whose names resemble that of `path`, which does not exist.
 std::vector<std::string> Proposals(const fs::path &path, std::span<const fs::path> gameFolders) {
     const std::string extension = path.extension().string(), stem = path.stem().string();
     const fs::path here = path.parent_path().lexically_normal();
@@ -83,7 +83,7 @@ std::vector<std::string> Proposals(const fs::path &path, std::span<const fs::pat
         }
     if (!found.empty())
         return found;
-    constexpr std::size_t kTooShort = 2; // each other name would be near
+    constexpr std::size_t kTooShort = 2; // every name of that length would be near
     const std::vector<std::string> nearest =
         stem.size() > kTooShort ? NearestNames(stem, names) : std::vector<std::string>();
     for (const fs::path &folder : folders)
@@ -93,7 +93,7 @@ std::vector<std::string> Proposals(const fs::path &path, std::span<const fs::pat
     return found;
 }
 
-/// Maps in a folder, or in its folder maps.
+/// Maps in a folder or, if it has none, in its subfolder maps.
 std::vector<fs::path> MapsIn(const fs::path &folder, std::string_view extension) {
     std::vector<fs::path> maps = FilesIn(folder, extension);
     return maps.empty() ? FilesIn(folder / "maps", extension) : maps;
@@ -103,7 +103,7 @@ std::vector<fs::path> MapsIn(const fs::path &folder, std::string_view extension)
 
 fs::path WithExtension(const fs::path &path, std::string_view extension) {
     fs::path result = path;
-    if (HasMapsExtension(path))
+    if (HasMapFileExtension(path))
         result.replace_extension();
     return Appended(std::move(result), extension);
 }
@@ -121,7 +121,7 @@ fs::path MapPath(const std::string &word, std::string_view extension) {
     const fs::path base = WithExtension(path, "");
     if (const auto file = FileOf(base, extension))
         return *file;
-    if (!HasMapsExtension(path)) {
+    if (!HasMapFileExtension(path)) {
         fs::path shorter = path;
         shorter.replace_extension();
         if (const auto file = FileOf(shorter, extension))

@@ -8,19 +8,19 @@
 
 namespace q3 {
 
-/// The path with the extension of a map's file (.map, .bsp, .prt ...) replaced. Any other is a part of the map's name:
-/// ctf.1 becomes ctf.1.bsp.
+/// Replaces the extension of a map file (.map, .bsp, .prt ...). Any other extension is part of the map's name and
+/// stays: ctf.1 becomes ctf.1.bsp.
 std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension);
 
-/// WithExtension, but in another case (X.BSP) if only that exists.
+/// WithExtension, or the existing file whose extension differs only in case (x.BSP).
 std::filesystem::path Beside(const std::filesystem::path &map, std::string_view extension);
 
-/// Absolute path of the file with that extension that the word means, whatever extension it has itself. Where it would
-/// be, if there is none.
+/// Absolute path of the file with that extension that a word of the command line means, whatever extension the word
+/// has. If there is no such file: where it would be.
 std::filesystem::path MapPath(const std::string &word, std::string_view extension);
 
-/// Error if there is no such file: what is there instead, and what may have been meant, among its neighbors and in the
-/// folder maps of the game's folders.
+/// Throws Error if there is no such file. It says what is there instead, and proposes similar names from the folder of
+/// `path` and from the folders maps of `gameFolders`.
 void RequireMap(const std::filesystem::path &path, std::span<const std::filesystem::path> gameFolders = {});
 
 /// MapPath of a .bsp that exists. Errors: those of RequireMap.

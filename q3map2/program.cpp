@@ -28,18 +28,19 @@ void AddLogFile(const std::string &path, Log &log) {
 }
 
 /// The words without the quotes that some editors leave around them, and that pasted paths have: plain ones, those of
-/// other shells, and typographic ones. One alone goes too: in "C:\games\" the shell takes the last for a part of it.
+/// other shells, and typographic ones. A single \" goes too: in "C:\games\" the shell takes the last for a part of the
+/// word.
 std::vector<std::string> Unquoted(std::vector<std::string> words) {
     struct Quotes {
         std::string_view left, right;
-        bool alone;
+        bool single; ///< also where only one of them is there
     };
     constexpr std::array<Quotes, 3> kQuotes = {{{"\"", "\"", true}, {"'", "'", false}, {"\u201C", "\u201D", false}}};
     for (std::string &word : words)
         for (const Quotes &quotes : kQuotes) {
             const bool left = word.starts_with(quotes.left), right = word.ends_with(quotes.right);
             const std::size_t length = (left ? quotes.left.size() : 0) + (right ? quotes.right.size() : 0);
-            if (length < word.size() && ((left && right) || (quotes.alone && (left || right))))
+            if (length < word.size() && ((left && right) || (quotes.single && (left || right))))
                 word = word.substr(left ? quotes.left.size() : 0, word.size() - length);
         }
     return words;
@@ -101,7 +102,7 @@ int RunProgram(const std::vector<std::string> &given, const std::filesystem::pat
     };
     if (reports)
         try {
-            RequireWritable(reportPath); // before hours of work
+            RequireWritable(reportPath); // fail now, not after hours of computing
         } catch (const Error &error) {
             reports = false;
             return fail(fmt::format("-report: {}", error.what()));

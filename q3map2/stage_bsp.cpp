@@ -45,7 +45,7 @@ fs::path SourcePath(const std::string &file, const BspOptions &options, bool sta
     return source;
 }
 
-/// Removes files of an earlier compile that this one, which is on the disk now, did not overwrite.
+/// Removes files of an earlier compile that do not belong to the files just written.
 void RemoveStaleFiles(const fs::path &source, bool leaks) {
     std::error_code ignored;
     fs::remove(Beside(source, leaks ? ".prt" : ".lin"), ignored);
@@ -53,12 +53,12 @@ void RemoveStaleFiles(const fs::path &source, bool leaks) {
         fs::remove(Beside(source, ".reg"), ignored);
 }
 
-/// The source that is read, which is not the one that names the outputs with -tempname.
+/// The source that is read: with -tempname not the one that the outputs are named after.
 fs::path FileOfSource(const fs::path &source, const BspOptions &options) {
     return options.tempName.empty() ? source : fs::absolute(options.tempName);
 }
 
-/// Names the files of the stage. A .bsp has about the size of its source.
+/// Names the files of the stage. A .bsp is assumed to have at least half the size of its source.
 FileGuard GuardFiles(const fs::path &source, const BspOptions &options, const StageContext &context) {
     FileGuard guard(context);
     const fs::path file = FileOfSource(source, options), bsp = Beside(source, ".bsp");
@@ -93,7 +93,7 @@ void AddBsp(const fs::path &path, const Bsp &bsp, const BspFormat &format, FileS
     }
 }
 
-/// Writes the files of a compile: all of them, or on a failure none.
+/// Writes the files of a compile together: if one cannot be written, all old files stay.
 void WriteFiles(const fs::path &source, const CompiledMap &compiled, const FileGuard &guard, const BspContext &context,
                 const BspFormat &format) {
     Log &log = context.log;

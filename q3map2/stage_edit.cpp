@@ -16,10 +16,6 @@ namespace q3 {
 
 namespace {
 
-std::filesystem::path BspPath(const std::string &file) {
-    return ExistingBsp(file);
-}
-
 Bsp Load(const std::filesystem::path &path, const StageContext &context) {
     context.log.Print("Loading {}\n", path.string());
     return ReadBspFile(path, context.options.Format(), context.log);
@@ -30,7 +26,7 @@ std::filesystem::path PathBeside(std::filesystem::path source, std::string_view 
     return source.replace_filename(source.stem().string() + std::string(end) + ".bsp");
 }
 
-/// The guard of a stage that makes one map of these, beside the first.
+/// Guards the files of a stage that makes one map from `sources` and writes it beside the first.
 FileGuard GuardEdit(const std::vector<std::filesystem::path> &sources, std::string_view end,
                     const StageContext &context) {
     FileGuard guard(context);
@@ -58,7 +54,7 @@ void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp 
 /// Reads the map, applies `edit` to it and writes it beside the original, with `end` appended to its name.
 template <typename Edit>
 void EditMap(const StageContext &context, const StageFile &file, std::string_view end, const Edit &edit) {
-    const auto path = BspPath(file.file);
+    const auto path = ExistingBsp(file.file);
     const FileGuard guard = GuardEdit({path}, end, context);
     Bsp bsp = Load(path, context);
     edit(bsp, path.string());
@@ -98,7 +94,7 @@ int MergeStage(const StageContext &context, Arguments arguments) {
     if (files.size() != 2)
         throw Error("usage: q3map2 {}", context.stage.usage);
     std::erase_if(recorded, [&](const std::string &word) { return std::ranges::find(files, word) != files.end(); });
-    const auto mainPath = BspPath(files[0]), addedPath = BspPath(files[1]);
+    const auto mainPath = ExistingBsp(files[0]), addedPath = ExistingBsp(files[1]);
     const FileGuard guard = GuardEdit({mainPath, addedPath}, "_merged", context);
     const Bsp added = Load(addedPath, context), main = Load(mainPath, context);
     const std::string mainName = mainPath.string(), addedName = addedPath.string();
@@ -109,7 +105,7 @@ int MergeStage(const StageContext &context, Arguments arguments) {
 
 int FixAasStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
-    const auto path = BspPath(TakeFile(context, arguments, {}).file);
+    const auto path = ExistingBsp(TakeFile(context, arguments, {}).file);
     log.Section("FixAAS");
     const std::vector<BotFile> files = FindBotFiles(path);
     if (files.empty())

@@ -36,13 +36,13 @@ PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
     return {bsp, WithExtension(bsp, "")};
 }
 
-/// Names the files of the light stage. The room for the .bsp is asked for once the map is read.
+/// Names the files of the light stage. Free space for the .bsp is checked later, when the size of its grid is known.
 FileGuard GuardLight(const std::filesystem::path &bspPath, const LightOptions &options, const LightmapOptions &lightmap,
                      const StageContext &context) {
     FileGuard guard(context);
     guard.Needs(bspPath);
     for (const std::string_view extension : {".map", ".srf"})
-        guard.Reads(WithExtension(bspPath, extension));
+        guard.Reads(Beside(bspPath, extension));
     guard.Writes(bspPath);
     if (!lightmap.externalFolder.empty())
         guard.WritesInto(lightmap.externalFolder);
@@ -54,7 +54,7 @@ FileGuard GuardLight(const std::filesystem::path &bspPath, const LightOptions &o
     return guard;
 }
 
-/// Bytes of the uniform SH grid; 0: there is none, or it cannot be laid out.
+/// Bytes of the uniform SH grid that the options ask for; 0: none, or its layout is invalid.
 std::uint64_t EstimateGridSH(const Bsp &bsp, const LightOptions &options) {
     if (!options.sh || bsp.models.empty())
         return 0;
@@ -159,7 +159,6 @@ int ExportStage(const StageContext &context, Arguments arguments) {
 int ImportStage(const StageContext &context, Arguments arguments) {
     const ExportOptions options = ParseExportOptions(arguments, context.log);
     const PagesFiles files = FindPages(context, arguments);
-    FileGuard(context).WritesInto(files.folder, SizeOfFile(files.bsp) / 4);
     FileGuard guard(context);
     guard.Needs(files.bsp);
     guard.Writes(files.bsp, SizeOfFile(files.bsp));

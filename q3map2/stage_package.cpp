@@ -51,7 +51,7 @@ fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
     return BasePaths(context.options, context.words, context.program).front();
 }
 
-/// Finds before the work that the package cannot be written. Maps are most of a package, and shrink by half or more.
+/// Guards the maps and the outputs. Maps are most of a package; a quarter of their size is assumed for it.
 FileGuard GuardPackage(const std::vector<fs::path> &outputs, const std::vector<fs::path> &maps,
                        const StageContext &context) {
     FileGuard guard(context);
@@ -67,8 +67,8 @@ FileGuard GuardPackage(const std::vector<fs::path> &outputs, const std::vector<f
     return guard;
 }
 
-/// Maps that the words name. If it `mayBeList`, a single word that is no .bsp is a list of them, one a line. Errors: no
-/// maps in the list.
+/// Maps that the words name. If it `mayBeList`, a single word that is not a .bsp is a list of maps, one per line.
+/// Errors: no maps in the list.
 std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeList) {
     std::vector<fs::path> maps;
     for (const std::string &word : words) {
@@ -104,8 +104,8 @@ std::vector<std::string> TakeMaps(const StageContext &context, Arguments &argume
     return words;
 }
 
-/// Warns of bot files that do not fit the packed map: those beside it, and those of archives, packed or not, which
-/// engines would take.
+/// Warns of bot files that do not fit the packed map: those beside it, and those of archives that engines would take,
+/// whether they are packed or not.
 void WarnOfBotFiles(const fs::path &map, const PackageSource &source, const PackagePlan &plan, Log &log) {
     BotCheck(map, log).Report(BotCheck::SameGeometry, false);
     for (const std::string_view end : kBotFileEnds) {

@@ -88,7 +88,7 @@ std::size_t FindFile(const StageContext &context, const std::vector<std::string>
     return map.value_or(lastFree.value_or(*last));
 }
 
-/// All names among which to look for what an unknown word was meant to be.
+/// The names that an unknown word is compared with, to propose the nearest.
 std::vector<std::string> KnownNames(const StageContext &context) {
     std::vector<std::string> names = context.stage.OptionNames();
     if (!context.stageGiven)
@@ -119,7 +119,7 @@ std::string Hint(const StageContext &context, const std::string &word, bool &ofO
     return DidYouMean(name, KnownNames(context));
 }
 
-/// " and its value 8", for the words after an unknown option that are its values as it seems.
+/// "; its value 8 is ignored too", for the words after an unknown option that seem to be its values.
 std::string ValuesAfter(const std::vector<std::string> &words, std::size_t at) {
     std::vector<std::string> values;
     while (++at < words.size() && MayBeValue(words, at))
@@ -129,8 +129,8 @@ std::string ValuesAfter(const std::vector<std::string> &words, std::size_t at) {
                                         fmt::join(values, " "), values.size() == 1 ? "is" : "are");
 }
 
-/// Warns about each word left, an option and its values at once; an error if no stage was named or the word stands
-/// before the stage word. With `optionsOnly`, about words with a dash only.
+/// Warns about each word that no option took; an option and its values share a warning. Errors: no stage was named, or
+/// the word stands before the stage word. `optionsOnly`: looks only at words with a dash.
 void ReportUnknown(const StageContext &context, const Arguments &arguments, bool optionsOnly = false) {
     const bool saysOption = context.stage.word == "-bsp" || context.stage.word == "-vis";
     const std::vector<std::string> &words = arguments.Rest();

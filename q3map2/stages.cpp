@@ -46,12 +46,11 @@ std::vector<Stage> CompilingStages() {
     return {
         {"-bsp", "[-bsp] [options] maps/x.map", "Compile a map: maps/x.map to x.bsp, x.srf and x.prt",
          "The source has the extension `.map` whether the line has it, `.bsp` or none, but for `.reg` (a region of a "
-         "map) and, with "
-         "`-onlyents`, `.ent`. Without the word `-bsp` the file must not be a `.bsp`, so that a compiled map is not "
-         "replaced by mistake. All files are written together at the end, and then an old `.prt` or `.lin` that does "
-         "not belong to them and an old `.reg` are removed; a run that fails leaves all as they were. A map that leaks "
-         "gets `x.lin` in place of `x.prt`; that is a warning, and the exit status is 0. A map without an entity in "
-         "the open is an error, because nothing tells its inside from its outside.",
+         "map) and, with `-onlyents`, `.ent`. Without the word `-bsp` the file must not be a `.bsp`, so that a "
+         "compiled map is not replaced by mistake. All files are written together at the end, and then an old `.prt` "
+         "or `.lin` that does not belong to them and an old `.reg` are removed; a run that fails leaves all as they "
+         "were. A map that leaks gets `x.lin` in place of `x.prt`; that is a warning, and the exit status is 0. A map "
+         "without an entity in the open is an error, because nothing tells its inside from its outside.",
          BspStage, [] { return AfterPresets(Describe(BspSettings())); }},
         {"-vis", "-vis [options] maps/x.bsp", "Compute what can be seen from where, from maps/x.prt",
          "Reads `x.bsp` and `x.prt`, which the bsp stage wrote, and puts visibility data into `x.bsp`. "
@@ -60,7 +59,7 @@ std::vector<Stage> CompilingStages() {
         {"-light", "-light [options] maps/x.bsp", "Light a compiled map: lightmaps, vertices and light grids", "",
          LightStage, LightSections},
         {"-convertgrid", "-convertgrid -gridformats LIST [options] maps/x.bsp",
-         "Make light grids for other engines of the SH grid of a lit map",
+         "Convert the SH grid of a lit map to other engines' formats",
          "[grid_formats.md](grid_formats.md) tells which engine reads which and what each loses. Light is not "
          "computed: map source, shaders and images are not needed.",
          ConvertGridStage, [] { return Describe(ConvertGridSettings()); }},
@@ -103,11 +102,9 @@ std::vector<Stage> CompilingStages() {
          "[tools_for_maps.md](tools_for_maps.md#report-a-map-in-a-browser) tells what is in it.",
          ShReportStage, [] { return Describe(ShReportSettings()); }},
         {"-ssbump", "-ssbump [options] HEIGHT OUT.tga|OUT.png",
-         "Make a self-shadowed bump map of a height map, for directional lightmaps",
-         "HEIGHT is a TGA, PNG, JPEG or DDS file whose luminance is the height; PNG files may have 16 bits a channel. "
-         "Alpha "
-         "is "
-         "kept. Game files are not needed.",
+         "Make a self-shadowed bump map from a height map, for directional lightmaps",
+         "HEIGHT is a TGA, PNG, JPEG or DDS file whose luminance is the height; PNG files may have 16 bits per "
+         "channel. Alpha is kept. Game files are not needed.",
          SsbumpStage, [] { return Describe(SsbumpSettings()); }}};
 }
 
@@ -118,10 +115,10 @@ std::vector<Stage> PackingStages() {
          "`x_FAILEDpack.pk3`, and the exit status is 1. The name is that of the last map.",
          PackStage, [] { return Describe(PackSettings()); }},
         {"-repack", "-repack [options] maps/x.bsp ...|LIST.txt",
-         "Pack what maps need but themselves, with one script that has the shaders in use alone",
+         "Pack everything the maps need except the maps, with one script of only the shaders in use",
          "For packages of many maps: writes `x_repacked.pk3`, with images, sounds, videos and models, and "
-         "`x_strippedBYrepacker.shader`. Neither the script nor the maps are in the package. LIST.txt names one map a "
-         "line. The name is that of the last map.",
+         "`x_strippedBYrepacker.shader`. Neither the script nor the maps are in the package. LIST.txt names one map "
+         "per line. The name is that of the last map.",
          RepackStage, [] { return Describe(RepackSettings()); }}};
 }
 
@@ -141,9 +138,8 @@ std::vector<Stage> EditingStages() {
          MergeStage, [] { return Describe(MergeSettings()); }},
         {"-fixaas", "-fixaas maps/x.bsp", "Make bot files beside a map fit it again",
          "A bot file names its map by a checksum of all bytes, so lighting a map makes engines refuse a good file. "
-         "This enters the new checksum into `x.aas`, `x_b0.aas` and `x_b1.aas`, as far as they are there. Right only "
-         "if no "
-         "brush has changed since the file was made.",
+         "This enters the new checksum into `x.aas`, `x_b0.aas` and `x_b1.aas`, as far as they exist. Correct only if "
+         "no brush has changed since the file was made.",
          FixAasStage, nullptr},
         {"-editorfiles", "-editorfiles DIR", "Write build menus and profiles for level editors into a folder",
          "`netradiant/default_build_menu.xml` (NetRadiant, GtkRadiant 1.5), `gtkradiant/default_project.proj` "

@@ -92,8 +92,7 @@ SettingSection VradSection() {
     SettingSection section{
         "Options of VRAD",
         "Accepted for those who come from Source: [from_source.md](from_source.md#options). The first ones become "
-        "other "
-        "options, as the run says; the others do nothing, which is a warning that names what to use instead.",
+        "other options, as the run says; the others have no effect, which is a warning that names what to use instead.",
         {},
         "vrad"};
     for (std::size_t i = 0; i < std::size(kVradOptions); ++i) {

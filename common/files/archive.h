@@ -51,7 +51,8 @@ class Archive {
     std::unordered_map<std::string, Entry> entries_; ///< by lower-case name
 };
 
-/// A name as engines look for it: '/' for '\', none in front, one at a time, no "." as a folder.
+/// The name as engines look it up: backslashes become slashes; leading, trailing and repeated slashes and folders "."
+/// are removed.
 std::string PlainName(std::string_view name);
 
 /// PlainName; a name that could lead out of the game folders, or that holds control bytes, becomes empty.

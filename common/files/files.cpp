@@ -41,7 +41,8 @@ bool IsWritable(const fs::path &path) {
     return g_access(path.string().c_str(), W_OK) == 0;
 }
 
-/// `target`: the file behind the links of `path`. Errors: something is there that is no file or may not be written.
+/// `target`: `path` with its symbolic links resolved. Errors: something other than a regular file is there, or the file
+/// is write protected.
 void RequireReplaceable(const fs::path &path, const fs::path &target) {
     std::error_code ignored;
     const fs::file_status old = fs::status(target, ignored);
@@ -194,7 +195,7 @@ FileState FileState::Of(const fs::path &path) {
         return state;
     state.exists = true;
     state.size = std::uint64_t(info.st_size);
-    state.number = std::uint64_t(info.st_ino);
+    state.inode = std::uint64_t(info.st_ino);
     state.time = fs::last_write_time(path, failed);
     return state;
 }

@@ -66,7 +66,7 @@ class FileReplacement {
     std::unique_ptr<std::FILE, CloseFile> file_;
 };
 
-/// Files that belong together: until all of them are complete on the disk, none replaces its old one.
+/// Files that belong together: all are complete on the disk before the first replaces its old version.
 class FileSet {
   public:
     FileReplacement &Add(const std::filesystem::path &path) { return files_.emplace_back(path); }
@@ -82,16 +82,16 @@ class FileSet {
 void ReplaceFile(const std::filesystem::path &path, std::span<const std::byte> data);
 void ReplaceTextFile(const std::filesystem::path &path, std::string_view text);
 
-/// Errors: Error, with the reason, if the file could not be made or replaced: no such folder, or one that cannot be
-/// written to, a folder or a device of that name, a write-protected file.
+/// Throws Error, with the reason, if the file cannot be created or replaced: its folder is missing or write protected,
+/// or a folder, a device or a write-protected file has that name.
 void RequireWritable(const std::filesystem::path &file);
-/// The same for a folder that will be made, with its parents, where it is missing.
+/// The same for files in a folder, which may still have to be created, with its parents.
 void RequireFolder(const std::filesystem::path &folder);
 
-/// What tells whether somebody wrote a file meanwhile. A file that is not there has a state too.
+/// Fingerprint of a file at one time: it differs once another program has written the file. A missing file has one too.
 struct FileState {
     bool exists = false;
-    std::uint64_t size = 0, number = 0; ///< number: of the file on its disk; 0 where there are none
+    std::uint64_t size = 0, inode = 0; ///< bytes; inode: 0 on file systems without
     std::filesystem::file_time_type time{};
 
     static FileState Of(const std::filesystem::path &path);

@@ -21,13 +21,13 @@ constexpr unsigned FourCc(const char (&text)[5]) {
     return unsigned(text[0]) | unsigned(text[1]) << 8 | unsigned(text[2]) << 16 | unsigned(text[3]) << 24;
 }
 
-/// Texels as bits: masks of red, green, blue and alpha.
+/// Layout of an uncompressed texel: its bits and the masks of red, green, blue and alpha; 0: no such channel.
 struct DdsMasks {
     unsigned bits = 0;
     std::array<unsigned, 4> masks{};
 };
 
-/// Formats of the extended header: DXGI_FORMAT.
+/// The squish format of a DXGI_FORMAT of the extended header; nullopt: not BC1 to BC3.
 std::optional<int> BlocksOfDxgi(unsigned format) {
     constexpr unsigned kBc1 = 70, kBc2 = 73, kBc3 = 76, kKinds = 3; // typeless, linear, sRGB
     if (format >= kBc1 && format < kBc1 + kKinds)
@@ -88,7 +88,7 @@ class DdsDecoder {
 
     void Need(std::size_t bytes, std::string_view what) const {
         if (file_.size() - at_ < bytes)
-            throw Error("{}: DDS ends at byte {} in its {}, which has {}", name_, file_.size(), what, bytes);
+            throw Error("{}: DDS ends at byte {}, within its {} of {} bytes", name_, file_.size(), what, bytes);
     }
     void Expect(std::string_view what, unsigned found, std::size_t expected) const {
         if (found != expected)
@@ -159,7 +159,7 @@ class DdsDecoder {
         };
         if (!isWhole || !hasColor || !std::ranges::all_of(form.masks, isGood))
             throw Error(
-                "{}: DDS with {} bits a texel and masks {:x}, {:x}, {:x}, {:x}, expected 8 to 32 bits and a run "
+                "{}: DDS with {} bits per texel and masks {:x}, {:x}, {:x}, {:x}, expected 8 to 32 bits and a run "
                 "of them for each color",
                 name_, form.bits, form.masks[0], form.masks[1], form.masks[2], form.masks[3]);
         Need(Texels() * bytes, "texels");

@@ -5,8 +5,8 @@
 
 namespace q3 {
 
-/// The largest mipmap, of a cube its first side: DXT1, DXT3, DXT5, and uncompressed with any masks. As the decoders of
-/// image.h.
+/// Decodes the largest mipmap; of a cube map, that of its first face. DXT1, DXT3, DXT5, and uncompressed texels with
+/// any masks. `name`, errors and limits as in image.h.
 Image DecodeDds(std::span<const std::byte> file, std::string_view name);
 
 } // namespace q3

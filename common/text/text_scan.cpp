@@ -23,7 +23,7 @@ std::size_t PlainEnd(const std::string &text, std::size_t begin, char stop) {
     return std::size_t(end - text.c_str());
 }
 
-/// Whether a line goes on with tokens in quotes that all end, or with none.
+/// Whether the rest of a line is empty or holds only quoted tokens that are closed.
 bool HasCompleteQuotes(std::string_view line) {
     if (!line.empty() && !IsBlank(line.front()) && line.front() != '}')
         return false;

@@ -22,13 +22,13 @@ struct TextLocation {
     std::string Text() const;
 };
 
-/// Which bytes have a meaning. Engines: `;` and `#` are letters like others. Map sources: \" within a quoted token is a
-/// part of it, see QuotedEnd.
+/// Which bytes are special. Engine: `;` and `#` are ordinary bytes. MapSource: \" within a quoted token is part of it,
+/// see QuotedEnd.
 enum class TextDialect { Compiler, Engine, MapSource };
 
-/// Where the token in quotes ends whose first byte after the quote is `begin`: at its closing quote or the end of the
-/// text. With `escapes`, \" does not close it, except where only complete tokens in quotes, if any, follow on the line:
-/// then the backslash is the last byte of the token, as of a folder's name.
+/// Offset of the closing quote of the token whose first byte after the opening quote is at `begin`, or of the end of
+/// the text. With `escapes`, \" does not close the token unless the rest of the line consists of complete quoted tokens
+/// or is empty: then the backslash is the last byte of the token, as in the name of a folder.
 std::size_t QuotedEnd(std::string_view text, std::size_t begin, bool escapes);
 
 /// Cuts text into tokens. White space is every byte up to 32; comments are `;`, `#`, `//` to the end of the line and

@@ -159,7 +159,7 @@ typedef enum {
     HDRLIGHT_BAD_VERSION, /* not a LIGHTING_RNM lump of version 1 */
     HDRLIGHT_BAD_HEADER,  /* storage, side or number of pages of LIGHTING_RNM out of range */
     HDRLIGHT_BAD_PAGE,    /* a page of LIGHTING_RNM belongs to no lightmap */
-    HDRLIGHT_NO_FIT       /* made for other lightmaps or another number of vertices */
+    HDRLIGHT_NO_FIT       /* made for lightmaps or vertices of another number */
 } hdrlight_result;
 
 /* Points into the caller's memory: keep the file as long as this. What the map does not have is NULL and 0. */

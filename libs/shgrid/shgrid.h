@@ -1016,7 +1016,7 @@ static inline size_t shgrid_fill_half(const shgrid_grid *grid, void *const textu
 #define SHGRID_BRICK_VOLUME 125 /* texels of a brick */
 #define SHGRID_BRICK_AXIS 255   /* maximum of bricks along an axis of the atlas */
 
-/* What graphics cards take, and 32-bit programs: a larger atlas is not made. */
+/* Limits of graphics cards and of 32-bit programs. No atlas is made beyond them. */
 #define SHGRID_ATLAS_BYTES 0x7fffffff         /* maximum of the 7 textures of SHGRID_ATLAS_HALF together */
 #define SHGRID_INDIRECTION_AXIS 2048          /* maximum of entries along an axis */
 #define SHGRID_INDIRECTION_ENTRIES (1L << 26) /* maximum of entries */

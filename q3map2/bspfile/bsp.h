@@ -43,6 +43,21 @@ struct RnmLightmaps {
     std::vector<RnmPage> pages;
 };
 
+/// Bytes of the records in a file.
+template <typename Record> std::uint64_t BytesOfRecords(const std::vector<Record> &records) {
+    return std::uint64_t(records.size()) * sizeof(Record);
+}
+/// Bytes of the lump kBspxRnm.
+inline std::uint64_t BytesOfRnm(const RnmLightmaps &rnm) {
+    std::uint64_t bytes = sizeof rnm.header;
+    for (const RnmPage &page : rnm.pages) {
+        bytes += sizeof page.lightmapNum;
+        for (const std::vector<std::uint32_t> &map : page.maps)
+            bytes += BytesOfRecords(map);
+    }
+    return bytes;
+}
+
 /// The BSPX lump kBspxAmbientCubes: ambient cubes of leafs.
 struct AmbientCubes {
     std::vector<bspCubeLeaf_t> leafs; ///< one for each leaf of the map

@@ -107,7 +107,7 @@ class Tokenizer {
     }
 
     std::string_view rest_, name_;
-    bool isMap_; ///< quotes may be escaped
+    bool isMap_; ///< a map source, where quotes may be escaped
     int line_ = 1;
 };
 

@@ -106,9 +106,9 @@ std::string KindOfText(std::string_view text) {
     std::string first, second;
     try {
         const bool opens = scanner.Next(first) && first == "{" && scanner.Next(second);
-        return opens && scanner.IsQuoted() && second == "classname" ? "a map source: compile it with -bsp" : "text";
+        return std::string(opens && scanner.IsQuoted() && second == "classname" ? kKindMapSource : kKindText);
     } catch (const std::exception &) { // a long token
-        return "text";
+        return std::string(kKindText);
     }
 }
 
@@ -117,7 +117,7 @@ std::string KindOfText(std::string_view text) {
 std::string KindOfFile(std::span<const std::byte> begin) {
     const std::string_view bytes = AsText(begin).substr(0, kKindBytes);
     if (bytes.empty())
-        return "empty";
+        return std::string(kKindEmpty);
     for (const Mark &mark : kMarks)
         if (bytes.starts_with(mark.bytes))
             return std::string(mark.kind);

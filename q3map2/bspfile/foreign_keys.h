@@ -7,7 +7,7 @@
 
 namespace q3 {
 
-/// On what an entity has a key.
+/// What kind of entity has a key.
 enum class KeyOwner {
     World,  ///< worldspawn, about light
     Light,  ///< entities whose class begins with light

@@ -17,10 +17,10 @@ struct BotFile {
     std::uint32_t checksum = 0; ///< of the .bsp that it was made for
 };
 
-/// Ends of the names of bot files, which begin with that of the map.
+/// What follows the name of the map in the names of its bot files.
 inline constexpr std::string_view kBotFileEnds[] = {".aas", "_b0.aas", "_b1.aas"};
 
-/// The checksum that a bot file names, from its bytes. Errors: Error, for bytes that are none; `path` is for the
+/// The map checksum stored in the bytes of a bot file. Errors: Error if they are not a bot file; `path` is for the
 /// message.
 std::uint32_t ChecksumIn(std::span<const std::byte> file, const std::filesystem::path &path);
 /// x.aas, x_b0.aas and x_b1.aas, as far as they are there. Errors: Error, for files that cannot be read or are none.

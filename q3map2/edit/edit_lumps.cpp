@@ -14,12 +14,12 @@ namespace q3 {
 
 namespace {
 
-/// What a lump holds that an edit of the world changes.
+/// What scaling or moving the world changes in a lump.
 enum class LumpContent {
     Nothing,    ///< no positions: light, numbers, checksums
-    Directions, ///< they stay unless the axes are scaled differently
-    Grid,       ///< a head of cell, counts and lower corner; places behind it are counted in cells
-    Grids       ///< such grids, each behind its length
+    Directions, ///< valid unless the axes are scaled by different factors
+    Grid,       ///< a GridHead, then positions in cells
+    Grids       ///< such grids, each after its length in bytes
 };
 
 struct LumpRule {
@@ -48,7 +48,7 @@ const LumpRule *RuleOf(std::string_view name) {
     return found == std::end(kLumpRules) ? nullptr : found;
 }
 
-/// The head of a grid.
+/// What the grids of both formats begin with.
 struct GridHead {
     Float3 cell;
     Int3 counts;
@@ -56,7 +56,7 @@ struct GridHead {
 };
 static_assert(kPinned<GridHead, 36>);
 
-/// False: there is no room for a head.
+/// False: the lump is too short for a head.
 bool TransformGrid(const AxisTransform &transform, std::span<std::byte> grid) {
     GridHead head{};
     if (grid.size() < sizeof head)
@@ -83,7 +83,7 @@ bool TransformLengthsAndGrids(const AxisTransform &transform, std::span<std::byt
     return true;
 }
 
-/// False: the lump cannot be taken over.
+/// False: the lump cannot be kept.
 bool TransformLump(const AxisTransform &transform, BspxLump &lump) {
     const LumpRule *rule = RuleOf(lump.name);
     if (rule == nullptr)
@@ -102,7 +102,7 @@ bool TransformLump(const AxisTransform &transform, BspxLump &lump) {
     return false;
 }
 
-/// Adds the props of the second map, whose entities begin at `firstEntity` of the merged one; its world is not there.
+/// Adds the props of the second map. Its entities, without its worldspawn, begin at `firstEntity` of the merged map.
 void AppendProps(const PropLight &added, std::size_t firstEntity, PropLight &light) {
     const auto meshes = std::uint32_t(light.meshes.size()), colors = std::uint32_t(light.colors.size());
     for (bspPropLight_t prop : added.props) {
@@ -172,8 +172,8 @@ void MergeLumps(const Bsp &main, const Bsp &added, std::string_view mainName, st
     const auto grid = [&](bool inMain, bool inAdded, std::string_view what) {
         if (inAdded && !inMain)
             log.Warn(what,
-                     "{}: the {} is dropped, since light grids are those of {}, which has none; light "
-                     "the merged map to make one",
+                     "{}: the {} is dropped, since light grids are those of {}, which has none; light the merged map "
+                     "to make one",
                      addedName, what, mainName);
     };
     grid(main.gridSH.has_value(), added.gridSH.has_value(), "SH light grid");

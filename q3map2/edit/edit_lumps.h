@@ -9,13 +9,13 @@
 
 namespace q3 {
 
-/// Lumps without positions stay, positions in known ones are transformed. Others may hold positions, and are dropped
-/// with a warning each.
+/// Keeps lumps without positions and transforms positions in lumps of known formats. Other lumps may hold positions:
+/// each is dropped with a warning.
 void TransformLumps(const AxisTransform &transform, Bsp &bsp, Log &log);
 
-/// The lumps of `bsp`, which is `main` with the entities of `added` behind its own: light of static props is that of
-/// both maps, and light grids are those of the first. Others fit neither the records nor the entities of the merged
-/// map, and are dropped with a warning each, as are grids of the second map if the first has none.
+/// Merges the lumps into `bsp`, which is `main` with the entities of `added` after its own: light of static props is
+/// that of both maps, light grids are those of `main`. Other lumps fit neither the records nor the entities of the
+/// merged map: each is dropped with a warning, as are grids of `added` if `main` has none.
 void MergeLumps(const Bsp &main, const Bsp &added, std::string_view mainName, std::string_view addedName, Bsp &bsp,
                 Log &log);
 

@@ -112,7 +112,7 @@ bool MapCompiler::ReportLeak(const Tree &tree) {
     return !result_.abandoned;
 }
 
-/// Warns of area portals that a game could open and close without any effect.
+/// Warns of area portals with one area on both sides, which have no effect when a game closes them.
 void MapCompiler::ReportAreaPortals(const Tree &tree) {
     const MapEntity &world = map_.World();
     const std::vector<int> idle = IdleAreaPortals(tree, world);

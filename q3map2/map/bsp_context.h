@@ -32,10 +32,10 @@ struct BspContext {
     Log &log;
     const VirtualFileSystem *vfs = nullptr; ///< for models, skins and index maps; null: none are found
     std::shared_ptr<MapPlaces> places = std::make_shared<MapPlaces>(); ///< set by the reader of the map source
-    std::string leakFile{};                 ///< where the stage writes the line of a leak, for messages; empty: nowhere
+    std::string leakFile{}; ///< path of the .lin that shows a leak, for messages; empty: none is written
 
-    /// Warns "Entity E, Brush B: FILE:LINE: text"; `primitive` -1: about the entity, without a brush. `location`: in
-    /// place of where the primitive begins; "": none. A connected editor selects the primitive.
+    /// Warns "Entity E, Brush B: FILE:LINE: text"; `primitive` -1: about the entity, without a brush. `location`
+    /// replaces the line where the primitive begins; "": none is printed. A connected editor selects the primitive.
     void WarnAt(std::string_view kind, int entity, int primitive, std::string_view text,
                 std::optional<std::string_view> location = {}) const;
     /// Throws Error with such a text.

@@ -12,7 +12,7 @@ namespace q3 {
 /// Computes the windings of the sides and the bounds. False when the planes enclose no volume, or the brush extends
 /// beyond the world.
 bool MakeBrushWindings(Brush &brush, const PlaneTable &planes);
-/// Whether the planes enclose a volume once they are turned round.
+/// Whether the planes enclose a volume once each of them is flipped.
 bool IsInsideOut(const Brush &brush, const PlaneTable &planes);
 /// Derives flags, content shader, detail and opaque from the sides.
 void SetBrushContents(Brush &brush, const BspContext &context);

@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// Puts an apostrophe for each \". False: there is none.
+/// Replaces each \" by an apostrophe. False: there is none.
 bool WithApostrophes(std::string &text) {
     constexpr std::string_view kEscaped = "\\\"";
     bool found = false;
@@ -63,7 +63,7 @@ bool EntityReader::FindEntity() {
             return true;
         if (!warned)
             log_.Warn("text between entities", "{}: expected '{{' of entity {}, found '{}'; skipped to the next '{{'",
-                      scanner_.Location(), entity_, Shown(token));
+                      scanner_.Location(), entity_, PrintableForMessage(token));
         warned = true;
     }
     return false;
@@ -88,7 +88,7 @@ bool EntityReader::ReadPairOrPrimitive() {
     return true;
 }
 
-/// After its key. Escaped quotes become apostrophes: neither games nor the .bsp know escapes.
+/// Reads the value of `key`. Escaped quotes become apostrophes: neither games nor the .bsp know escapes.
 void EntityReader::ReadPair(std::string key) {
     const auto warn = [&](std::string_view kind, std::string_view text) {
         log_.Warn(kind, "{}: entity {}: {}", scanner_.Location(), entity_, text);
@@ -96,16 +96,17 @@ void EntityReader::ReadPair(std::string key) {
     if (!scanner_.IsQuoted() && key.find('"') != std::string::npos)
         warn("stray quote", fmt::format("expected a key in quotes, found {}: a quote of this line is misplaced or "
                                         "missing",
-                                        Shown(key)));
+                                        PrintableForMessage(key)));
     bool escaped = WithApostrophes(key);
     std::string value;
     if (!scanner_.Value(value))
-        scanner_.Fail(fmt::format("the line ends where the value of the key '{}' was expected", Shown(key)));
+        scanner_.Fail(
+            fmt::format("the line ends where the value of the key '{}' was expected", PrintableForMessage(key)));
     escaped |= WithApostrophes(value);
     if (escaped)
         warn("escaped quote", fmt::format("the key '{}' has escaped quotes, which games cannot read: they become "
                                           "apostrophes",
-                                          Shown(key)));
+                                          PrintableForMessage(key)));
     handler_.OnPair(key, value);
 }
 
@@ -130,7 +131,8 @@ void EntityReader::ReadPrimitive() {
     } else if (first == "(" || first == "}" || EqualNoCase(first, "brushDef") || EqualNoCase(first, "brushDef3")) {
         handler_.OnBrush(primitive, first);
     } else {
-        scanner_.Fail(fmt::format("expected a side of a brush, brushDef, patchDef2 or '}}', found '{}'", Shown(first)));
+        scanner_.Fail(fmt::format("expected a side of a brush, brushDef, patchDef2 or '}}', found '{}'",
+                                  PrintableForMessage(first)));
     }
 }
 

@@ -90,7 +90,7 @@ void MapReader::BeginEntity(int entity) {
 }
 
 void MapReader::OnPair(const std::string &key, const std::string &value) {
-    constexpr std::size_t kMaxValue = 1023; // of engines, where a longer one ends the entity
+    constexpr std::size_t kMaxValue = 1023; // bytes; the longest token that engines read
     constexpr std::string_view kTrenchBroom = "_tb_";
     const std::string_view trimmedKey = TrimEnd(key), trimmedValue = TrimEnd(value);
     if (trimmedKey.empty() || trimmedValue.empty())
@@ -98,14 +98,15 @@ void MapReader::OnPair(const std::string &key, const std::string &value) {
     if (trimmedValue.size() > kMaxValue) {
         if (!trimmedKey.starts_with('_'))
             scanner_.Fail(fmt::format("the value of the key '{}' has {} bytes; engines read at most {}{}",
-                                      Shown(trimmedKey), trimmedValue.size(), kMaxValue,
+                                      PrintableForMessage(trimmedKey), trimmedValue.size(), kMaxValue,
                                       trimmedValue.find('\n') == std::string_view::npos
                                           ? ""
                                           : ": is a quote missing at the end of this line?"));
-        context_.log.Warn("long key",
-                          "{}: entity {}: the value of the key '{}' has {} bytes, more than the {} that "
-                          "engines read: the key is left out",
-                          scanner_.Location(), entity_.number, Shown(trimmedKey), trimmedValue.size(), kMaxValue);
+        context_.log.Warn(
+            "long key",
+            "{}: entity {}: the value of the key '{}' has {} bytes, more than the {} that engines read: the key "
+            "is left out",
+            scanner_.Location(), entity_.number, PrintableForMessage(trimmedKey), trimmedValue.size(), kMaxValue);
         return;
     }
     if (!StartsWithNoCase(trimmedKey, kTrenchBroom)) // notes of an editor: layers, groups, folders of the mapper
@@ -174,8 +175,8 @@ void MapReader::AddBrush(MapEntity &entity, Brush brush) {
         if (IsInsideOut(brush, map_.planes))
             Warn(brush, "brush inside out",
                  "the brush is inside out: the points of its sides are in the wrong order, so that every side faces "
-                 "inwards and the brush encloses nothing; it is left out. Seen from outside, the three points of a "
-                 "side must be clockwise");
+                 "inwards and the brush encloses nothing; it is left out. The three points of a side must be clockwise "
+                 "as seen from outside");
         else if (!brush.bounds.Empty() && size.x > 0 && size.y > 0 && size.z > 0)
             Warn(brush, "brush outside the world",
                  fmt::format("the brush reaches beyond {:.0f} units from the origin, or is open: it is left out",
@@ -265,7 +266,7 @@ void MapReader::FinishWorld(const MapEntity &world) {
     const BspOptions &options = context_.options;
     if (!EqualNoCase(world.pairs.ClassName(), "worldspawn"))
         context_.log.Warn("first entity", "{}: the first entity is '{}', expected worldspawn; it is taken as the world",
-                          map_.name, Shown(world.pairs.ClassName()));
+                          map_.name, PrintableForMessage(world.pairs.ClassName()));
     WarnOfBadKeys(world.pairs, 0, keys::kWorldKeys, context_.log);
     WarnOfBadKeys(world.pairs, 0, keys::kWorldLightKeys, context_.log);
     WarnOfBadKeys(world.pairs, 0, keys::kStyleWorldKeys, context_.log);
@@ -294,14 +295,13 @@ void MapReader::WarnOfSecondWorld(const MapEntity &entity) const {
     std::vector<std::string> keys;
     for (const auto &[key, value] : entity.pairs.pairs)
         if (!EqualNoCase(key, "classname"))
-            keys.push_back(Shown(key));
+            keys.push_back(PrintableForMessage(key));
     const bool isEmpty = entity.brushes.empty() && entity.patches.empty() && entity.colorVolumes.empty();
     context_.log.Warn("second worldspawn", "{}: a second worldspawn, which games drop: {}{}", entity.MessagePrefix(),
                       isEmpty ? "it is left out" : "its brushes and patches join the world",
-                      keys.empty()
-                          ? std::string()
-                          : fmt::format("; of its keys ({}) those of func_group count for them, the others do not",
-                                        fmt::join(keys, ", ")));
+                      keys.empty() ? std::string()
+                                   : fmt::format("; of its keys ({}) only those that func_group has too apply to them",
+                                                 fmt::join(keys, ", ")));
 }
 
 void MapReader::FinishEntity(MapEntity &entity) {

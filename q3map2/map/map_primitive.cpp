@@ -84,8 +84,8 @@ void PrimitiveReader::ReadPlaneNumbers(BrushSide &side) {
 std::string PrimitiveReader::ShaderName(const std::string &token, bool complete) const {
     std::string name = complete && StartsWithNoCase(token, kTextures) ? token : std::string(kTextures) + token;
     if (name.size() > kMaxShaderName)
-        scanner_.Fail(fmt::format("the shader name '{}...' has {} characters, expected at most {}", Shown(name),
-                                  name.size(), kMaxShaderName));
+        scanner_.Fail(fmt::format("the shader name '{}...' has {} characters, expected at most {}",
+                                  PrintableForMessage(name), name.size(), kMaxShaderName));
     return name;
 }
 
@@ -134,8 +134,8 @@ void PrimitiveReader::ReadFlags(BrushSide &side, SideText &text) {
     text.flags[2] = scanner_.Integer();
 }
 
-/// Replaces a projection that smears the texture over the side, with a warning if the side shows it.
-void PrimitiveReader::GiveTextureExtent(BrushSide &side, const std::string &shader) const {
+/// Replaces a projection that maps the side to a line or a point of the texture, with a warning if the side is drawn.
+void PrimitiveReader::ReplaceUnusableProjection(BrushSide &side, const std::string &shader) const {
     if (side.planeNum < 0 || HasExtent(side.texture, planes_[side.planeNum].normal))
         return;
     const GeometryDirectives &directives = side.shader->geometry;
@@ -143,9 +143,9 @@ void PrimitiveReader::GiveTextureExtent(BrushSide &side, const std::string &shad
     if ((side.compileFlags & C_NODRAW) == 0 && !directives.hasTexGen && !context_.options.flat)
         scanner_.Warn("texture without extent",
                       fmt::format("the texture {} has no extent on this side: its axes are parallel to each other or "
-                                  "along the side's normal, or of length zero; it gets default axes, to be set again "
+                                  "along the side's normal, or of length zero; it gets default axes; set them again "
                                   "in the editor",
-                                  Shown(shader)));
+                                  PrintableForMessage(shader)));
 }
 
 BrushSide PrimitiveReader::ReadSide(Form form, SideText &text) {
@@ -170,7 +170,7 @@ BrushSide PrimitiveReader::ReadSide(Form form, SideText &text) {
         side.texture = ReadAxes(side);
     else if (side.planeNum >= 0)
         side.texture = ProjectMatrix(matrix, planes_[side.planeNum].normal);
-    GiveTextureExtent(side, text.shader);
+    ReplaceUnusableProjection(side, text.shader);
     text.texture = side.texture;
     side.texture = FinalProjection(side.texture, side.shader->geometry, context_.options.flat);
     ReadFlags(side, text);
@@ -192,7 +192,7 @@ Brush PrimitiveReader::ReadBrush(const std::string &first, std::vector<SideText>
             break;
         if (token != "(") {
             if (form == Form::Axes || !brush.sides.empty() || token == "{")
-                scanner_.Fail(fmt::format("expected '(' of a side or '}}', found '{}'", Shown(token)));
+                scanner_.Fail(fmt::format("expected '(' of a side or '}}', found '{}'", PrintableForMessage(token)));
             continue; // keys of the brush
         }
         scanner_.PushBack();

@@ -46,7 +46,7 @@ class PrimitiveReader {
     void ReadPlaneNumbers(BrushSide &side);
     std::array<double, 3> ReadVector();
     TextureProjection ReadAxes(const BrushSide &side);
-    void GiveTextureExtent(BrushSide &side, const std::string &shader) const;
+    void ReplaceUnusableProjection(BrushSide &side, const std::string &shader) const;
     void ReadFlags(BrushSide &side, SideText &text);
     std::string ShaderName(const std::string &token, bool complete) const;
     const ShaderInfo &Shader(const std::string &name);

@@ -21,7 +21,7 @@ TextScanner::Include IncludeBeside(std::string_view name) {
 
 } // namespace
 
-std::string Shown(std::string_view text) {
+std::string PrintableForMessage(std::string_view text) {
     std::string shown(text.substr(0, 64));
     std::ranges::replace_if(
         shown, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, ' ');
@@ -32,7 +32,7 @@ void RequireMapSource(std::string_view text, std::string_view name) {
     std::string kind = KindOfSource(text);
     if (kind.empty()) {
         kind = text.starts_with("IBSP") ? "a compiled map" : KindOfFile(std::as_bytes(std::span(text)));
-        for (const std::string_view fine : {"empty", "text", "a map source: compile it with -bsp"})
+        for (const std::string_view fine : {kKindEmpty, kKindText, kKindMapSource})
             kind = kind == fine ? "" : kind;
     }
     if (!kind.empty())
@@ -55,7 +55,7 @@ void MapScanner::Warn(std::string_view kind, std::string_view text) const {
 }
 
 /// Adds entity and primitive to errors of the scanner, which name only file and line.
-template <typename Read> bool MapScanner::Guarded(Read read) {
+template <typename Read> bool MapScanner::WithMapLocation(Read read) {
     try {
         return read();
     } catch (const Error &error) {
@@ -66,15 +66,15 @@ template <typename Read> bool MapScanner::Guarded(Read read) {
 }
 
 bool MapScanner::Next(std::string &token) {
-    return Guarded([&] { return scanner_.Next(token); });
+    return WithMapLocation([&] { return scanner_.Next(token); });
 }
 
 bool MapScanner::NextOnLine(std::string &token) {
-    return Guarded([&] { return scanner_.NextOnLine(token); });
+    return WithMapLocation([&] { return scanner_.NextOnLine(token); });
 }
 
 bool MapScanner::Value(std::string &token) {
-    return Guarded([&] { return scanner_.NextLongOnLine(token); });
+    return WithMapLocation([&] { return scanner_.NextLongOnLine(token); });
 }
 
 std::string MapScanner::Need(std::string_view what) {
@@ -94,7 +94,7 @@ std::string MapScanner::NeedOnLine(std::string_view what) {
 void MapScanner::Expect(std::string_view token) {
     const std::string found = Need(fmt::format("'{}'", token));
     if (found != token)
-        Fail(fmt::format("expected '{}', found '{}'", token, Shown(found)));
+        Fail(fmt::format("expected '{}', found '{}'", token, PrintableForMessage(found)));
 }
 
 double MapScanner::Number() {
@@ -105,7 +105,8 @@ double MapScanner::NumberOf(const std::string &token) const {
     std::string_view rest = token;
     const double value = TakeNumber(rest).value_or(0);
     if (!rest.empty())
-        Warn("not a number", fmt::format("expected a number, found '{}': it counts as {}", Shown(token), value));
+        Warn("not a number",
+             fmt::format("expected a number, found '{}': it counts as {}", PrintableForMessage(token), value));
     return value;
 }
 

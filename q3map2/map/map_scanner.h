@@ -46,17 +46,17 @@ class MapScanner {
     void Warn(std::string_view kind, std::string_view text) const;
 
   private:
-    template <typename Read> bool Guarded(Read read);
+    template <typename Read> bool WithMapLocation(Read read);
 
     const BspContext &context_;
     TextScanner scanner_;
     int entity_ = -1, primitive_ = -1;
 };
 
-/// Error if the text is no map source of this family, but one of another game or no text at all.
+/// Throws Error if the text is a map source of another game family, or a file of another known kind.
 void RequireMapSource(std::string_view text, std::string_view name);
 
 /// Text from a file for one-line messages: shortened, control characters replaced by blanks.
-std::string Shown(std::string_view text);
+std::string PrintableForMessage(std::string_view text);
 
 } // namespace q3

@@ -23,11 +23,11 @@ constexpr double kClearlyLarger = 0.0001; ///< difference of dot products
 constexpr double kVertical = 1e-6;        ///< x and y of vertical normals are smaller
 /// Larger values times a coordinate would exceed the range of float.
 constexpr double kMaxAxis = 1e30;
-/// Images per unit. Along a shorter axis a world has less than a ten-thousandth of an image.
+/// Images per game unit. Along a shorter axis the whole world spans less than a ten-thousandth of an image.
 constexpr double kMinAxis = 1e-9;
 /// Least sine of the angle between axes on a side.
 constexpr double kParallelAxes = 1e-4;
-/// Game units per texel of sides whose own axes are of no use, as in editors.
+/// Game units per texel of sides whose own axes are unusable; the default of editors.
 constexpr double kDefaultScale = 0.5;
 
 const BaseAxes &BaseAxesOf(const Vec3d &normal) {

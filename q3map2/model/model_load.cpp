@@ -87,8 +87,8 @@ DrawVert VertOf(const aiMesh &mesh, unsigned i) {
     return vert;
 }
 
-/// The image of a material. One within the model has a name of the importer's, *N, in place of which it gets that of
-/// the exporter.
+/// The image of a material. Assimp calls an image embedded in the model *N; `name` is then the file name that the
+/// exporter stored, if any.
 struct MaterialImage {
     std::string name;
     bool embedded = false;
@@ -109,8 +109,8 @@ MaterialImage ImageOf(const aiMaterial &material, const aiScene &scene) {
     return image;
 }
 
-/// By the material if it is named like a shader, else by its image. An image within the model is no file of the game:
-/// there the material's name counts first. Empty: neither has one.
+/// The material's own name if it looks like that of a shader, else the name of its image. An embedded image is not a
+/// file of the game, so the material's name comes first there. Empty: neither has a name.
 std::string MaterialName(const aiMaterial &material, const aiScene &scene) {
     aiString given;
     material.Get(AI_MATKEY_NAME, given);

@@ -46,7 +46,7 @@ class ModelLibrary {
 };
 
 /// Shader name for a material: without extension, with the model's folder when it has none; paths from other machines
-/// are cut at their "models" or "textures" folder. A material without a name has that of the model.
+/// are cut at their "models" or "textures" folder. A material without a name gets that of the model.
 std::string ShaderOfMaterial(std::string_view material, std::string_view modelName);
 
 } // namespace q3

@@ -117,11 +117,14 @@ std::string ShaderRemap::operator()(std::string_view shader) const {
 }
 
 void ShaderRemap::WarnOfUnmatched(std::span<const std::string> shaders, std::string_view who, Log &log) const {
+    std::vector<std::string> skinned;
+    for (const std::string &shader : shaders)
+        skinned.push_back(Skinned(shader));
     for (const Replacement &remap : remaps_)
-        if (std::ranges::none_of(shaders, [&](const std::string &shader) { return Matches(remap, Skinned(shader)); }))
+        if (std::ranges::none_of(skinned, [&](const std::string &shader) { return Matches(remap, shader); }))
             log.Warn("remap without match",
                      "{}: _remap \"{};{}\" has no effect: no shader of the model ends with {}; it has {}", who,
-                     remap.from, remap.to, remap.from, fmt::join(shaders, ", "));
+                     remap.from, remap.to, remap.from, fmt::join(skinned, ", "));
 }
 
 } // namespace q3

@@ -179,8 +179,8 @@ std::string WithTga(std::string_view line) {
     return result;
 }
 
-/// The check that ioquake3 and its kin make before they use a script: names and blocks in turn. Comments are // and
-/// /* */ only.
+/// The check that ioquake3 and engines derived from it make before they use a script: names and blocks must alternate,
+/// and only // and /* */ are comments. Returns what is wrong; empty: nothing.
 std::string FaultOf(std::string_view name, const std::string &text) {
     TextScanner scanner(text, std::string(name), {}, TextDialect::Engine);
     try {
@@ -189,7 +189,7 @@ std::string FaultOf(std::string_view name, const std::string &text) {
             const auto fault = [&](std::string_view found) {
                 return fmt::format("{}: {}: {}{}", place, shader, found,
                                    shader.starts_with('#') || shader.starts_with(';')
-                                       ? "; engines know no comments but // and /* */"
+                                       ? "; engines know only // and /* */ as comments"
                                        : "");
             };
             if (!scanner.Next(word))

@@ -33,11 +33,11 @@ class EngineScripts {
     struct Script {
         std::string name; ///< with folder
         std::vector<std::string> shaders;
-        std::string fault; ///< why ioquake3 and its kin ignore the whole script; empty: they do not
+        std::string fault; ///< why ioquake3 and engines derived from it ignore the whole script; empty: they do not
     };
 
-    /// Reads a script as compilers do, and looks for what engines do not read. A damaged rest is left out with a
-    /// warning.
+    /// Reads a script as compilers do, and checks it as engines do (Script::fault). What follows a damage is left out
+    /// with a warning.
     void Read(std::string_view name, std::string text, Log &log);
     /// All definitions, in the order in which they were read. Which one an engine takes depends on the engine.
     std::span<const EngineShader> Find(std::string_view shader) const;

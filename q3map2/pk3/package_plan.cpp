@@ -80,7 +80,7 @@ class Planner {
         Report(wanted, hint);
     }
 
-    /// File names of an image in order of preference: .png first or, without -png, not at all.
+    /// File names of an image in order of preference: with -png the .png comes first, otherwise it is left out.
     std::vector<std::string> ImageFiles(const std::string &image) const {
         std::vector<std::string> names;
         for (const ImageFormat &format : ImageFormats()) {

@@ -54,11 +54,6 @@ template <std::string ShaderInfo::*image> std::string SetImplicitImage(Directive
     return {};
 }
 
-template <std::string GeometryDirectives::*name> std::string OtherShader(DirectiveContext &c, Words words) {
-    c.shader.info.geometry.*name = WithoutExtension(words[0]);
-    return {};
-}
-
 /// Starts over from a shader defined earlier: directives before this one are lost, the name stays.
 std::string BaseShader(DirectiveContext &c, Words words) {
     ParsedShader &shader = c.shader;
@@ -160,8 +155,7 @@ constexpr std::array kReplacement = std::to_array<ShaderDirective>({
       .kind = SettingKind::Text,
       .help = "Starts over from all properties of another shader; the lines that follow change them",
       .details = "Put it first: the lines before it have no effect, which is a warning. SHADER must stand earlier in "
-                 "the scripts. Name "
-                 "and stages stay those of this shader."},
+                 "the scripts. Name and stages stay those of this shader."},
      "both",
      BaseShader},
     {{.name = "q3map_deprecateShader",
@@ -175,13 +169,13 @@ constexpr std::array kReplacement = std::to_array<ShaderDirective>({
       .kind = SettingKind::Text,
       .help = "Writes another name into the .bsp; everything else is compiled as this shader says"},
      "bsp",
-     OtherShader<&GeometryDirectives::remapShader>},
+     SetShaderName<&GeometryDirectives::remapShader>},
     {{.name = "damageShader",
       .values = "SHADER [HEALTH]",
       .kind = SettingKind::Text,
       .help = "Adds a shader to the .bsp that the game shows when the surface is damaged"},
      "bsp",
-     OtherShader<&GeometryDirectives::damageShader>},
+     SetShaderName<&GeometryDirectives::damageShader>},
 });
 
 } // namespace

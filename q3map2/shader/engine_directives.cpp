@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Words of shader scripts that are for engines and editors alone.
+// GPL-2.0-or-later. Words of shader scripts that are for engines and editors only.
 #include "q3map2/shader/engine_directives.h"
 
 #include <algorithm>
@@ -8,25 +8,21 @@ namespace q3 {
 
 namespace {
 
-/// Directives that the compiler reads itself are not here.
+/// In lower case. Directives that the compiler reads itself (FindDirective) are not listed.
 constexpr auto kWords = std::to_array<std::string_view>({
     // Quake III Arena, Team Arena, Quake Live, ioquake3
     "clamptime",
     "entitymergable",
     "entitymergeable",
     "fogonly",
-    "fogparms",
-    "light",
     "nolightmap",
     "nomipmap",
     "nomipmaps",
     "nopicmip",
     "novlcollapse",
     "picmip",
-    "polygonoffset",
     "portal",
     "sort",
-    "tesssize",
     // Return to Castle Wolfenstein, Enemy Territory
     "allowcompress",
     "distancecull",
@@ -39,7 +35,6 @@ constexpr auto kWords = std::to_array<std::string_view>({
     "sunshader",
     "waterfogvars",
     // Jedi Outcast, Jedi Academy, Elite Force, Soldier of Fortune II
-    "damageshader",
     "hitlocation",
     "hitmaterial",
     "material",
@@ -140,7 +135,7 @@ constexpr auto kWords = std::to_array<std::string_view>({
     "template",
     "uppermap",
 });
-/// Families of words: of the compiler's and of editors, of DarkPlaces, of FTE, of the tools of other engines.
+/// Prefixes of words for editors, DarkPlaces, FTE, and tools of other engines.
 constexpr std::array<std::string_view, 4> kPrefixes = {"qer_", "dp", "fte_", "vertexcolor"};
 
 } // namespace

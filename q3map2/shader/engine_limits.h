@@ -1,11 +1,11 @@
-// GPL-2.0-or-later. What the engines of a game hold by default.
+// GPL-2.0-or-later. Default limits of the engines of a game.
 #pragma once
 
 #include "q3map2/shader/games.h"
 
 namespace q3 {
 
-/// Memory of the game's engines for a map, in MiB: the default of com_hunkMegs. 0: not known.
+/// Default of com_hunkMegs, the memory for a map, in MiB. 0: unknown.
 int EngineMegabytes(const Game &game);
 
 } // namespace q3

@@ -30,7 +30,6 @@ std::optional<std::array<int, 2>> Checked(int width, int height) {
     return std::array<int, 2>{width, height};
 }
 
-/// Width and height from the header. nullopt: another format, damaged, or over 16384 texels a side.
 std::optional<std::array<int, 2>> TgaSize(std::span<const std::byte> file) {
     constexpr std::size_t kHeader = 18;
     if (file.size() < kHeader)

@@ -11,7 +11,7 @@
 
 namespace q3 {
 
-/// A format that images of shaders may have, whatever extension the script names.
+/// A format of the images that shaders name; the extension in the script does not matter.
 struct ImageFormat {
     std::string_view extension; ///< with its dot
     Image (*decode)(std::span<const std::byte> file, std::string_view name);
@@ -19,7 +19,7 @@ struct ImageFormat {
     std::optional<std::array<int, 2>> (*size)(std::span<const std::byte> file);
 };
 
-/// All formats. Of files that differ in their extension alone, the first counts.
+/// All formats, in the order in which files are looked for: the first that exists is used.
 std::span<const ImageFormat> ImageFormats();
 
 } // namespace q3

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The table of words that shader scripts may hold: the parser and the documentation are made from it.
+// GPL-2.0-or-later. The table of words that shader scripts may hold; the parser and the documentation use it.
 #pragma once
 
 #include "common/log.h"
@@ -13,7 +13,7 @@
 
 namespace q3 {
 
-/// Numbers in scripts are clamped to +- this, so that products of a few stay finite.
+/// Numbers in scripts are clamped to plus or minus this, so that products of a few stay finite.
 inline constexpr double kMaxNumber = 1e9;
 
 /// The number at the front of the word, clamped; 0 if there is none.
@@ -36,11 +36,18 @@ using DirectiveWords = std::span<const std::string_view>;
 /// Changes the shader; returns what is wrong with the words, or nothing.
 using ApplyDirective = std::string (*)(DirectiveContext &context, DirectiveWords words);
 
+/// An ApplyDirective: the first word, without extension, is the name of another shader.
+template <std::string GeometryDirectives::*name>
+std::string SetShaderName(DirectiveContext &context, DirectiveWords words) {
+    context.shader.info.geometry.*name = WithoutExtension(words[0]);
+    return {};
+}
+
 /// A directive. SettingInfo::values says how many words follow it; parentheses around them are not counted.
 struct ShaderDirective {
     SettingInfo info;
-    std::string_view stage;     ///< that it changes something for: "bsp", "light", "both"; "none": for no stage
-    ApplyDirective apply{};     ///< null: nothing to do; another part of the program may look for it in the text
+    std::string_view stage;     ///< that it has an effect on: "bsp", "light", "both" or "none"
+    ApplyDirective apply{};     ///< null: nothing to set; other code may look for the word in the script text
     bool moreMayFollow = false; ///< other directives may follow on its line
 };
 

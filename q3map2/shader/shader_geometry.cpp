@@ -33,11 +33,6 @@ template <float GeometryDirectives::*field> std::string GeometryNumber(Context &
     return {};
 }
 
-template <std::string GeometryDirectives::*name> std::string ShaderName(Context &c, Words words) {
-    c.shader.info.geometry.*name = WithoutExtension(words[0]);
-    return {};
-}
-
 std::string DefaultFlare(Context &c, Words) {
     c.shader.info.geometry.flareShader = c.table.GameRules().flareShader;
     return {};
@@ -309,7 +304,7 @@ constexpr std::array kExtra = std::to_array<ShaderDirective>({
       .initial = "none",
       .help = "Puts a flare with that shader on each surface, 2 units above its middle, under -flares"},
      "bsp",
-     ShaderName<&G::flareShader>},
+     SetShaderName<&G::flareShader>},
     {{.name = "light",
       .values = "[N]",
       .kind = SettingKind::Text,
@@ -322,14 +317,14 @@ constexpr std::array kExtra = std::to_array<ShaderDirective>({
       .initial = "none",
       .help = "Adds a second, identical surface with another shader"},
      "bsp",
-     ShaderName<&G::cloneShader>},
+     SetShaderName<&G::cloneShader>},
     {{.name = "q3map_backShader",
       .values = "SHADER",
       .kind = SettingKind::Text,
       .initial = "none",
       .help = "Adds a second surface with another shader that faces the other way"},
      "bsp",
-     ShaderName<&G::backShader>},
+     SetShaderName<&G::backShader>},
     {{.name = "q3map_fur",
       .values = "LAYERS OFFSET FADE",
       .kind = SettingKind::Number,

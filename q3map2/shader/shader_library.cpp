@@ -41,7 +41,7 @@ std::shared_ptr<const Image> WhiteImage() {
     return std::make_shared<const Image>(std::move(image));
 }
 
-/// Names of shaders in a script, for a look at scripts that are not used.
+/// Names of the shaders that a script defines.
 std::vector<std::string> NamesInScript(TextScanner scanner) {
     std::vector<std::string> names;
     int depth = 0;
@@ -151,7 +151,7 @@ void ShaderLibrary::State::ReadCustomParms() {
     }
 }
 
-/// A shader that no script defines: perhaps a script does that shaderlist.txt does not name.
+/// Warns if a shader that no listed script defines is in a script that shaderlist.txt does not name.
 void ShaderLibrary::State::WarnIfUnlisted(const std::string &name) {
     if (unlistedScripts.empty())
         return;
@@ -168,8 +168,7 @@ void ShaderLibrary::State::WarnIfUnlisted(const std::string &name) {
     }
     if (const auto found = unlisted->find(LowerCase(PlainName(name))); found != unlisted->end())
         log.Warn("script not listed",
-                 "shader {}: {} defines it, but {}/shaderlist.txt does not list that script: it "
-                 "is not read",
+                 "shader {}: {} defines it, but that script is not read, because {}/shaderlist.txt does not list it",
                  name, found->second, table.GameRules().shaderDir);
 }
 
@@ -182,7 +181,7 @@ void ShaderLibrary::State::ReadScripts() {
             lower.insert(LowerCase(PlainName(name)));
         return lower;
     }();
-    constexpr std::string_view kOfLightStage = "q3map2_"; // scripts for engines alone
+    constexpr std::string_view kOfLightStage = "q3map2_"; // scripts that it generates for engines
     for (const std::string &name : vfs.List(folder, ".shader"))
         if (const std::string script = folder + "/" + name;
             !listed.contains(LowerCase(script)) && !StartsWithNoCase(name, kOfLightStage))

@@ -44,13 +44,14 @@ class ScriptParser {
         log_.Warn("shader syntax", "{}: expected {{ after the shader name {}, found {}",
                   scanner_.TokenLocation().Text(), name, found);
     }
-    /// A name that was found where it has no place; empty: none.
+    /// Name of a shader that begins before the one that is read is closed; empty: none.
     using NextShader = std::string;
     void ParseShaders(std::string_view name);
     NextShader ParseShader(std::string_view name);
     NextShader ParseBody(bool &hasStages);
     NextShader ParseStage();
-    NextShader MissingBrace(const TextLocation &begin, std::string_view what, std::string_view found);
+    void WarnMissingBrace(const TextLocation &begin, std::string_view what, std::string_view next);
+    NextShader EndAtNextShader(const TextLocation &begin, std::string_view what, std::string_view found);
     bool IsNextShader(std::string_view word) const;
     void FindStageImage(std::string_view name, std::string &image);
     void ParseDirective(std::string_view word);
@@ -96,7 +97,8 @@ ScriptParser::NextShader ScriptParser::ParseShader(std::string_view name) {
     NextShader next = ParseBody(hasStages);
     const LightmapDirectives &lightmap = shader_->info.lightmap;
     if (!lightmap.normalImage.empty() && !lightmap.ssbumpImage.empty())
-        log_.Warn("two normal maps", "{}: shader {}: q3map_normalImage and q3map_ssbumpImage, the latter is not used",
+        log_.Warn("two normal maps",
+                  "{}: shader {}: has q3map_normalImage and q3map_ssbumpImage; the latter is not used",
                   scanner_.TokenLocation().Text(), name);
     WarnOfLateLines(*shader_, log_);
     shader_->info.scriptText.clear(), shader_->body.reset();
@@ -112,7 +114,7 @@ ScriptParser::NextShader ScriptParser::ParseShader(std::string_view name) {
     return next;
 }
 
-/// Up to the closing brace.
+/// Reads up to the closing brace.
 ScriptParser::NextShader ScriptParser::ParseBody(bool &hasStages) {
     const TextLocation begin = scanner_.TokenLocation();
     incomplete_ = false;
@@ -120,7 +122,7 @@ ScriptParser::NextShader ScriptParser::ParseBody(bool &hasStages) {
         if (word == "}")
             return {};
         if (!incomplete_ && IsNextShader(word))
-            return MissingBrace(begin, "the shader", word);
+            return EndAtNextShader(begin, "the shader", word);
         if (word == "{") {
             incomplete_ = false;
             hasStages = true;
@@ -130,18 +132,20 @@ ScriptParser::NextShader ScriptParser::ParseBody(bool &hasStages) {
             ParseDirective(word);
         }
     }
-    return MissingBrace(begin, "the shader", {});
+    WarnMissingBrace(begin, "the shader", "the end of the file");
+    return {};
 }
 
-/// Warns that what began at `begin` does not end. `found`: the name of the next shader, which is returned; empty: the
-/// file ends.
-ScriptParser::NextShader ScriptParser::MissingBrace(const TextLocation &begin, std::string_view what,
-                                                    std::string_view found) {
-    log_.Warn("missing brace in a script", "{}: shader {}: a '}}' is missing: {} that begins in line {} has no end{}",
-              scanner_.TokenLocation().Text(), shader_->info.name, what, begin.line,
-              found.empty() ? " before that of the file" : fmt::format(" before shader {}", found));
-    if (found.empty())
-        return {};
+void ScriptParser::WarnMissingBrace(const TextLocation &begin, std::string_view what, std::string_view next) {
+    log_.Warn("missing brace in a script",
+              "{}: shader {}: a '}}' is missing: {} that begins in line {} is not closed before {}",
+              scanner_.TokenLocation().Text(), shader_->info.name, what, begin.line, next);
+}
+
+/// Warns that what began at `begin` is not closed before the shader named `found`, the last token. Returns that name.
+ScriptParser::NextShader ScriptParser::EndAtNextShader(const TextLocation &begin, std::string_view what,
+                                                       std::string_view found) {
+    WarnMissingBrace(begin, what, fmt::format("shader {}", found));
     scanner_.Forget();
     if (!hasIncludes_)
         bodyEnd_ = found.data() - (found.data()[-1] == '"' ? 1 : 0);
@@ -162,7 +166,7 @@ void ScriptParser::FindStageImage(std::string_view name, std::string &image) {
         image = WithoutExtension(name);
 }
 
-/// Reads names of images only. Blocks do not nest, and line ends have no meaning here but where a brace is missing.
+/// Reads only names of images. Blocks do not nest, and line ends matter only where a brace is missing.
 ScriptParser::NextShader ScriptParser::ParseStage() {
     const TextLocation begin = scanner_.TokenLocation();
     std::string_view word;
@@ -174,9 +178,9 @@ ScriptParser::NextShader ScriptParser::ParseStage() {
         const bool isFirstOfLine = scanner_.TokenLocation().line != line;
         line = scanner_.TokenLocation().line;
         if (word == "{")
-            MissingBrace(begin, "the stage", {});
+            WarnMissingBrace(begin, "the stage", "the next '{'");
         if (isFirstOfLine && IsNextShader(word)) {
-            next = MissingBrace(begin, "the stage", word);
+            next = EndAtNextShader(begin, "the stage", word);
             break;
         }
         const StageWord use = FindStageWord(word);

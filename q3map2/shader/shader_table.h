@@ -17,7 +17,7 @@
 
 namespace q3 {
 
-/// A line that stands below the suns of its shader, which do not take what it sets.
+/// A line below the suns of its shader, which do not use what it sets.
 struct LateLine {
     std::string directive, location;
 };

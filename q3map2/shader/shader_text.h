@@ -17,7 +17,8 @@ class ShaderTextScanner {
 
     /// As TextScanner.
     bool Next(std::string_view &token) { return Recorded(scanner_.Next(token), token); }
-    /// The next word of the line. As engines have it, a directive ends at a brace, which the next read returns.
+    /// The next word of the line, unless it is a brace: as in engines, a brace ends the directive, and the next read
+    /// returns it.
     bool NextArgument(std::string_view &token);
     /// Skips the rest of a directive.
     void SkipArguments();
@@ -30,7 +31,7 @@ class ShaderTextScanner {
 
     /// Starts a new recording with an opening brace.
     void Record();
-    /// Takes the last token back from the recording.
+    /// Removes the last token from the recording.
     void Forget();
     /// Ends recording; closes braces that are still open.
     std::string TakeText();

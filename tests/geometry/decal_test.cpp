@@ -111,7 +111,7 @@ TEST_F(DecalTest, APatchAlongTheDirectionOfItsTargetMakesNone) {
         vert.xyz = {vert.xyz.x, 0, vert.xyz.y};
     MakeFaces();
     EXPECT_THAT(Apply(), SizeIs(0));
-    EXPECT_THAT(out.text, HasSubstr("Entity 2, Brush 0: the patch of the _decal makes no decal: it lies along"));
+    EXPECT_THAT(out.text, HasSubstr("Entity 2, Brush 0: the patch of the _decal makes no decal: it is edge-on"));
 }
 
 TEST_F(DecalTest, WithoutTargetOrPatchesItWarnsAndIsLeftOut) {

@@ -140,6 +140,12 @@ TEST_F(ModelTest, SkinsReplaceShadersAndLeaveOutTheOthers) {
     EXPECT_THAT(Place({{"skin", "none"}}), SizeIs(0));
 }
 
+TEST_F(ModelTest, ARemapWithoutMatchNamesTheShadersOfTheSkin) {
+    folder.Write("models/t/m_red.skin", "replace models/t/foo.tga textures/red.tga\n");
+    Place({{"skin", "red"}, {"_remap", "foo;textures/a"}});
+    EXPECT_THAT(out.text, HasSubstr("no shader of the model ends with foo; it has textures/red"));
+}
+
 TEST_F(ModelTest, MissingAndBrokenModelsWarnWithFileAndEntity) {
     EXPECT_THAT(Place({{"model", "models/gone.md3"}}), SizeIs(0));
     EXPECT_THAT(out.text, HasSubstr("Entity 1: the model models/gone.md3 cannot be read"));

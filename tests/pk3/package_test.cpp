@@ -73,7 +73,7 @@ TEST_F(PackageTest, ScriptsThatEnginesIgnoreAreNamed) {
     EXPECT_THAT(warning("// a; b # c\n/* # */" + shader), Not(HasSubstr("ignore")));
     EXPECT_THAT(warning("# my shaders\n" + shader),
                 AllOf(HasSubstr("scripts/my.shader:1: #: expected '{' after the name of a shader, found my"),
-                      HasSubstr("engines know no comments but //"), HasSubstr("ignore the whole script")));
+                      HasSubstr("engines know only // and"), HasSubstr("ignore the whole script")));
     EXPECT_THAT(warning(shader + "textures/base/floor\n" + shader),
                 HasSubstr("scripts/my.shader:7: textures/base/floor: expected '{' after the name of a shader, found "
                           "textures/base/wall"));

@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -230,6 +231,18 @@ TEST(FileGuardTest, AFileThatAppearsOrGoesCountsAsWell) {
     std::filesystem::remove(folder / "x.map");
     EXPECT_THROW(appears.CheckUnchanged(), Error);
     EXPECT_THROW(goes.CheckUnchanged(), Error);
+}
+
+/// The light stage reads x.MAP where there is no x.map.
+TEST(FileGuardTest, ANewerSourceIsFoundInAnyCase) {
+    const GameFolder folder;
+    folder.Write("x.bsp", "old");
+    folder.Write("x.MAP", "{}");
+    std::filesystem::last_write_time(folder / "x.bsp",
+                                     std::filesystem::last_write_time(folder / "x.MAP") - std::chrono::hours(1));
+    QuietLog out;
+    WarnIfSourceIsNewer(folder / "x.bsp", out.log);
+    EXPECT_THAT(out.text, testing::HasSubstr("x.MAP is newer than x.bsp"));
 }
 
 TEST(FileGuardTest, NoDiskHasRoomForAnExabyte) {

@@ -213,6 +213,12 @@ TEST_F(ProgramTest, ExportedLightmapsComeBackAsTheyWere) {
     EXPECT_EQ(before, MapBytes());
 }
 
+TEST_F(ProgramTest, ImportOnlyReadsFromTheFolderOfTheMap) {
+    RunWell("-light MAP");
+    folder_.Write("base/baseq3/maps/demo", "a file where no folder can be made");
+    EXPECT_TRUE(RunWell("-import MAP").Printed("this lightmap stays"));
+}
+
 TEST_F(ProgramTest, UnknownOptionsWarnAndGoOn) {
     const Outcome outcome = RunWell("-light -zork -onlygrid -lomem MAP");
     EXPECT_TRUE(outcome.Printed("WARNING: Unknown argument \"-zork\"")) << outcome.text;

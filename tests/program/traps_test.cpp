@@ -105,7 +105,7 @@ TEST_F(TrapsTest, SurfaceFilesWinOverLuxelSizesAndTheRunSaysSo) {
     RunWell("-bsp -meta -samplesize 32 " + Map(".map").string());
     const Outcome outcome = RunWell("-light -onlygrid -samplesize 8 MAP");
     EXPECT_TRUE(outcome.Printed("-samplesize 8 has no effect: demo.srf")) << outcome.text;
-    EXPECT_TRUE(outcome.Printed("(32 where no shader or key says otherwise)"));
+    EXPECT_TRUE(outcome.Printed("(32 unless a shader or key says otherwise)"));
     EXPECT_FALSE(outcome.Printed("-samplesize 8 (command line"));
     std::filesystem::remove(Map(".srf"));
     EXPECT_TRUE(RunWell("-light -onlygrid -samplesize 8 MAP").Printed("-samplesize 8 (command line; default 16)"));

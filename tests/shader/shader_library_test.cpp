@@ -47,8 +47,8 @@ TEST_F(ScriptDiscovery, AShaderOfAnUnlistedScriptIsNamedWithIt) {
     EXPECT_EQ(Warnings("script not listed"), 0);
     Get("Textures/B");
     EXPECT_THAT(out.text,
-                HasSubstr("shader Textures/B: scripts/Mine.shader defines it, but scripts/shaderlist.txt does "
-                          "not list that script"));
+                HasSubstr("shader Textures/B: scripts/Mine.shader defines it, but that script is not read, because "
+                          "scripts/shaderlist.txt does not list it"));
 }
 
 TEST_F(ScriptDiscovery, WithoutAListAllScriptsAreReadByName) {

@@ -41,7 +41,7 @@ TEST_F(ShaderGrammar, AMissingBraceIsNamedAndTheNextShaderRead) {
     LoadScript("textures/a\n{\nsurfaceparm slick\n\ntextures/b\n{\nsurfaceparm dust\n}\n");
     EXPECT_THAT(out.text,
                 HasSubstr("scripts/test.shader:5: shader textures/a: a '}' is missing: the shader that begins "
-                          "in line 2 has no end before shader textures/b"));
+                          "in line 2 is not closed before shader textures/b"));
     EXPECT_EQ(Get("textures/a").surfaceFlags, kSlick);
     EXPECT_EQ(Get("textures/b").surfaceFlags, kDust);
     EXPECT_EQ(Get("textures/a").scriptText, "{\n\tsurfaceparm slick\n}\n");
@@ -59,14 +59,14 @@ TEST_F(ShaderGrammar, AMissingBraceIsNamedAndTheNextShaderRead) {
 TEST_F(ShaderGrammar, AStageWithinAStageIsNamed) {
     LoadScript("textures/a\n{\n{\nmap x\n{\nmap y\n}\n}\n");
     EXPECT_THAT(out.text, HasSubstr("scripts/test.shader:5: shader textures/a: a '}' is missing: the stage that begins "
-                                    "in line 3 has no end"));
+                                    "in line 3 is not closed before the next '{'"));
 }
 
 TEST_F(ShaderGrammar, AFileThatEndsWithinAShaderIsNamed) {
     LoadScript("textures/a\n{\nsurfaceparm slick\n");
     EXPECT_THAT(out.text,
                 HasSubstr("scripts/test.shader:3: shader textures/a: a '}' is missing: the shader that begins "
-                          "in line 2 has no end before that of the file"));
+                          "in line 2 is not closed before the end of the file"));
     EXPECT_EQ(Get("textures/a").surfaceFlags, kSlick);
 }
 

@@ -9,9 +9,9 @@
 
 namespace q3 {
 
-/// The space of a map in which players are: open leafs that a player start or an item sees by the visibility data (all
-/// open leafs without such entities or data), less the solid brushes in them. What lies behind skies or in rooms apart
-/// counts as solid. The Bsp must outlive it.
+/// The space of a map that players can be in: open leafs that a player start or an item can see by the visibility data
+/// (all open leafs without such entities or data), without the solid brushes in them. What lies behind skies or in
+/// separate rooms counts as solid. The Bsp must outlive it.
 class PreviewMap {
   public:
     explicit PreviewMap(const Bsp &bsp);

@@ -95,7 +95,8 @@ void AddProjectors(const MapEntity &entity, const Vec3d &projection, const Map &
             DecalProjector projector;
             projector.shader = patch.shader;
             projector.settings = settings;
-            projector.entity = entity.number, projector.primitive = patch.primitive;
+            projector.entity = entity.number;
+            projector.primitive = patch.primitive;
             if (!MakeProjector({mesh.verts[std::size_t(a)], mesh.verts[std::size_t(b)], mesh.verts[std::size_t(c)]},
                                entity.origin, projection, projector))
                 continue;
@@ -107,9 +108,10 @@ void AddProjectors(const MapEntity &entity, const Vec3d &projection, const Map &
             projectors.push_back(std::move(projector));
         }
         if (projectors.size() == before)
-            context.WarnAt(kLostDecal, entity.number, patch.primitive,
-                           "the patch of the _decal makes no decal: it lies along the direction to the target, "
-                           "expected a patch that the target is in front of or behind");
+            context.WarnAt(
+                kLostDecal, entity.number, patch.primitive,
+                "the patch of the _decal makes no decal: it is edge-on to the direction of the target; turn it so "
+                "that the target is in front of it or behind it");
     }
 }
 
@@ -131,10 +133,11 @@ std::optional<Vec3d> ProjectionOf(const MapEntity &entity, const Map &map, const
     const Vec3d projection = Vec3d(target->origin) - StartOf(entity);
     if (Length(projection) > kMinDistance)
         return projection;
-    context.log.Warn("decal without direction",
-                     "{}: a _decal is left out: its target '{}' is where the decal itself is, expected it behind the "
-                     "surface that is to get the decal",
-                     entity.MessagePrefix(), name);
+    context.log.Warn(
+        "decal without direction",
+        "{}: a _decal is left out: its target '{}' is where the decal itself is; put it behind the surface "
+        "that is to get the decal",
+        entity.MessagePrefix(), name);
     return {};
 }
 
@@ -302,11 +305,12 @@ void WarnOfLostDecals(const std::vector<DecalProjector> &projectors, const BspCo
         const auto end = std::find_if_not(first, projectors.end(),
                                           [&](const DecalProjector &other) { return isOfPatch(*first, other); });
         if (std::none_of(first, end, [](const DecalProjector &projector) { return projector.hit; }))
-            context.WarnAt(kLostDecal, first->entity, first->primitive,
-                           fmt::format("the patch of the _decal hits no surface and makes no decal: nothing between it "
-                                       "and the distance of its target, {:.4g} units, faces it and takes marks; the "
-                                       "target belongs behind the surface",
-                                       first->planes[0].dist + first->planes[1].dist));
+            context.WarnAt(
+                kLostDecal, first->entity, first->primitive,
+                fmt::format("the patch of the _decal hits no surface and makes no decal: no surface that takes "
+                            "marks faces it within the distance of its target, {:.4g} units; put the target "
+                            "behind the surface",
+                            first->planes[0].dist + first->planes[1].dist));
         first = end;
     }
 }

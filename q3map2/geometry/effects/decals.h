@@ -27,7 +27,7 @@ std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context);
 /// Appends decals on the surfaces from `first` on. `origin`: origin of their entity, to which they are relative.
 void ApplyDecals(std::vector<DecalProjector> &projectors, Geometry &geometry, std::size_t first,
                  const BspContext &context, const Vec3f &origin = {});
-/// Warns of the patches that have made no decal on any entity.
+/// Warns of the patches that made no decal on any surface of the map.
 void WarnOfLostDecals(const std::vector<DecalProjector> &projectors, const BspContext &context);
 
 } // namespace q3

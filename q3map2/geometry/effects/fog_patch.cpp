@@ -70,8 +70,8 @@ std::vector<DrawVert> CrossingVerts(const Grid &grid, int column, const Plane &p
     return verts;
 }
 
-/// Columns from..to plus, at the cut end, one or two columns on the plane, whichever makes the width odd. As the width
-/// of the whole is odd and at least one of its columns is left out, no part is wider than the whole.
+/// Columns from..to plus, at the cut end, one or two columns on the plane, whichever makes the width odd. No part is
+/// wider than the whole, whose width is odd, because at least one of its columns is left out.
 Grid Part(const Grid &grid, int from, int to, const std::vector<DrawVert> &crossing) {
     const int copies = (to - from + 1) % 2 == 0 ? 1 : 2;
     Grid part{to - from + 1 + copies, grid.height, {}};

@@ -22,9 +22,8 @@ class BspWriter {
   public:
     BspWriter(Map &map, const BspContext &context);
 
-    /// Index in the shaders lump of the entry with this name and these flags, appended if missing: engines take flags
-    /// from the entry and the shader from its name, so entries of one name with other flags are others. An empty name
-    /// means the shader of sides that have none.
+    /// Index in the shaders lump of the entry with this name and these flags, appended if missing. Engines take flags
+    /// from the entry, so one name may have several entries. An empty name means the shader of sides without one.
     int ShaderNumber(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);
     /// With the flags of the shader.
     int ShaderNumber(const ShaderInfo &shader);
