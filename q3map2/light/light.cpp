@@ -29,7 +29,7 @@ bool IsLight(const Entity &entity) {
 
 struct NumberedEntities {
     std::vector<Entity> entities;
-    std::vector<std::size_t> numbers; ///< of each in the file that it is from
+    std::vector<std::size_t> numbers; ///< by entity: its number in the .bsp or .map that it is from
 };
 
 /// The entities of the .bsp, with the lights of the .map source if there is one, since compilers strip lights from the

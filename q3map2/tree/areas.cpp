@@ -103,15 +103,10 @@ namespace {
 
 /// Whether the portal lies on the side of a brush with these bounds that makes it an area portal.
 bool IsOfAreaPortal(const TreePortal &portal, const Brush &brush, const BrushSide &side) {
-    constexpr float kSlack = 1; // game units; a portal may be larger than the side
+    constexpr float kSlack = 1; // a portal may reach this far beyond the brush; game units
     if (portal.polygon.empty() || !(portal.compileFlags & C_AREAPORTAL) || (portal.planeNum ^ side.planeNum) > 1)
         return false;
-    const Boundsf bounds = WindingBounds(portal.polygon);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (bounds.mins[axis] > brush.bounds.maxs[axis] + kSlack ||
-            bounds.maxs[axis] < brush.bounds.mins[axis] - kSlack)
-            return false;
-    return true;
+    return WindingBounds(portal.polygon).Touches(brush.bounds, kSlack);
 }
 
 } // namespace

@@ -13,8 +13,8 @@ namespace q3 {
 int NumberClusters(Tree &tree, bool deep);
 /// Numbers the areas, the regions between area portals, and returns their count.
 int FloodAreas(Tree &tree);
-/// The area portals of the world, as indexes in its list of brushes, that have one area on both sides or lie in solid.
-/// After FloodAreas.
+/// The area portals of the world that have the same area on both sides or lie in a solid, as indexes of its brushes.
+/// Call it after FloodAreas.
 std::vector<int> IdleAreaPortals(const Tree &tree, const MapEntity &world);
 
 } // namespace q3

@@ -61,7 +61,7 @@ bool ShinesFromOrigin(const Entity &entity) {
            keys::kSun.Number(entity) == 0;
 }
 
-/// Whether p is inside a brush through which no light passes.
+/// Whether p is inside the brush, and it is solid and opaque.
 bool InSolidBrush(const Brush &brush, const Vec3f &p, const PlaneTable &planes) {
     if (!brush.opaque || !(brush.compileFlags & C_SOLID))
         return false;
@@ -70,7 +70,7 @@ bool InSolidBrush(const Brush &brush, const Vec3f &p, const PlaneTable &planes) 
     });
 }
 
-/// Detail brushes leave leafs open, but the light stage finds no way out of them either.
+/// Warns of lights in opaque detail brushes. Their leafs are open, but the light stage treats them as solid.
 void WarnOfLightsInDetail(const Map &map, const BspContext &context) {
     for (const MapEntity &entity : map.entities) {
         if (!ShinesFromOrigin(entity.pairs))

@@ -10,13 +10,14 @@ namespace q3 {
 
 namespace {
 
+/// Corners this near to a plane are on it. Game units.
 constexpr double kPartEpsilon = 0.1;
 /// Polygons this near to each other touch. Game units.
 constexpr double kTouching = 0.2;
-/// A wall covers what it contains this far in front of a side. Game units.
-constexpr float kInFront = 0.25f;
+/// A wall covers the part of a side over which it is at this height. Game units.
+constexpr float kCoverHeight = 0.25f;
 
-/// An opaque solid of which something is drawn, so that it is no hull behind other things.
+/// Whether the brush is an opaque solid with a side that is drawn: undrawn ones only block players or fill models.
 bool IsWall(const Brush &brush) {
     return brush.detail && brush.opaque && (brush.compileFlags & C_SOLID) != 0 &&
            (brush.compileFlags & (C_FOG | C_LIQUID)) == 0 &&
@@ -25,16 +26,10 @@ bool IsWall(const Brush &brush) {
            });
 }
 
+/// Whether the side can be drawn as several polygons without a change of its look.
 bool MayBeParted(const BrushSide &side) {
     return side.shader && !side.culled && (side.compileFlags & (C_NODRAW | C_FOG | C_SKY | C_TRANSLUCENT)) == 0 &&
            !side.shader->autosprite && !side.shader->geometry.noClip && !side.shader->geometry.indexed;
-}
-
-bool BoxesTouch(const Boundsf &a, const Boundsf &b, float reach) {
-    for (std::size_t i = 0; i < 3; ++i)
-        if (a.mins[i] > b.maxs[i] + reach || b.mins[i] > a.maxs[i] + reach)
-            return false;
-    return true;
 }
 
 /// Whether an edge of a separates polygons of one plane by more than kTouching.
@@ -47,13 +42,14 @@ bool EdgeSeparates(const Polygon &a, const Polygon &b, const Vec3d &normal) {
     return false;
 }
 
-/// Points are clockwise seen from the tip of the normal. False if some line parallel to an edge runs between.
+/// Whether two convex polygons of one plane touch: no edge of either separates them. Points are clockwise seen from the
+/// tip of the normal.
 bool Touch(const Polygon &a, const Polygon &b, const Vec3d &normal) {
-    return BoxesTouch(WindingBounds(a), WindingBounds(b), float(kTouching)) && !EdgeSeparates(a, b, normal) &&
+    return WindingBounds(a).Touches(WindingBounds(b), float(kTouching)) && !EdgeSeparates(a, b, normal) &&
            !EdgeSeparates(b, a, normal);
 }
 
-/// The number of its connected part for each polygon.
+/// By polygon: the number of the connected part that it belongs to.
 std::vector<int> PartNumbers(const std::vector<Polygon> &pieces, const Vec3d &normal) {
     std::vector<int> part(pieces.size(), -1);
     std::vector<std::size_t> pending;
@@ -85,33 +81,38 @@ VisibleParts::VisibleParts(const std::deque<Brush> &brushes, const PlaneTable &p
                      [](const Brush *a, const Brush *b) { return a->bounds.mins.x < b->bounds.mins.x; });
 }
 
-/// Takes what detail walls stand on out of the pieces.
+/// The convex parts of a polygon outside a brush; the polygon as it is if no part is inside.
+std::vector<Polygon> VisibleParts::OutsideOf(const Brush &wall, const Polygon &polygon) const {
+    std::vector<Polygon> outside;
+    Polygon inside = polygon, front, back;
+    for (const BrushSide &face : wall.sides) {
+        if (inside.empty() || face.bevel || face.winding.empty())
+            continue;
+        front.clear(), back.clear();
+        ClipPolygon(inside, planes_[face.planeNum], kPartEpsilon, front, back);
+        if (!front.empty())
+            outside.push_back(front);
+        inside = back;
+    }
+    if (inside.empty())
+        return {polygon};
+    return outside;
+}
+
+/// Cuts out of the pieces what detail walls cover.
 void VisibleParts::CutOutDetail(const Brush &own, const BrushSide &side, std::vector<Polygon> &pieces) const {
     const Boundsf box = WindingBounds(side.winding);
-    const Vec3f up = Vec3f(planes_[side.planeNum].normal) * kInFront;
+    const Vec3f up = Vec3f(planes_[side.planeNum].normal) * kCoverHeight;
     for (const Brush *wall : walls_) {
         if (wall->bounds.mins.x > box.maxs.x + 1)
             break;
-        if (wall == &own || !BoxesTouch(wall->bounds, box, 1))
+        if (wall == &own || !wall->bounds.Touches(box, 1))
             continue;
         std::vector<Polygon> rest;
         for (Polygon &piece : pieces) {
             for (Vec3f &p : piece)
                 p += up;
-            std::vector<Polygon> outside;
-            Polygon inside = piece, front, back;
-            for (const BrushSide &face : wall->sides) {
-                if (inside.empty() || face.bevel || face.winding.empty())
-                    continue;
-                front.clear(), back.clear();
-                ClipPolygon(inside, planes_[face.planeNum], kPartEpsilon, front, back);
-                if (!front.empty())
-                    outside.push_back(front);
-                inside = back;
-            }
-            if (inside.empty())
-                outside.assign(1, piece); // the wall is elsewhere
-            for (Polygon &one : outside) {
+            for (Polygon &one : OutsideOf(*wall, piece)) {
                 for (Vec3f &p : one)
                     p -= up;
                 rest.push_back(std::move(one));

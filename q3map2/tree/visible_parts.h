@@ -7,17 +7,18 @@
 
 namespace q3 {
 
-/// Parts of a side that walls keep apart: the convex hulls of its connected pieces. Empty if the side is in one part,
-/// or the hulls of its parts touch.
+/// Finds brush sides whose visible part is divided by walls.
 class VisibleParts {
   public:
-    /// Keeps references; brushes: of the entity, for detail walls.
+    /// brushes: those of the entity, of which opaque detail brushes are walls. Keeps references.
     VisibleParts(const std::deque<Brush> &brushes, const PlaneTable &planes);
 
-    /// pieces: convex parts of the side in open leafs of the tree.
+    /// The parts of a side between walls: the convex hulls of its connected pieces. Empty if it is in one part, or if
+    /// hulls of its parts touch. pieces: the convex parts of the side in open leafs of the tree.
     std::vector<Polygon> Of(const Brush &brush, const BrushSide &side, std::vector<Polygon> pieces) const;
 
   private:
+    std::vector<Polygon> OutsideOf(const Brush &wall, const Polygon &polygon) const;
     void CutOutDetail(const Brush &own, const BrushSide &side, std::vector<Polygon> &pieces) const;
 
     const PlaneTable &planes_;

@@ -7,6 +7,7 @@
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/light_way.h"
 
+#include <algorithm>
 #include <random>
 
 namespace q3::test {
@@ -128,6 +129,24 @@ TEST(Ways, ThinWallsBlockAndFacesDoNot) {
         EXPECT_EQ(WayBetween(space, {2, -50, 0}, {2, 50, 0}), Way::Open) << "along the edge of wall and floor";
         EXPECT_EQ(WayBetween(space, {-5, 70, 1}, {5, 70, 1}), Way::Open) << "beside it";
     }
+}
+
+TEST(Ways, APillarInWaterBlocks) {
+    QuietLog quiet;
+    VirtualFileSystem vfs(quiet.log);
+    vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
+    SceneBuilder scene = Room({-128, -128, 0}, {128, 128, 128});
+    scene.AddBox({-2, -128, 0}, {2, 128, 128}, TestShader("textures/test/wall"), BoxKind::Detail);
+    scene.AddBox({-2, -128, 0}, {60, 128, 96}, TestShader("textures/test/water"), BoxKind::Detail);
+    scene.AddBox({28, -8, 0}, {32, 8, 128}, TestShader("textures/test/wall"), BoxKind::Detail);
+    const Bsp bsp = CompiledScene(scene, vfs);
+    std::vector<bool> opaque;
+    for (const bspBrush_t &brush : bsp.brushes)
+        opaque.push_back(FieldName(bsp.shaders[std::size_t(brush.shaderNum)].shader) != "textures/test/water");
+    ASSERT_EQ(std::count(opaque.begin(), opaque.end(), false), 1);
+    const BspSpace space(bsp, opaque);
+    EXPECT_EQ(WayBetween(space, {0, 40, 64}, {70, 40, 64}), Way::LeavesSolid) << "through the water";
+    EXPECT_EQ(WayBetween(space, {0, 0, 64}, {70, 0, 64}), Way::Blocked);
 }
 
 TEST_F(SpaceTest, PiecesInLeafsMakeUpThePolygon) {

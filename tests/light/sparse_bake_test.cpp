@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Baked sparse SH grids: error, size, dark and lit rooms, continuity, threads.
 #include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sparse/sparse_bake.h"
 #include "tests/light/sparse_view.h"
 
 #include <algorithm>
@@ -186,6 +187,19 @@ TEST_F(SparseBakeTest, AStripOfLightBetweenPointsIsNotMissed) {
     EXPECT_LT(ScreenErrorAt(before, sample, fromTheStrip), ScreenErrorAt(before, smallest, fromTheStrip))
         << "cells of 8 units are the smallest";
     EXPECT_TRUE(Printed("positions before lamps"));
+}
+
+TEST_F(SparseBakeTest, AGridOfJoinedCellsSaysWhyItIsNotFiner) {
+    const Bsp bsp = Lit(OneLamp());
+    const BspSpace space(bsp, std::vector<bool>(bsp.brushes.size()));
+    const JobPool jobs(1);
+    const SparseGoal goal{.error = 0.05f, .budget = {}};
+    SparseStats stats;
+    SparseFromUniform(space, *bsp.gridSH, false, goal, jobs, stats);
+    QuietLog quiet;
+    PrintSparseStats(stats, goal, quiet.log);
+    EXPECT_NE(quiet.text.find("asked for: no cell is smaller than those of the uniform grid"), std::string::npos)
+        << quiet.text;
 }
 
 TEST_F(SparseBakeTest, ThePrintedErrorIsThatOfTheGrid) {

@@ -155,7 +155,7 @@ class Differences {
             squares_ += double(all_.back()) * double(all_.back());
         }
     }
-    /// noise: part of the mean square that is not counted.
+    /// noise: subtracted from the mean square, bytes^2.
     double Rms(double noise) const {
         return all_.empty() ? 0 : std::sqrt(std::max(0.0, squares_ / double(all_.size()) - noise));
     }
@@ -268,7 +268,7 @@ ExactReceivers::ExactReceivers(const GridInputs &in, const std::vector<Light> &l
         AddScaled(0.5f, again[i], mean);
         light_[i] = mean;
     }
-    // The difference of two has twice the variance of each, and their mean has half of it.
+    // The difference of two estimates has twice the variance of one, and their mean has half of it.
     noise_ = differences.Rms(0) * differences.Rms(0) / 4;
 }
 

@@ -6,7 +6,6 @@
 #include "q3map2/light/sources/light_sources.h"
 
 #include <cstddef>
-#include <memory>
 #include <vector>
 
 namespace q3 {
@@ -28,17 +27,18 @@ struct GridSHError {
 GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
                           std::size_t receivers = 2000);
 
-/// The exact light at such receivers, to compare sparse grids with. Const after construction; keeps no references.
+/// Random receivers like those of MeasureGridSH with the exact light there, for comparison with any number of sparse
+/// grids. Const after construction; keeps no references.
 class ExactReceivers {
   public:
     ExactReceivers(const GridInputs &in, const std::vector<Light> &lights, std::size_t receivers = 2000);
     std::size_t Size() const { return positions_.size(); }
     const Vec3f &Position(std::size_t receiver) const { return positions_[receiver]; }
-    /// As stored in grids.
+    /// The exact light at a receiver, as grids store it.
     const bspGridPointSH_t &At(std::size_t receiver) const { return light_[receiver]; }
-    /// Mean squared displayed error of the light itself, which few rays of bounced light gather. 255ths, squared.
+    /// Mean squared displayed error of the exact light itself, bytes^2: bounced light is gathered by few rays.
     double Noise() const { return noise_; }
-    /// Error of a grid, without Noise; `doubled` and `order` are not set.
+    /// Error of a grid with Noise subtracted from its mean square; `doubled` and `order` are not set.
     GridSHError ErrorOf(const SparseGridSH &grid) const;
 
   private:

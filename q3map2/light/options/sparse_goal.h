@@ -7,9 +7,9 @@
 
 namespace q3 {
 
-/// Pruning of the sparse grid stops at the error, or at the budget if there is one.
+/// The sparse grid is the smallest that meets the error, or the most accurate within the budget if there is one.
 struct SparseGoal {
-    float error = 1.5f;           ///< expected displayed error of interpolation: RMS, bytes
+    float error = 1.5f;           ///< displayed error, measured or, where no light is traced, expected: RMS, bytes
     std::optional<double> budget; ///< size of the lump in bytes, in place of the error
 };
 

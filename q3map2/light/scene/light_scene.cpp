@@ -554,13 +554,13 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
     alignas(64) RTCRayHit16 hits;
     FindNearest(scene.get(), packet, nearest, hits);
     const Casters &casters = group ? group->casters : s.main;
+    const bool hitsSurfaces = kind == BlockerKind::Casters || kind == BlockerKind::Surfaces;
     for (const std::size_t i : kEachLane) {
         const unsigned id = hits.hit.geomID[i];
         const bool hit = packet.live[i] != 0 && id != RTC_INVALID_GEOMETRY_ID;
         blockers.hit.Set(i, hit);
         blockers.distance[i] = hits.ray.tfar[i];
-        const int surface =
-            hit && kind >= BlockerKind::Casters ? casters.triangles[id].surface[hits.hit.primID[i]] : -1;
+        const int surface = hit && hitsSurfaces ? casters.triangles[id].surface[hits.hit.primID[i]] : -1;
         blockers.surface[i] = surface;
         const Vec3f back{hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]};
         blockers.behind.Set(i, surface >= 0 && Dot(packet.direction[i], back) < 0 &&

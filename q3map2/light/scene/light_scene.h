@@ -45,7 +45,7 @@ class LightScene {
     /// Shortens packet.distance to the first blocker beyond ignoreRadius; skies count as open. For floodlight in grids.
     void TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts &counts) const;
 
-    /// First hits of the rays of a packet.
+    /// What the rays of a packet hit first.
     struct Blockers {
         LaneMask hit{};    ///< rays that something blocks within packet.distance
         LaneMask behind{}; ///< rays that hit a one-sided surface from behind
@@ -55,8 +55,8 @@ class LightScene {
     enum class BlockerKind {
         Solids,       ///< hull of all solid leafs, also behind skies
         LegacySolids, ///< without leafs that are not solid to the established program: LegacySolidLeafs
-        Casters,      ///< solids, and shadow casters for group 1 that are not see-through
-        Surfaces      ///< shadow casters; see-through ones at opaque texels; for group 1 none on faces of LegacySolids
+        Casters, ///< solids, and shadow casters for group 1 (whatever the group asked for) without see-through ones
+        Surfaces ///< shadow casters; see-through ones at opaque texels; for group 1 none on faces of LegacySolids
     };
     /// The first blocker of a kind on each live ray beyond its `nearest`; none for receivers of group 0.
     void TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, const Lanes &nearest,

@@ -9,7 +9,7 @@ namespace q3 {
 
 namespace {
 
-/// A part of a way, as shares of its length.
+/// Where a part of a way begins and ends, as fractions of its length.
 using Span = std::array<float, 2>;
 
 /// Collects the solid parts of a way, leaf by leaf.
@@ -30,7 +30,7 @@ class WayWalk {
                 return Way::Blocked;
             left = std::max(left, to);
         }
-        // A start on the face of a wall is in the open: the wall is in the way. An end on a face is in the open as well.
+        // Points on the face of a solid are in the open: a way from there through the solid is blocked.
         return IsSolid(a_) && !IsSolid(b_) ? Way::LeavesSolid : Way::Blocked;
     }
 
@@ -43,6 +43,7 @@ class WayWalk {
     bool IsSolid(const Vec3f &p) const { return space_.ClusterAt(p, -kWayTouch) == kSolidCluster; }
     bool IsSolidInTheMiddle(const Span &span) const { return IsSolid(a_ + along_ * ((span[0] + span[1]) * 0.5f)); }
 
+    /// Visits the leafs that the way passes, in any order.
     void Walk() {
         std::vector<Part> more; // overflow of `pending`
         std::array<Part, 32> pending;
@@ -66,7 +67,7 @@ class WayWalk {
                 }
                 part.child = near;
             }
-            AddSolids(bsp_.leafs[std::size_t(LeafOf(part.child))], part.span);
+            AddSolids(std::size_t(LeafOf(part.child)), part.span);
             if (waiting == 0)
                 return;
             if (more.empty())
@@ -78,19 +79,18 @@ class WayWalk {
         }
     }
 
-    void AddSolids(const bspLeaf_t &leaf, const Span &span) {
-        if (leaf.cluster < 0) {
+    /// span: the part of the way in leaf `number`.
+    void AddSolids(std::size_t number, const Span &span) {
+        if (bsp_.leafs[number].cluster < 0) {
             if ((span[1] - span[0]) * Length(along_) > kWayTouch && IsSolidInTheMiddle(span))
                 solids_.push_back(span);
             return;
         }
-        for (int i = 0; i < leaf.numBSPLeafBrushes; ++i) {
-            const int number = bsp_.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + i)];
-            // Brushes that light passes are not solid in their middle.
-            if (const Span inside = SpanIn(bsp_.brushes[std::size_t(number)]);
+        for (const std::int32_t brush : space_.OpaqueBrushes(number))
+            // The second test leaves out what only rounding makes solid.
+            if (const Span inside = SpanIn(bsp_.brushes[std::size_t(brush)]);
                 inside[0] < inside[1] && IsSolidInTheMiddle(inside))
                 solids_.push_back(inside);
-        }
     }
 
     /// The part of the way in a brush shrunk by kWayTouch.

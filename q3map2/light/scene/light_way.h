@@ -15,7 +15,7 @@ enum class Way {
 inline constexpr float kWayTouch = 0.125f;
 
 /// What is on the way from a to b: solid leafs, and opaque brushes shrunk by kWayTouch. A way in the plane of a face is
-/// in front of it.
+/// outside the solid.
 Way WayBetween(const BspSpace &space, const Vec3f &a, const Vec3f &b);
 
 } // namespace q3

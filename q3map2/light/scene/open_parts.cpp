@@ -10,9 +10,10 @@ namespace q3 {
 namespace {
 
 constexpr double kCutMargin = 0.05; ///< corners this near to a plane count as on it. Game units
-/// Polygons that this many cuts did not sort out go where their center is: trees of real maps need far fewer.
+/// Pieces that were cut this often are not cut again, but go to the side of a plane on which their center is. Trees of
+/// real maps need far fewer cuts.
 constexpr int kMostCuts = 256;
-/// Ways are tried this far aside too, so that one along a face is not blocked by rounding. Game units.
+/// A way that is blocked is tried again this far aside: rounding may put one along a face into the solid. Game units.
 constexpr float kAside = 0.2f;
 /// Parts of a way shorter than this are not in a leaf. Game units.
 constexpr float kShortestWay = 0.01f;
@@ -28,6 +29,7 @@ BrushPlane PlaneOfSide(const Bsp &bsp, const bspBrush_t &brush, int side) {
     return {Vec3d(plane.normal), double(plane.dist)};
 }
 
+/// Cuts a polygon into its parts in the open and in solids, by a walk down the tree.
 class PartFinder {
   public:
     explicit PartFinder(const BspSpace &space) : space_(space), bsp_(space.Map()) {}
@@ -53,7 +55,7 @@ class PartFinder {
         }
         return result;
     }
-    /// Adds the pieces of w: one if all of it is open, or all covered.
+    /// Adds the pieces of w to open_ and covered_: only one if all of w is open, or all covered.
     Kind FindBelow(BspChild child, Winding<double> w, int cuts);
     Kind FindInLeaf(std::size_t leaf, Winding<double> w);
     void CutByBrush(const Winding<double> &w, const bspBrush_t &brush, Pieces &outside, Pieces &inside);
@@ -140,10 +142,10 @@ void PartFinder::CutByBrush(const Winding<double> &w, const bspBrush_t &brush, P
     inside.push_back(std::move(rest));
 }
 
-/// A way from a to b and its part in the leaf or below the node that is looked at, as shares of the whole.
-class StretchFinder {
+/// Walks the tree along the straight way from a to b. Places on the way are fractions of its length.
+class FirstSolidFinder {
   public:
-    StretchFinder(const Vec3f &a, const Vec3f &b, const BspSpace &space)
+    FirstSolidFinder(const Vec3f &a, const Vec3f &b, const BspSpace &space)
         : space_(space), bsp_(space.Map()), a_(a), b_(b), shortest_(kShortestWay / std::max(Length(b - a), 1.0f)) {}
 
     float FreeShare() const {
@@ -176,7 +178,7 @@ class StretchFinder {
 
   private:
     Vec3f At(float share) const { return a_ + (b_ - a_) * share; }
-    /// Where the part between the shares `from` and `to`, which is in the leaf, meets a solid; `to` if it does not.
+    /// Where the part between `from` and `to`, which is in the leaf, meets a solid; `to` if it does not.
     float FirstSolid(std::size_t leaf, float from, float to) const {
         if (to - from < shortest_)
             return to;
@@ -187,6 +189,7 @@ class StretchFinder {
             first = std::min(first, Entry(bsp_.brushes[std::size_t(number)], from, to));
         return first;
     }
+    /// Where the part between `from` and `to` enters the brush; `to` if it does not.
     float Entry(const bspBrush_t &brush, float from, float to) const {
         float enter = from, leave = to;
         for (int side = 0; side < brush.numSides; ++side) {
@@ -206,7 +209,7 @@ class StretchFinder {
     const BspSpace &space_;
     const Bsp &bsp_;
     Vec3f a_, b_;
-    float shortest_;
+    float shortest_; ///< kShortestWay as a fraction of the way
 };
 
 } // namespace
@@ -216,14 +219,14 @@ PolygonParts PartsOf(const Winding<float> &w, const BspSpace &space) {
 }
 
 float FreeShare(const Vec3f &a, const Vec3f &b, const BspSpace &space) {
-    float share = StretchFinder(a, b, space).FreeShare();
+    float share = FirstSolidFinder(a, b, space).FreeShare();
     const Vec3f along = b - a;
     if (share >= 1 || along == Vec3f{})
         return share;
     const Vec3f axis = std::abs(along.z) * 2 > Length(along) ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
     const Vec3f right = Normalize(Cross(along, axis)) * kAside, up = Normalize(Cross(along, right)) * kAside;
     for (const Vec3f &aside : {right, -right, up, -up})
-        share = std::max(share, StretchFinder(a + aside, b + aside, space).FreeShare());
+        share = std::max(share, FirstSolidFinder(a + aside, b + aside, space).FreeShare());
     return share;
 }
 

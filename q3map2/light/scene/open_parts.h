@@ -16,8 +16,8 @@ struct PolygonParts {
 /// Cuts no more than needed: a polygon without covered part stays whole.
 PolygonParts PartsOf(const Winding<float> &w, const BspSpace &space);
 
-/// Share of the straight way from a to b that is in the open before the first solid leaf or opaque brush: 1 if there is
-/// none, 0 if a is in one. A way along the face of a solid is open.
+/// Fraction of the straight way from a to b that lies before the first solid leaf or opaque brush: 1 if it meets none,
+/// 0 if a is in one. A way along the face of a solid is open.
 float FreeShare(const Vec3f &a, const Vec3f &b, const BspSpace &space);
 
 } // namespace q3

@@ -13,14 +13,16 @@ namespace q3 {
 
 namespace {
 
-constexpr float kLightMargin = 0.125f; ///< lights this near to a solid count as in it. Game units
-/// Solids count as covering a polygon if they reach this far before it. Game units.
-constexpr float kCoverHeight = 0.25f;
+/// Lights this near to a solid count as in it. Game units.
+constexpr float kLightMargin = 0.125f;
+/// A solid covers the part of a polygon over which it is at this height. Game units.
+constexpr float kLampCoverHeight = 0.25f;
 /// Covered parts narrower than this do not count: sloped walls beside a lamp lean over its edge. Game units.
 constexpr double kNarrow = 0.5;
-constexpr double kLeastArea = 1; ///< of a part that shines. Square units
+/// Smaller parts emit no light. Square game units.
+constexpr double kLeastArea = 1;
 
-/// About the width of a narrow polygon, half that of a square.
+/// Twice the area over the perimeter: about the width of a narrow polygon, half that of a square.
 double WidthOf(const Winding<float> &w) {
     double around = 0;
     for (std::size_t i = 0; i < w.size(); ++i)
@@ -34,10 +36,10 @@ Winding<float> Moved(Winding<float> w, const Vec3f &by) {
     return w;
 }
 
-/// A place before the polygon of the light that is clear of solids, as near as possible to 1 unit before its center.
+/// A place in front of the polygon of the light that is clear of solids: 1 unit in front of its center if possible.
 std::optional<Vec3f> OpenOrigin(const Light &light, const BspSpace &space) {
-    constexpr float kHeights[] = {1, 0.5f, kCoverHeight};
-    constexpr float kTowardsCorners[] = {0.25f, 0.5f, 0.75f};
+    constexpr float kHeights[] = {1, 0.5f, kLampCoverHeight}; // in front of the polygon; game units
+    constexpr float kTowardsCorners[] = {0.25f, 0.5f, 0.75f}; // fractions of the way from the center
     const Vec3f center = light.shape.center;
     const auto clear = [&](const Vec3f &p) { return space.ClusterAt(p, kLightMargin) >= 0; };
     for (const float height : kHeights)
@@ -51,7 +53,8 @@ std::optional<Vec3f> OpenOrigin(const Light &light, const BspSpace &space) {
     return {};
 }
 
-/// Adds the light of the part `w` of a light's polygon.
+/// Adds a light for the part `w` of the light's polygon, with its fraction of the intensity; none if the part is tiny
+/// or no place in front of it is clear.
 void AddPart(const Light &light, Winding<float> w, bool twoSided, const BspSpace &space, std::vector<Light> &parts) {
     const double area = WindingArea(w);
     if (area < kLeastArea)
@@ -76,16 +79,15 @@ Light Reversed(Light light) {
     return light;
 }
 
-/// Whether light that arrives at the origin, which is not in a solid, arrives at the polygon too.
+/// Whether the origin is in the open and sees the center of the polygon.
 bool OriginInSight(const Light &light, const BspSpace &space) {
     Vec3f origin = light.origin;
     if (LightCluster(origin, space) < 0)
         return false;
-    return FreeShare(light.shape.center + light.normal * kCoverHeight, origin, space) >= 1;
+    return FreeShare(light.shape.center + light.normal * kLampCoverHeight, origin, space) >= 1;
 }
 
-/// Whether a one-sided surface, seen from behind, is the first thing all around p: it is inside a model, or behind
-/// curves.
+/// Whether p is inside a model or behind curves: rays in all directions hit the back of a one-sided surface first.
 bool SeesBacksOnly(const Vec3f &p, const LightScene &scene) {
     constexpr int kDirections = 64;
     const float golden = std::numbers::pi_v<float> * (3 - std::sqrt(5.0f));
@@ -106,9 +108,9 @@ bool SeesBacksOnly(const Vec3f &p, const LightScene &scene) {
     return true;
 }
 
-/// The parts of the light's polygon, or of the part `w` of it, in its plane.
+/// The open and covered parts of `w`, which is the light's polygon or a part of it; without narrow covered ones.
 PolygonParts PartsOfLight(const Light &light, const Winding<float> &w, const BspSpace &space) {
-    const Vec3f lift = light.normal * kCoverHeight;
+    const Vec3f lift = light.normal * kLampCoverHeight;
     const double narrow = std::min(kNarrow, WidthOf(light.w) / 4);
     PolygonParts parts = PartsOf(Moved(w, lift), space);
     std::erase_if(parts.covered, [&](const Winding<float> &piece) { return WidthOf(piece) < narrow; });
@@ -118,12 +120,14 @@ PolygonParts PartsOfLight(const Light &light, const Winding<float> &w, const Bsp
     return parts;
 }
 
+/// A part of a lamp whose front is open.
 struct LampPart {
     Winding<float> w;
     bool twoSided = false;
 };
 
-/// Parts of a two-sided light whose front is open, cut where a solid covers their back.
+/// Cuts the parts of a two-sided light whose front is open where a solid covers their back: those are one-sided. back:
+/// the light reversed.
 std::vector<LampPart> CutByBack(const Light &back, const BspSpace &space, const std::vector<Winding<float>> &open) {
     std::vector<LampPart> result;
     for (const Winding<float> &front : open) {
@@ -162,7 +166,7 @@ std::vector<Light> OpenAreaLights(Light light, const BspSpace &space) {
     std::vector<Light> lights;
     PolygonParts parts = PartsOfLight(light, light.w, space);
     if (parts.covered.empty())
-        parts.open = {light.w}; // without what is too narrow to count
+        parts.open = {light.w}; // nothing, or only what is too narrow to count, is covered
     std::vector<LampPart> fronts;
     const Light back = light.twoSided ? Reversed(light) : Light{};
     if (light.twoSided)

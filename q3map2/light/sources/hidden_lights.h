@@ -11,22 +11,23 @@
 
 namespace q3 {
 
-/// The cluster in which a light shines, or kSolidCluster. Moves `origin` if it is in a solid: by steps of 2 units, as
-/// the established program does, whose search continues after a success, so a light can move several times; the last
-/// attempt decides.
+/// The cluster of a light with that origin, or kSolidCluster. Moves an `origin` in a solid by steps of 2 units, as the
+/// established program does: the search goes on after a success, so a light can move several times, and the last
+/// attempt decides about the cluster.
 int LightCluster(Vec3f &origin, const BspSpace &space);
 
-/// The area light as it is if its polygon is in the open and its origin in sight of it. Else one light for each part in
-/// the open, with an origin before that part; a two-sided light shines from its back where its front is covered. If a
-/// solid covers all of it: the light as it is if LightCluster finds a way out, else none.
+/// The parts of an area light that emit. It stays as it is if its polygon is in the open and its origin sees the
+/// polygon. Otherwise each open part becomes a light with an origin in front of it; where only the front of a two-sided
+/// light is covered, its back emits. A light that is covered as a whole stays as it is if LightCluster finds a way out,
+/// else there is none.
 std::vector<Light> OpenAreaLights(Light light, const BspSpace &space);
 
-/// How far before an area light its backsplash can be, at most `distance`: half the way to the first solid, if one
-/// stands between.
+/// Distance from an area light to its backsplash, game units: `distance`, or half the way to the first solid in
+/// between.
 float BacksplashDistance(const Light &light, float distance, const BspSpace &space);
 
-/// Warns of point lights and spotlights of entities that light nothing: in solids and, unless `scene` is null, in
-/// models or behind curves.
+/// Warns of point lights and spotlights of entities that light nothing because they are in solids or, unless `scene` is
+/// null, in models or behind curves.
 void WarnOfHiddenLights(std::span<const Light> lights, const BspSpace &space, const LightScene *scene, Log &log);
 
 } // namespace q3

@@ -14,9 +14,9 @@ namespace q3 {
 
 namespace {
 
-constexpr float kDefaultSubdivide = 999;
-constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it. Game units
-constexpr double kMinArea = 1, kMaxArea = 20'000'000;
+constexpr float kDefaultSubdivide = 999;              ///< of q3map_lightSubdivide. Game units
+constexpr float kOnCut = 0.125f;                      ///< corners this near to a cut count as on it. Game units
+constexpr double kMinArea = 1, kMaxArea = 20'000'000; ///< of a piece that emits. Square game units
 /// A quad stays whole if its fourth corner is this near to the plane of the others. Game units.
 constexpr float kFlatQuad = 0.1f;
 /// Approximate maximum number of lights that one polygon is split into.
@@ -91,8 +91,8 @@ class AreaLightMaker {
             covered_.push_back(std::move(first));
     }
 
-    /// Warns of polygons that solids cover as a whole, but not if they continue polygons that shine. Call after the
-    /// last Add.
+    /// Warns of polygons that solids cover as a whole, unless they share a corner, directly or by way of others, with
+    /// one that emits. Call it after the last Add.
     void WarnOfCovered() {
         for (std::size_t i = 0; i < shining_.size() && !covered_.empty(); ++i) {
             const auto touches = [&](const Polygon &other) { return ShareCorner(shining_[i], other); };
@@ -177,8 +177,8 @@ class AreaLightMaker {
         }
     }
 
-    /// Backsplash: an area light a little in front of the emitter that lights its surroundings. Nothing solid is
-    /// between the two.
+    /// Adds the backsplash: an area light in front of the emitter that faces it and lights its surroundings. No solid
+    /// is between the two.
     void AddBacksplash(const Light &light) {
         Light splash = light;
         const Vec3f moved = light.normal * BacksplashDistance(light, shader_.backsplashDistance, space_);
@@ -204,7 +204,7 @@ class AreaLightMaker {
     int &count_;
     Log &log_;
     bool hidden_ = false;                    ///< a piece of the polygon that is being added has no open part
-    std::vector<Polygon> shining_, covered_; ///< polygons with, without an open part
+    std::vector<Polygon> shining_, covered_; ///< polygons with lights; polygons without, which solids cover
 };
 
 void AddPatchLights(const Mesh &mesh, const Vec3f &offset, AreaLightMaker &maker) {

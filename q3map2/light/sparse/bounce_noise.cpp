@@ -11,11 +11,11 @@ namespace q3 {
 
 namespace {
 
-/// Edge of blocks in base cells, log2.
+/// Binary logarithm of the edge of a block in base cells.
 constexpr int kBlockLevels = 1;
-/// One of so many points of the uniform grid is measured.
+/// On average one in this many points of the uniform grid is measured.
 constexpr std::uint64_t kStride = 12;
-/// The mean over all blocks counts in each as so many points.
+/// In the mean of a block the mean over all blocks has the weight of this many points.
 constexpr double kPrior = 2;
 /// Seeds of the gathers, apart from those of grid points.
 constexpr std::uint64_t kSeed = 0x4E6F697365ull;

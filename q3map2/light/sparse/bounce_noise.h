@@ -8,12 +8,12 @@
 
 namespace q3 {
 
-/// Variance of bounced light, which few rays gather, at points of the lattice: the mean squared displayed difference
-/// from its expected value, bytes^2. Measured at some points of the uniform grid by gathering twice with different
-/// rays; a mean over blocks of cells.
+/// Variance of bounced light at points of the lattice, since few rays gather it: the mean squared displayed difference
+/// from its expected value, bytes^2. It is measured at some points of the uniform grid, by gathering light twice with
+/// different rays, and averaged over blocks of cells.
 class BounceNoise {
   public:
-    /// Without bounced light there is none.
+    /// No noise.
     BounceNoise() = default;
     /// points: those of the uniform grid. Zero if `in` has no bounced light.
     BounceNoise(const GridInputs &in, const SparseLattice &lattice, const LatticePoints &points);

@@ -23,20 +23,22 @@ constexpr float kNearSurface = 8, kFarFromSurface = 34;
 constexpr float kBeside = 4;
 /// A position is this clear of solids on all sides. Game units.
 constexpr float kSampleClearance = 6;
-/// Distance of positions: the least; the most, for large surface lights; and that in radii of one. Game units.
+/// Distance between neighboring positions, game units: at least kLeastStep and at most kMostStep; before a surface
+/// light in between kStepPerRadius times its radius.
 constexpr float kLeastStep = 8, kMostStep = 32, kStepPerRadius = 1.0f / 16;
-/// Lamps that give less than this at distance kNearPoint are passed over. Byte scale.
+/// Point lights and spotlights that give less than this at distance kNearPoint are passed over. Byte scale.
 constexpr float kLeastLight = 0.5f;
 /// Samples of a brick, which share a list of lights.
 constexpr std::size_t kBrickSamples = 256;
-/// A lamp is hidden from a position if its mean light there is more than this times that of all light.
-constexpr float kMostSeen = 1.25f;
-/// Factor of the variance of noise in the squared error at a sample: that of its own light and of the corners.
+/// The lamps of a sample are hidden from it if their mean light without shadows is more than this times the mean of all
+/// traced light.
+constexpr float kHiddenRatio = 1.25f;
+/// Factor of the variance of noise in the squared error at a sample: that of its own light plus that of the corners.
 constexpr float kNoiseOfSample = 1.3f;
 
-/// A position, and its place in the lattice of steps of kLeastStep, which identifies it.
+/// A position before a lamp.
 struct LampPlace {
-    std::uint64_t key = 0;
+    std::uint64_t key = 0; ///< of its cell in a lattice of cells of edge kLeastStep; it has one position at most
     Vec3f position;
     int cluster = 0;
     std::uint32_t lamp = 0; ///< index of the light
@@ -62,7 +64,7 @@ bool IsBefore(const Light &light, const Vec3f &p) {
     return true;
 }
 
-/// The same of any lamp.
+/// Whether a position is at the right distance from a lamp, and in front of it unless it is a point light.
 bool IsNear(const Light &light, const Vec3f &p) {
     if (light.type == LightType::Area)
         return IsBefore(light, p);
@@ -72,22 +74,23 @@ bool IsNear(const Light &light, const Vec3f &p) {
            (light.type == LightType::Point || Dot(away, light.normal) > 0);
 }
 
+/// Whether light is sampled before the light: suns, lights without intensity and faint ones are not lamps.
 bool IsLamp(const Light &light) {
     if (light.type == LightType::Sun || light.photons <= 0)
         return false;
-    return light.type == LightType::Area ||
-           Falloff(light).At(kNearPoint) * std::max({light.color.x, light.color.y, light.color.z}) > kLeastLight;
+    return light.type == LightType::Area || Falloff(light).At(kNearPoint) * MaxComponent(light.color) > kLeastLight;
 }
 
-/// Appends the positions before a lamp.
+/// Appends the positions before lamp number `lamp`: jittered ones, a step apart, that are in the open and see its
+/// clusters.
 void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, std::vector<LampPlace> &places) {
+    constexpr std::int32_t kKeyMask = (1 << 21) - 1; // KeyOf takes 21 bits of each coordinate
     const bool area = light.type == LightType::Area;
     const float radius = area ? light.shape.radius : 0;
     const float step = kLeastStep * std::round(std::clamp(kStepPerRadius * radius, kLeastStep, kMostStep) / kLeastStep);
     Boundsf box;
     if (area)
-        for (std::size_t i = 0; i < light.w.size(); ++i)
-            box.Add(light.w[i]);
+        box = WindingBounds(light.w);
     else
         box.Add(light.origin);
     Int3 low{}, high{};
@@ -99,12 +102,13 @@ void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, st
     for (int z = low[2]; z <= high[2]; ++z)
         for (int y = low[1]; y <= high[1]; ++y)
             for (int x = low[0]; x <= high[0]; ++x) {
-                const LatticePoint box8{int(float(x) * step / kLeastStep), int(float(y) * step / kLeastStep),
+                const LatticePoint cell{int(float(x) * step / kLeastStep), int(float(y) * step / kLeastStep),
                                         int(float(z) * step / kLeastStep)};
-                const std::uint64_t key = KeyOf({box8[0] & 0x1fffff, box8[1] & 0x1fffff, box8[2] & 0x1fffff});
+                const std::uint64_t key =
+                    KeyOf({cell[0] & kKeyMask, cell[1] & kKeyMask, cell[2] & kKeyMask}); // they may be negative
                 const Sample3 jitter = PlasticSample3(0, key);
-                const Vec3f p = Vec3f{float(box8[0]) + float(jitter.u), float(box8[1]) + float(jitter.v),
-                                      float(box8[2]) + float(jitter.w)} *
+                const Vec3f p = Vec3f{float(cell[0]) + float(jitter.u), float(cell[1]) + float(jitter.v),
+                                      float(cell[2]) + float(jitter.w)} *
                                 kLeastStep;
                 if (!IsNear(light, p) || space.AnySolid(p - clear, p + clear))
                     continue;
@@ -114,7 +118,8 @@ void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, st
             }
 }
 
-/// The positions before all lamps, by key; one that is before several lamps once for each.
+/// The positions before all lamps, in the order of their keys; one that is before several lamps occurs once for each.
+/// most: random positions are left out so that about this many are left.
 std::vector<LampPlace> FindPlaces(const GridInputs &in, const std::vector<Light> &lights, std::size_t most) {
     std::vector<std::vector<LampPlace>> found(lights.size());
     in.jobs.For(std::int64_t(lights.size()), [&](std::int64_t i, int) {
@@ -136,7 +141,7 @@ std::vector<LampPlace> FindPlaces(const GridInputs &in, const std::vector<Light>
     return places;
 }
 
-/// Light of a lamp that nothing shadows, convolved with the cosine; without the edge of a spotlight's cone.
+/// Light of a lamp as if nothing cast shadows, convolved with the cosine; spotlights count as point lights.
 ShFloats UnshadowedLight(const Light &light, const Vec3f &position) {
     ShVector projection{};
     double scale = light.negative ? -1.0 / 255 : 1.0 / 255;
@@ -236,7 +241,7 @@ float LampSamples::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t
     for (const std::uint32_t i : samples) {
         ShFloats shown = samples_[i].light;
         const ShFloats exact = LampsAt(i, lattice_.PositionOf(samples_[i].at));
-        if (MeanLight(exact) > kMostSeen * MeanLight(shown))
+        if (MeanLight(exact) > kHiddenRatio * MeanLight(shown))
             continue; // hidden: it would give more than all light there
         for (std::size_t c = 0; c < 8; ++c)
             AddScaled(cell.Weight(c, samples_[i].at), LampsAt(i, lattice_.PositionOf(cell.Corner(c))), shown);

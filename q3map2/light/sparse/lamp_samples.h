@@ -11,19 +11,19 @@
 
 namespace q3 {
 
-/// Positions in the open before surface lights, and around point lights and spotlights, with their light. A lamp may
-/// shine between the points of a grid so that none of them shows how the light changes: cells there are measured at
-/// these positions. Const after construction; keeps references.
+/// Positions in the open in front of surface lights and spotlights and around point lights, with their light. A lamp
+/// may light the space between the points of a grid so that none of them shows how the light changes: the error of
+/// cells there is measured at these positions. Const after construction; keeps references.
 class LampSamples {
   public:
-    /// lights: of the SH grid. mostSamples: when there are more, random ones are left out. Adds the work to `stats`.
+    /// lights: those of the SH grid. mostSamples: of more, random ones are left out. Adds the work to `stats`.
     LampSamples(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
                 const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats);
     std::span<const LampSample> All() const { return samples_; }
-    /// Mean squared displayed error that interpolation between the corners of a cell makes at samples inside it,
-    /// bytes^2: of the traced light, without what noise adds, or of the light of the lamps before which they are, as if
-    /// nothing cast shadows, if that is less. A shadow edge is thus no reason to split cells before a lamp: they would
-    /// all become as small as they can be. Infinite where a corner is not known.
+    /// Mean squared displayed error of interpolation between the corners of a cell at samples inside it, bytes^2. It is
+    /// the lesser of two: the error of traced light without what noise adds, and the error of the light of the samples'
+    /// own lamps as if nothing cast shadows. So shadow edges do not split cells before a lamp: there all cells would
+    /// become as small as possible. Infinite where the light at a corner is not known.
     float ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &light,
                   const BounceNoise &noise) const;
 

@@ -16,7 +16,7 @@ struct LatticeSample {
     ShFloats value{};  ///< convolved with the cosine
 };
 
-/// Light at a position before a lamp, see LampSamples.
+/// Light at a position in front of a lamp: LampSamples.
 struct LampSample {
     Vec3f at;         ///< in smallest cells
     ShFloats light{}; ///< convolved with the cosine

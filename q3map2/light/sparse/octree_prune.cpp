@@ -8,7 +8,7 @@ namespace q3 {
 
 PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp) {
     std::vector<float> cost(tree.Size());
-    std::vector<bool> kept(tree.Size());          // inner nodes that lamps need, and those above them
+    std::vector<bool> kept(tree.Size());          // nodes that are not pruned, for lamps, and those above them
     for (std::size_t i = tree.Size(); i-- > 0;) { // children come after their parents
         OctreeCell &cell = tree[i];
         if (cell.open <= 0)

@@ -10,9 +10,10 @@ namespace q3 {
 
 namespace {
 
+/// Pairs of opposite normals, and normals.
 constexpr int kAxes = 13, kNormals = 2 * kAxes;
 
-/// Even and odd part of a channel at the normals: even bands are the same at their opposites, odd ones change sign.
+/// A channel at the normals, as the sums over even and odd bands: at the opposite normals odd bands change sign.
 struct Halves {
     Lanes even, odd;
 };
@@ -43,7 +44,7 @@ Q3_VECTOR float SumOfSquares(const Halves &a, const Halves &b) {
 } // namespace
 
 ScreenError::ScreenError() : basis_{} {
-    for (int i = 0; i < kAxes; ++i) {
+    for (int i = 0; i < kAxes; ++i) { // the first half of the 3 x 3 x 3 directions; the other half is opposite to it
         const Vec3d n = Normalize(Vec3d{double(i % 3 - 1), double(i / 3 % 3 - 1), double(i / 9 - 1)});
         const ShVector basis = ShBasis(n);
         for (std::size_t k = 0; k < 9; ++k)

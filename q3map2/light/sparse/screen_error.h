@@ -8,8 +8,9 @@
 
 namespace q3 {
 
-/// Compares lights on 26 normals: those towards the faces, edges and corners of a cube. Unlike SquaredDisplayError, a
-/// light that is too bright on one side counts as it is on the others.
+/// Compares light on surfaces with 26 normals: those towards the faces, edges and corners of a cube.
+/// SquaredDisplayError dims light as a whole that is too bright for a screen; here only the normals that are too bright
+/// are cut off.
 class ScreenError {
   public:
     ScreenError();

@@ -26,10 +26,10 @@ constexpr float kMinPrice = 1.0f / 64, kMaxPrice = 1e9f;
 /// refinement allows to kPriceRange times that.
 constexpr float kPriceRange = 65536;
 constexpr int kBisections = 14;
-/// Refinement to an error target ends where a further leaf reduces the squared error by less than this share of the
+/// Refinement to an error target ends where a further leaf reduces the squared error by less than this fraction of the
 /// mean squared error of a leaf.
 constexpr double kMinGain = 0.25;
-/// It ends, too, where kMoreLeafs times the leafs leave more than kLeastFall of the measured error.
+/// It also ends where kMoreLeafs times the leafs leave more than this fraction, kLeastFall, of the measured error.
 constexpr double kMoreLeafs = 1.5, kLeastFall = 0.97;
 /// The price of a leaf grows by this factor while the lump exceeds its limit.
 constexpr float kPriceStep = 1.15f;
@@ -42,17 +42,17 @@ constexpr double kBytesPerLeaf = 25, kNodeBytesPerLeaf = 2, kBytesPerPoint = 28;
 /// lamps grows by kLampSlackStep.
 constexpr double kMaxLampShare = 0.5;
 constexpr float kLampSlackStep = 1.5f;
-/// Cells are split while the error before a lamp is above this many error targets.
+/// Cells before lamps are split while their error is above this many error targets.
 constexpr float kLampTargets = 1.6f;
 /// Positions before lamps: at most one for so many points of the uniform grid, or kFewLampSamples if that is more.
 constexpr std::size_t kPointsPerLampSample = 4, kFewLampSamples = 16384;
-/// The error of a finished grid over that of the corners' own light, before it is measured. Corners on larger cells
-/// have other values in the grid.
+/// First guess of the ratio of the measured error of a grid to that of interpolation between the corners' own light.
+/// It is above 1 because corners on the boundary of larger cells are interpolated.
 constexpr double kFirstFitGain = 1.2;
-/// Grids that are made to meet the target as measured, at most; a measured error this much above it will do.
+/// At most this many grids are made to meet the target as measured; a measured error of kTargetSlack targets meets it.
 constexpr int kMostRounds = 3;
 constexpr double kTargetSlack = 1.02;
-/// The expected error may be this many targets: where little light changes, it is above the measured one.
+/// The expected error may be this many targets: where light changes little, it is above the measured one.
 constexpr double kExpectedSlack = 1.3;
 
 float Squared(float x) {
@@ -75,12 +75,13 @@ class SparseGridBuilder {
     }
     /// Makes Grid remove negative lobes from the values.
     void EnableDering() { dering_ = true; }
-    /// The grid of the coarsest tree that meets the goal; if none does, of the one nearest to it.
+    /// The grid of the coarsest tree that meets the goal; if none does, that of the finest tree.
     SparseGridSH Joined(SparseStats &result) {
         refiner_.EstimateErrors({});
+        result.end = SparseEnd::NotRefined;
         return Grid(FindPrice(), result);
     }
-    /// The same with smaller cells where they are needed. check: null without receivers.
+    /// The same with smaller cells where they are needed. check: without receivers, the error is not measured.
     SparseGridSH Refined(const GridInputs &in, const LatticeTracer &tracer, const LampSamples &lamps,
                          const ExactReceivers &check, GridStats &work, SparseStats &result);
 
@@ -108,8 +109,8 @@ class SparseGridBuilder {
     std::span<const LampSample> lamps_;
     const ExactReceivers *check_ = nullptr; ///< null: nothing is measured
     double fitGain_ = kFirstFitGain;        ///< measured error of the last grid over that without its fit
-    float maxLamp_;                         ///< for PruneOctree, without a budget
-    float lampSlack_ = 1;                   ///< factor of that, above 1 where the lump would exceed its limit
+    float maxLamp_;                         ///< larger OctreeCell::lamp needs smaller cells, bytes^2
+    float lampSlack_ = 1;                   ///< factor of maxLamp, above 1 where the lump would exceed its limit
     bool dering_ = false;
     double limit_ = 0;                  ///< bytes of the lump
     float unit_ = 1;                    ///< of thresholds, smallest cells
@@ -131,7 +132,8 @@ SparseGridBuilder::PrunedTree SparseGridBuilder::Pruned(float price) const {
     return pruned;
 }
 
-/// RMS error at the receivers of corners that are not fitted; 0 if nothing is measured.
+/// RMS error of interpolation between the corners' own light, which is not fitted, at the receivers; 0 without
+/// receivers.
 double SparseGridBuilder::Interpolated(const Octree &tree) const {
     double sum = 0, count = 0;
     for (std::size_t i = 0; check_ && i < check_->Size(); ++i) {
@@ -174,7 +176,7 @@ bool SparseGridBuilder::LampsTakeTooMuch(const PrunedTree &pruned) const {
     return double(pruned.second.leafs - withoutLamps.leafs) > kMaxLampShare * double(pruned.second.leafs);
 }
 
-/// Splits cells until pruning can meet the goal; says whether it can.
+/// Splits cells until pruning can meet the goal, or more cells do not help. Says which.
 SparseEnd SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats &work) {
     for (;;) {
         const PrunedTree pruned = Pruned(minPrice_);
@@ -214,7 +216,7 @@ float SparseGridBuilder::FindPrice() const {
     return low;
 }
 
-/// The grid at that price, or at the lowest one at which it keeps its limit.
+/// The grid at that price, or at the lowest higher one at which its lump keeps the limit.
 SparseGridSH SparseGridBuilder::Grid(float price, SparseStats &result) {
     double bytesPerLeaf = 0;
     for (;; price *= kPriceStep, lampSlack_ *= Squared(kPriceStep)) {
@@ -253,12 +255,13 @@ SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &re
     return grid;
 }
 
+/// Sets the error of the finished grid at positions before lamps.
 void SparseGridBuilder::MeasureLamps(const SparseGridSH &grid, SparseStats &result) const {
     const std::vector<std::byte> lump = EncodeSparseGrid(grid);
     const shgrid_grid reader = SparseReader(lump);
     double sum = 0;
     for (const LampSample &lamp : lamps_) {
-        const Vec3f p = lattice_.Mins() + lattice_.Cell() * lamp.at;
+        const Vec3f p = lattice_.PositionOf(lamp.at);
         const float position[3] = {p.x, p.y, p.z};
         shgrid_coeffs read;
         shgrid_sample(&reader, position, &read);
@@ -337,7 +340,10 @@ std::string_view WhyNotFiner(SparseEnd end) {
     case SparseEnd::Bytes:
         return "smaller cells would take more than half of the bytes of the uniform grid, or 0.08 MB if that is more";
     case SparseEnd::Goal:
+        static_assert(kMostRounds == 3);
         return "three attempts came no nearer";
+    case SparseEnd::NotRefined:
+        return "no cell is smaller than those of the uniform grid";
     case SparseEnd::NoGain:
         return "with half as many cells more it was hardly smaller, so they are left out";
     default:

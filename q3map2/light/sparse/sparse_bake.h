@@ -14,11 +14,12 @@ namespace q3 {
 
 /// Why a sparse grid is not finer than it is.
 enum class SparseEnd {
-    Goal,       ///< it meets the goal
+    Goal,       ///< it meets the goal, or is the last attempt to meet it as measured
     Bytes,      ///< without a budget: it would take too many bytes
     LittleGain, ///< smaller cells would hardly reduce its expected error
     NoGain,     ///< more cells did not reduce its measured error
-    Smallest    ///< no threshold for splitting is left
+    Smallest,   ///< no threshold for splitting is left
+    NotRefined  ///< it is made from a uniform grid, whose cells are not split
 };
 
 /// Statistics of the bake of a sparse grid.
@@ -34,14 +35,14 @@ struct SparseStats {
 };
 
 /// Bakes a sparse SH grid from the uniform one and the light between its points. Cells are split, down to edges of
-/// kMinCubicCell, first before lamps while the error there is large, then where the expected error is large; others are
-/// joined, until the goal is met, as measured at random positions; stored corners are fitted to the light inside the
-/// cells. uniform: before deringing; -shdering applies to the result. lights: those of `light`. The result does not
-/// depend on the number of threads.
+/// kMinCubicCell: first before lamps while the error there is large, then where the expected error is large. Others are
+/// joined. This ends when the goal is met, as measured at random positions. Stored corners are fitted to the light
+/// inside the cells. uniform: before deringing; -shdering applies to the result. lights: those of `light`. The result
+/// does not depend on the number of threads.
 SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
                             const LightGridSH &uniform, const SparseGoal &goal, GridStats &work, SparseStats &result);
 
-/// A sparse grid from the points of a uniform one alone: its cells are joined, not split. radiance: the coefficients of
+/// A sparse grid from only the points of a uniform one: its cells are joined, not split. radiance: the coefficients of
 /// both are not convolved with the cosine.
 SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, bool radiance, const SparseGoal &goal,
                                const JobPool &jobs, SparseStats &result);

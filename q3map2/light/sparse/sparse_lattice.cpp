@@ -10,8 +10,8 @@ namespace q3 {
 
 namespace {
 
-/// Cells of the uniform grid are halved at most this often; of Cubic at most kMaxCubicLevels times, and along longer
-/// edges kMaxStretch times more.
+/// Cells of the uniform grid are halved at most kMaxFineLevels times; for Cubic at most kMaxCubicLevels times, and
+/// along longer edges up to kMaxStretch times more.
 constexpr int kMaxFineLevels = 2, kMaxCubicLevels = 4, kMaxStretch = 2;
 /// The largest cells have edges of 2^kCoarseLevels cells of the uniform grid.
 constexpr int kCoarseLevels = 3;

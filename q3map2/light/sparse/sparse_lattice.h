@@ -23,8 +23,8 @@ class SparseLattice {
     /// uniform: header of the uniform grid. The smallest cells are its cells halved twice, or less often where an edge
     /// would fall below kMinCell; those of baseLevel are its cells.
     explicit SparseLattice(const bspGridSHHeader_t &uniform);
-    /// A lattice of cells that are as near to cubes as halving the uniform grid's cells along single axes makes them:
-    /// light before a lamp changes as fast in height as sideways. Their edges are down to kMinCubicCell.
+    /// A lattice of cells as near to cubes as halving the uniform grid's cells along single axes makes them, since
+    /// light before a lamp changes as fast with height as sideways. Edges are not halved below kMinCubicCell.
     static SparseLattice Cubic(const bspGridSHHeader_t &uniform);
     int BaseLevel() const { return baseLevel_; }
     /// Distance of points of the uniform grid along an axis: 2^UniformLevel smallest cells.

@@ -12,7 +12,8 @@ namespace q3 {
 /// Radiosity of each emitter, byte scale: light it received times its reflectance.
 using Emission = std::vector<Vec3f>;
 
-/// Equal for vertices at the same place, so that surfaces that share them get the same light.
+/// Seed of the gather rays of a vertex: equal for vertices at the same place, so that surfaces that meet there get the
+/// same light.
 std::uint64_t VertexSeed(const Vec3f &vertex);
 
 /// Monte Carlo estimate of irradiance over cosine-weighted directions: E = 1/N sum of the radiosity that ray i hits, on

@@ -17,10 +17,10 @@ inline Vec3f CosineDirection(const Sample2 &s) {
     return {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(std::sqrt(1 - s.u))};
 }
 
-/// Cosine-weighted directions for the 16 luxels of a 4 x 4 block, `rays` each. Ray i of each luxel points in
-/// about the same direction, so that 16 of them make a coherent packet; the directions of all 16 sets are together
-/// evenly distributed. Few directions that all blocks share would see too much of some walls and too little of others,
-/// so there are several patterns, shifted against each other, which take turns from block to block.
+/// Cosine-weighted directions for the 16 luxels of a 4 x 4 block, `rays` each. Ray i of each luxel points in about the
+/// same direction, so that 16 of them make a coherent packet; the directions of all 16 sets together are evenly
+/// distributed. If all blocks had the same few directions, these would hit some walls too often and others too rarely,
+/// so there are several patterns, shifted against each other, which blocks use in turn.
 class GatherDirections {
   public:
     static constexpr int kSets = 16;
@@ -47,9 +47,9 @@ class GatherDirections {
     float FluenceScale(const Choice &choice) const { return fluenceScales_[First(choice) / std::size_t(rays_)]; }
 
   private:
-    /// Enough patterns for this many rays: a luxel with as many has no error worth shifting.
+    /// Rays of all patterns of a set together. With so many rays in one pattern its error is small, so one is enough.
     static constexpr int kPatternRays = 4096;
-    /// Shift from pattern to pattern. Not that of PlasticSample, by which a pattern would repeat points of the last.
+    /// Shift from pattern to pattern. With the shift of PlasticSample a pattern would repeat points of the last one.
     static constexpr double kShiftU = std::numbers::phi - 1, kShiftV = std::numbers::sqrt2 - 1;
 
     std::size_t First(const Choice &choice) const {

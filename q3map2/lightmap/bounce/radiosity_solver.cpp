@@ -45,8 +45,8 @@ float Peak(std::span<const Vec3f> values) {
 struct RadiositySolver::State {
     Emission unshot, total;
     std::vector<float> peak, power; // by group: maximum and sum of unshot radiosity
-    std::vector<Vec3f> sum, decay;  // by group: sum of unshot radiosity, and its ratio from bounce to bounce
-    Vec3f allDecay;                 // ratio of the sum over all groups
+    std::vector<Vec3f> sum, decay;  // by group: sum of unshot radiosity, and its ratio to that of the bounce before
+    Vec3f allDecay;                 // the same ratio of the sum over all groups
     bool wholeBounce = true;        // the unshot radiosity is that of one bounce
     std::vector<Vec3f> light;       // by emitter: light that it got in the latest step
     float Peak() const { return peak.empty() ? 0 : *std::max_element(peak.begin(), peak.end()); }
@@ -192,9 +192,9 @@ void RadiositySolver::Step(const GroupMask &shot, State &state) const {
             state.allDecay[c] = sumBefore[c] > 0 ? after[c] / sumBefore[c] : 0;
 }
 
-/// Adds `bounces` more bounces, or all for kEndlessBounces: unshot * (q + q^2 + ...), q being the decay of a group from
-/// bounce to bounce. peakDecay: that of the largest radiosity. No group counts as decaying more slowly than this or
-/// than all light together: one that gets its first light from others has no decay yet.
+/// Adds an estimate of `bounces` more bounces, or of all for kEndlessBounces: unshot * (q + q^2 + ... + q^bounces). q
+/// is the decay of a group, limited to the larger of peakDecay, the decay of the largest radiosity, and the decay of
+/// all light: a group that has just got its first light from others has no decay of its own yet.
 void RadiositySolver::AddRest(int bounces, float peakDecay, State &state) const {
     Vec3f most;
     for (std::size_t c = 0; c < 3; ++c)

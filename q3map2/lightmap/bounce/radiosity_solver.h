@@ -26,8 +26,8 @@ struct RadiositySolution {
 /// reflectance. A step shoots radiosity that was not shot before: either all of it, so that step k computes bounce
 /// k + 1 (Jacobi iteration), or, under endless bounces, only the brightest groups of emitters, if these give more light
 /// per ray (progressive refinement, Cohen et al., 1988). Only groups that see a shot group gather. The sum is a valid
-/// result after each step. What the solver leaves when it stops for little light is the rest of a geometric series and
-/// is added in closed form. Const after construction.
+/// result after each step. When the solver stops because little light is left, it adds an estimate of that light: the
+/// rest of a geometric series. Const after construction.
 class RadiositySolver {
   public:
     /// Keeps references.

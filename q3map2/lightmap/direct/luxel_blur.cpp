@@ -22,15 +22,16 @@ float LuxelWidth(const RawLightmap &raw) {
     return std::max(raw.actualSampleSize, 1.0f) / float(raw.super);
 }
 
-/// Half the width of the box by which light of sources with that filter radius is blurred, at least a luxel; 0: it is
-/// not. Game units.
+/// Half the width of the box that blurs light of sources with that filter radius: at least a luxel, or 0 for no blur.
+/// Game units.
 float BoxRadius(const SurfaceInputs &in, const RawLightmap &raw, float filterRadius) {
     const float radius = std::max({0.0f, raw.filterRadius, filterRadius});
     return radius > 0 || in.lightmap.filter ? std::max(radius, LuxelWidth(raw)) : 0;
 }
 
-/// The radius of a box over luxels of `raw` that blurs as widely as `other` does, whose interpolation between larger or
-/// smaller luxels counts as blur too: the variances are equal. Game units; 0: less than a luxel.
+/// The radius of a box over luxels of `raw` that blurs as widely as the box of `other` does. The interpolation between
+/// luxels, of another width there, is blur too: variances of box and interpolation add up to the same. Game units; 0:
+/// less than a luxel.
 float MatchingRadius(const SurfaceInputs &in, const RawLightmap &raw, const RawLightmap &other, float filterRadius) {
     const float radius = BoxRadius(in, other, filterRadius), own = LuxelWidth(raw), width = LuxelWidth(other);
     const float square = radius * radius + (width * width - own * own) / 2;
@@ -80,7 +81,7 @@ class LightmapBlur {
     /// A blur that is wider than the lightmap's own: that of neighbors with larger luxels or a filter radius.
     struct WiderBlur {
         float radius = 0;          ///< game units
-        std::vector<float> shares; ///< of this blur, by cell
+        std::vector<float> shares; ///< by cell: weight of this blur against the narrower ones
     };
     /// Values of a light that are blurred alike: color, direction or a channel.
     struct Values {
@@ -111,7 +112,7 @@ class LightmapBlur {
     std::vector<Vec3f> cells_, blurred_, widerBlurred_;
 };
 
-/// Walks as far as boxes reach, which depends on the neighbors.
+/// Finds the surroundings as far as boxes reach, which depends on the neighbors.
 void LightmapBlur::Walk() {
     const auto reach = [&](float radius) { return std::clamp(CellsWithin(radius), 1, kMostReach); };
     float radius = LargestBox(in_, *raw_, light_[number_]);
@@ -126,8 +127,9 @@ void LightmapBlur::Walk() {
         around_.Walk(number_, reach(radius));
 }
 
+/// Sets wider_ from the neighbors that blur by more than the radius `own`.
 void LightmapBlur::FindWiderBlurs(float own, float filterRadius) {
-    constexpr float kWider = 1.01f;
+    constexpr float kWider = 1.01f; // factor of radii that differ by more than rounding
     wider_.clear();
     for (const std::uint32_t other : around_.Neighbors())
         if (const float radius = MatchingRadius(in_, *raw_, surfaces_.lightmaps[other], filterRadius);
@@ -137,8 +139,8 @@ void LightmapBlur::FindWiderBlurs(float own, float filterRadius) {
     std::sort(wider_.begin(), wider_.end(), [](const WiderBlur &a, const WiderBlur &b) { return a.radius < b.radius; });
 }
 
-/// By cell: 1 beside neighbors that blur by `radius`, falling to 0 at that distance from them. The distance is that of
-/// the best way along the axes and diagonals.
+/// By cell: 1 beside neighbors that blur by `radius`, falling to 0 at that distance from them. Distances are those
+/// along the axes and diagonals, by two passes over the cells (Borgefors' chamfer distance transform).
 std::vector<float> LightmapBlur::SharesNear(float radius, float filterRadius) const {
     const int width = around_.Width(), height = around_.Height();
     std::vector<float> distance(std::size_t(width) * std::size_t(height), 1e6f);
@@ -177,6 +179,7 @@ bool LightmapBlur::IsLitAround() const {
     return false;
 }
 
+/// Blurs light of one style and filter radius, of the lightmap and its neighbors, and adds it to the lightmap.
 void LightmapBlur::AddLight(int style, float filterRadius) {
     const float radius = BoxRadius(in_, *raw_, filterRadius);
     FindWiderBlurs(radius, filterRadius);

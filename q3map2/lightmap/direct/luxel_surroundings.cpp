@@ -11,14 +11,17 @@ namespace q3 {
 
 namespace {
 
-/// Surfaces continue each other if their normals turn by at most 30 degrees from cell to cell, and the way between the
-/// cells rises over the surface by at most kMaxRise of its length plus kRiseSlack (game units).
-constexpr float kMinTurn = 0.866f, kMaxRise = 0.15f, kRiseSlack = 0.25f;
+/// Surfaces continue each other if their normals turn by at most 30 degrees from cell to cell, of which this is the
+/// cosine, and the way between the cells leaves the surface by at most kMaxRise of its length plus kRiseSlack (game
+/// units).
+constexpr float kMostTurnCosine = 0.866f, kMaxRise = 0.15f, kRiseSlack = 0.25f;
 /// A surface is searched this far over and under the tangent plane, plus kHeightShare of the step. Game units.
 constexpr float kHeight = 2, kHeightShare = 0.5f;
-/// Whether the way to a cell is free is tested this far over the surfaces, plus kLiftShare of the step. Game units.
+/// The ray that tests whether the way to a cell is free runs this far over the surfaces, plus kLiftShare of the step.
+/// Game units.
 constexpr float kLift = 1, kLiftShare = 0.125f;
-/// Luxels of a lightmap that are edge-on to its axis by less than this have no steps of their own.
+/// Where the normal has a smaller component along the axis of the lightmap, steps do not follow the slope of the
+/// surface.
 constexpr float kLeastSlant = 0.1f;
 
 constexpr std::uint32_t kNone = ~std::uint32_t(0);
@@ -36,7 +39,7 @@ Vec3f IntoPlane(const Vec3f &v, const Vec3f &n) {
 
 /// Whether a surface was found that faces about the same way and moves together with the lightmap's own.
 bool LuxelSurroundings::Faces(const Vec3f &normal, const SurfacePlace &place) const {
-    return place.surface >= 0 && Dot(normal, place.normal) >= kMinTurn &&
+    return place.surface >= 0 && Dot(normal, place.normal) >= kMostTurnCosine &&
            finder_.MoveTogether(place.surface, raw_->surfaces.front());
 }
 
@@ -51,6 +54,7 @@ bool LuxelSurroundings::Continues(const Footing &from, const SurfacePlace &place
            std::abs(Dot(way, from.facet)) <= most || std::abs(Dot(way, place.facet)) <= most;
 }
 
+/// Makes the cell Tapped.
 void LuxelSurroundings::Tap(std::size_t cell, const LuxelTap &tap) {
     states_[cell] = CellState::Tapped;
     tapOf_[cell] = std::uint32_t(taps_.size());
@@ -157,6 +161,7 @@ void LuxelSurroundings::FindNextSteps(std::span<const std::size_t> last, std::ve
         }
 }
 
+/// Sets where the steps lead, if the surface continues there and nothing opaque is in between.
 void LuxelSurroundings::TakeSteps(std::vector<Step> &steps) {
     auto down = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
         const SurfaceFinder::Places places = finder_.FirstHits(packet, translucent_);

@@ -25,6 +25,7 @@ class LuxelSurroundings {
     LuxelSurroundings(const SurfaceInputs &in, const SurfaceLight &surfaces, const SurfaceFinder &finder)
         : in_(in), surfaces_(surfaces), finder_(finder) {}
 
+    /// Sets the cells of a lightmap and of `reach` cells around it.
     void Walk(std::size_t lightmap, int reach);
 
     int Reach() const { return reach_; }
@@ -41,7 +42,7 @@ class LuxelSurroundings {
     const std::vector<std::uint32_t> &Neighbors() const { return neighbors_; }
 
   private:
-    /// Where the walk stands, the normals there (SurfacePlace), and its steps to the next cell across and down.
+    /// A position on a surface, the normals there (as in SurfacePlace), and the steps to the next cell across and down.
     struct Footing {
         Vec3f position, normal, facet, across, down;
     };

@@ -217,8 +217,8 @@ bool LightmapSetup::Fits(const RawLightmap &raw, const Candidate &seed, const Ca
     return alike && !(samePlane && IsBehindWall(raw, c));
 }
 
-/// Whether the surface touches none of the lightmap's, and only a wall that luxels reach across is between it and one
-/// of them: with a lightmap of its own it gets no light through the wall.
+/// Whether the surface touches none of the lightmap's surfaces, and a wall that texture filtering would read across
+/// parts it from one of them. It needs another lightmap, or light would come through the wall.
 bool LightmapSetup::IsBehindWall(const RawLightmap &raw, const Candidate &c) const {
     bool wall = false;
     for (const int number : raw.surfaces)
@@ -228,7 +228,7 @@ bool LightmapSetup::IsBehindWall(const RawLightmap &raw, const Candidate &c) con
         case SurfaceGap::Wall:
             wall = true;
             break;
-        case SurfaceGap::Far:
+        case SurfaceGap::NoWall:
             break;
         }
     return wall;

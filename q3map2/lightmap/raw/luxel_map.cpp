@@ -35,10 +35,14 @@ struct MapScratch {
     std::vector<std::uint8_t> passes; // pass that mapped it: 1: a surface, 2 and more: a ring around surfaces
 };
 
-/// The steps in which the triangles of a surface are mapped. Those that lie flat in a planar lightmap with one normal
-/// take Centers and Rest, so that a luxel is lit over the triangle at its center, however thin its other triangles are;
-/// others take ThinEdges and Rest.
-enum class MapStep { Centers, ThinEdges, Rest };
+/// The steps in which the triangles of surfaces are mapped. Triangles of a planar lightmap with one normal take Centers
+/// and Rest, so that a luxel is lit over the triangle at its center even if others cover part of it; all others take
+/// ThinEdges and Rest.
+enum class MapStep {
+    Centers,   ///< luxels whose center a triangle covers
+    ThinEdges, ///< luxels on edges along an axis of the lightmap
+    Rest       ///< all others that a triangle touches
+};
 
 class LuxelMapper {
   public:
@@ -82,8 +86,7 @@ class LuxelMapper {
     void RetryOccluded(int surface);
     /// None where the engine does the normal mapping, by basis maps.
     const NormalImage &NormalsOf(const SurfaceEntry &entry) const {
-        static const NormalImage kNone;
-        return raw_.channels.basis ? kNone : entry.normals;
+        return raw_.channels.basis ? noNormals_ : entry.normals;
     }
     void MapTriangles(const bspDrawSurface_t &surface, const NormalImage &normals, MapSteps steps);
     void MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &entry);
@@ -104,6 +107,7 @@ class LuxelMapper {
     const SurfaceLight &surfaces_;
     RawLightmap &raw_;
     MapScratch &scratch_;
+    const NormalImage noNormals_{};
     LuxelPositionFinder positionFinder_;
     float threshold2_ = 1;
     int superWidth_ = 0, superHeight_ = 0;
@@ -212,8 +216,7 @@ void LuxelMapper::MapMesh(const bspDrawSurface_t &surface, const SurfaceEntry &e
         }
 }
 
-void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const NormalImage &normals,
-                              MapStep step) {
+void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, const NormalImage &normals, MapStep step) {
     LuxelPlane plane = PlaneOf(triangle[0], triangle[1], triangle[2]);
     if (!Usable(plane))
         return;

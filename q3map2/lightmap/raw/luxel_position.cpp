@@ -20,10 +20,11 @@ constexpr float kLeastTwiceArea = 1e-4f;
 /// Spacing of luxels on a curve, as a share of the nominal luxel size, below which a nudge of half a luxel leaves the
 /// curve.
 constexpr float kDense = 0.5f;
-/// Distance from an edge of a triangle, in game units, at which a point over it is certainly not on the face of the wall
-/// that the edge may run along.
+/// Distance from an edge of a triangle, in game units, at which a point over it is certainly not on the face of the
+/// wall that the edge may run along.
 constexpr float kInward = 0.25f;
-constexpr int kTriangleRounds = 3; // moving off one edge may cross another
+/// A position is moved off all edges of a triangle this often, since a move off one may cross another.
+constexpr int kTriangleRounds = 3;
 
 /// Offsets in half luxels, in the order in which they are tried.
 constexpr std::array<std::array<float, 2>, 8> kNudges{

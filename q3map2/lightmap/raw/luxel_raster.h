@@ -133,7 +133,7 @@ inline bool Contains(const LuxelTriangle &triangle, const std::array<float, 2> &
     return NearestInside(triangle, p) == p;
 }
 
-/// Whether the center of luxel (x, y) is in the triangle, or so near to it that only rounding parts them.
+/// Whether the center of luxel (x, y) is in the triangle, or outside it by no more than rounding.
 inline bool ContainsCenter(const LuxelTriangle &triangle, int x, int y) {
     constexpr float kRounding = 1.0f / 256; // luxels
     const std::array<float, 2> center{float(x) + 0.5f, float(y) + 0.5f}, nearest = NearestInside(triangle, center);

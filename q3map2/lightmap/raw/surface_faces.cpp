@@ -22,11 +22,14 @@ std::vector<Face> FacesOfPatch(const SurfaceInputs &in, const SurfaceLight &surf
         const auto nearest = std::min_element(first, first + surface.numVerts, nearer);
         return FaceCorner{v.xyz, v.normal, v.st, v.luxel, int(nearest - surfaces.verts.begin())};
     };
+    MeshOf<FaceCorner> corners{mesh.width, mesh.height, {}};
+    for (const SurfaceVertex &v : mesh.verts)
+        corners.verts.push_back(corner(v));
     std::vector<Face> faces;
     for (int y = 0; y + 1 < mesh.height; ++y)
         for (int x = 0; x + 1 < mesh.width; ++x) {
-            const auto q = MeshQuad(mesh, x, y);
-            faces.push_back({corner(q[0]), corner(q[1]), corner(q[2]), corner(q[3])});
+            const auto quad = MeshQuad(corners, x, y);
+            faces.emplace_back(quad.begin(), quad.end());
         }
     return faces;
 }

@@ -13,7 +13,7 @@ namespace {
 
 /// Surfaces this near to each other touch. Game units.
 constexpr float kTouching = 0.2f;
-/// The way between surfaces is this far over them, where luxels are lit. Game units.
+/// A wall is looked for this far in front of the surfaces, where luxels are lit. Game units.
 constexpr float kLift = 1;
 
 /// The shortest way found so far.
@@ -21,6 +21,7 @@ struct ShortestWay {
     float distance2 = std::numeric_limits<float>::infinity();
     Vec3f from, to;
 
+    /// Takes the way from p to the nearest point of the edge from a to b, if it is shorter.
     void Add(const Vec3f &p, const Vec3f &a, const Vec3f &b) {
         const Vec3f along = b - a;
         const float length2 = Dot(along, along);
@@ -34,6 +35,7 @@ class GapFinder {
   public:
     GapFinder(const SurfaceInputs &in, const SurfaceLight &surfaces) : in_(in), surfaces_(surfaces) {}
 
+    /// Surfaces do not overlap, so one end of the shortest way is a vertex. If two vertices touch, their way will do.
     ShortestWay Between(int a, int b) const {
         ShortestWay way;
         for (const SurfaceVertex &p : Verts(a))
@@ -71,17 +73,15 @@ class GapFinder {
 
 SurfaceGap GapBetween(const SurfaceInputs &in, const SurfaceLight &surfaces, int a, int b, const Vec3f &normal,
                       float reach) {
-    const auto &boxA = surfaces.bounds[std::size_t(a)], &boxB = surfaces.bounds[std::size_t(b)];
-    for (std::size_t i = 0; i < 3; ++i)
-        if (boxA.mins[i] > boxB.maxs[i] + reach || boxB.mins[i] > boxA.maxs[i] + reach)
-            return SurfaceGap::Far;
+    if (!surfaces.bounds[std::size_t(a)].Touches(surfaces.bounds[std::size_t(b)], reach))
+        return SurfaceGap::NoWall;
     const ShortestWay way = GapFinder(in, surfaces).Between(a, b);
     if (way.distance2 <= kTouching * kTouching)
         return SurfaceGap::Touching;
     const Vec3f up = normal * kLift;
     return way.distance2 <= reach * reach && WayBetween(in.space, way.from + up, way.to + up) == Way::Blocked
                ? SurfaceGap::Wall
-               : SurfaceGap::Far;
+               : SurfaceGap::NoWall;
 }
 
 } // namespace q3

@@ -7,12 +7,11 @@ namespace q3 {
 
 enum class SurfaceGap {
     Touching, ///< no gap
-    Far,      ///< farther apart than asked, or only air is between them
+    NoWall,   ///< farther apart than `reach`, or with only open space in between
     Wall      ///< a solid is on the shortest way from one to the other
 };
 
-/// What is between draw surfaces a and b of the plane with that normal, if their distance is at most `reach` game
-/// units.
+/// What is between draw surfaces a and b, which lie in one plane with that normal. reach: game units.
 SurfaceGap GapBetween(const SurfaceInputs &in, const SurfaceLight &surfaces, int a, int b, const Vec3f &normal,
                       float reach);
 

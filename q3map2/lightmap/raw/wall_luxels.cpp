@@ -18,10 +18,10 @@ namespace {
 constexpr std::array<std::array<int, 2>, 8> kRing{
     {{-1, -1}, {0, -1}, {1, -1}, {1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}}};
 constexpr std::size_t kSelf = kRing.size();
-/// A side counts if it is open this far from its luxel towards the wall: the texel in the wall has at least this weight
-/// somewhere on it. Luxels.
+/// A side counts if the space this far from its luxel towards the luxel in the wall is open: there bilinear filtering
+/// gives the latter this weight. Luxels.
 constexpr float kLeastWeight = 1.0f / 8;
-/// Positions this near to an opaque brush are not seen. Game units.
+/// Positions this near to an opaque brush count as inside it. Game units.
 constexpr float kSeenEpsilon = 0.125f;
 
 /// A luxel in a wall that is shown on several sides of it.
@@ -30,7 +30,7 @@ struct WallLuxel {
     std::vector<std::vector<std::size_t>> sides; // luxels on each side: neighbors, or the luxel itself
 };
 
-/// Luxels that are lit over their center.
+/// Luxels that are lit at their center.
 LuxelMask CenteredLuxels(const RawLightmap &raw) {
     constexpr float kSame = 1.0f / 64; // luxels
     const LuxelAxes axes = AxesOf(raw.axis);
@@ -53,6 +53,8 @@ class SideFinder {
     SideFinder(const BspSpace &space, const LuxelMask &centered, const RawLightmap &raw)
         : space_(space), centered_(centered), raw_(raw) {}
 
+    /// The sides around a luxel in a wall; none if it has fewer than two. Neighbors next to each other in the ring are
+    /// on one side if the way between them is open.
     std::optional<WallLuxel> Find(int x, int y) const {
         const std::size_t self = raw_.SuperIndex(x, y);
         std::array<std::size_t, kRing.size()> around{};
@@ -88,14 +90,16 @@ class SideFinder {
     }
 
   private:
-    /// False, without a look at the map, beside an ordinary wall: all lit neighbors are on one side.
+    /// False beside an ordinary wall, which spares tests of ways: there all lit neighbors are on one side, in one arc
+    /// of at most three.
     static bool MayHaveTwoSides(const std::array<bool, kRing.size() + 1> &lit) {
+        constexpr int kOneSide = 3;
         int count = 0, arcs = 0;
         for (std::size_t k = 0; k < kRing.size(); ++k) {
             count += lit[k];
             arcs += lit[k] && !lit[(k + 1) % kRing.size()];
         }
-        return count > 3 || arcs > 1;
+        return count > kOneSide || arcs > 1;
     }
 
     /// Whether p is over the bounds of the surfaces: light of luxels in the ring beside them says nothing about what is
@@ -109,6 +113,7 @@ class SideFinder {
         return true;
     }
 
+    /// Whether the space from neighbor k of the ring towards the luxel in the wall is open: kLeastWeight.
     bool IsOpenTowards(std::size_t neighbor, std::size_t k) const {
         const Vec3f back =
             raw_.step[0] * (float(-kRing[k][0]) * kLeastWeight) + raw_.step[1] * (float(-kRing[k][1]) * kLeastWeight);
@@ -146,7 +151,7 @@ Vec3f MeanOf(const std::vector<Vec3f> &values, const std::vector<std::size_t> &l
     return sum / float(luxels.size());
 }
 
-/// For each color the side with the least light.
+/// By color channel: the side with the least light.
 std::array<std::size_t, 3> DarkestSides(const std::vector<Vec3f> &light, const WallLuxel &wall) {
     std::array<std::size_t, 3> darkest{};
     Vec3f least = MeanOf(light, wall.sides[0]);
@@ -173,6 +178,7 @@ std::vector<WallLuxel> FindWallLuxels(const BspSpace &space, const RawLightmap &
     return walls;
 }
 
+/// Sets the light of one style slot.
 void FillSlot(const std::vector<WallLuxel> &walls, std::size_t slot, RawLightmap &raw) {
     std::vector<Vec3f> &light = raw.light[slot];
     for (const WallLuxel &wall : walls) {
@@ -186,7 +192,8 @@ void FillSlot(const std::vector<WallLuxel> &walls, std::size_t slot, RawLightmap
         for (std::vector<Vec3f> &channel : raw.directional[slot])
             fill(channel);
         if (slot == 0 && !raw.directions.empty() && !raw.Mapped(wall.luxel))
-            raw.directions[wall.luxel] = MeanOf(raw.directions, wall.sides[darkest[0]]);
+            raw.directions[wall.luxel] =
+                MeanOf(raw.directions, wall.sides[darkest[0]]); // the sides rarely differ by color
         fill(light);
         raw.filled[slot][wall.luxel] = 1;
     }

@@ -113,7 +113,7 @@ SurfaceVertexLight VertexLighter::Run() {
     result_.values[0].assign(verts_.size(), ambient_);
     if (StyleChoice::IsNeeded(lights_))
         ChooseStyles();
-    std::vector<bool> lit(verts_.size()); // not occluded at some offset
+    std::vector<bool> lit(verts_.size()); // in the open at some offset
     VertexIndices hidden(verts_.size());
     std::iota(hidden.begin(), hidden.end(), std::size_t(0));
     const bool anyLight = !lights_.empty() || flood_.light != Vec3f{};

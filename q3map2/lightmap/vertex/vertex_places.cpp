@@ -11,7 +11,7 @@ namespace {
 constexpr float kLift = 1.0f / 8, kInset = 1.0f / 4;
 /// A vertex counts as inside a solid from this depth on. Game units.
 constexpr float kSolidDepth = 0.125f;
-/// Halvings of the way out of a solid.
+/// Bisections that find where a way leaves a solid.
 constexpr int kBisections = 12;
 
 } // namespace
@@ -71,7 +71,7 @@ int VertexPlaces::ClusterAt(std::size_t vertex, const Vec3f &offset) {
     return cluster >= 0 && WayBetween(in_.space, WayOut(vertex), aside) != Way::Blocked ? cluster : kSolidCluster;
 }
 
-/// Where the way from a vertex in a solid along its surface comes out; the ray origin if it does not.
+/// Where the way from a vertex in a solid towards its neighbors comes out; the ray origin if it does not.
 Vec3f VertexPlaces::WayOut(std::size_t vertex) {
     Vec3f inside = rayOrigins_[vertex], outside = middles_[vertex];
     if (OpenCluster(outside) < 0)
