@@ -179,8 +179,8 @@ std::string MarkdownPage() {
 
 std::string DirectivesPage() {
     std::string text = fmt::format("<!-- Generated: q3map2 -help shadermarkdown > docs/shader_directives.md -->\n"
-                                   "# Directives of shaders\n\n{}\n\nIn the game of a map, `surfaceparm` names and "
-                                   "more depend on `-game`. [lights.md](lights.md) shows kinds of light, "
+                                   "# Directives of shaders\n\n{}\n\nWhich names `surfaceparm` takes depends on "
+                                   "`-game`. [lights.md](lights.md) shows kinds of light, "
                                    "[lightmaps.md](lightmaps.md) how lightmaps are made. `q3map2 -help "
                                    "q3map_surfaceLight` prints one of these entries, `q3map2 -help shader` all.\n",
                                    kDirectiveRules);

@@ -121,7 +121,7 @@ void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> 
         if (!IsFolder(path))
             return Report(
                 options.force, "no base path",
-                fmt::format("no game files: -fs_basepath {} is no folder; it must be the one that holds {} (searched: "
+                fmt::format("no game files: -fs_basepath {} is not a folder; it must be the one that holds {} (searched: "
                             "{})",
                             path, base, Joined(folders)),
                 log);

@@ -73,9 +73,10 @@ void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
     const double share = double(size[0]) * double(size[1]) * double(size[2]) / std::pow(double(kSmallCellSH), 3);
     if (bytes > kSmallGrid && bytes > fileBytes / 2 && share < 1)
         log.Warn("large SH grid",
-                 "the SH grid is {:.0f} % of the file; -shsmall, without another -gridsh, bakes one of about {:.0f} % "
-                 "of its size",
-                 100 * double(bytes) / double(fileBytes), 100 * share);
+                 "the SH grid is {:.0f} % of the file; -shsmall, without another -gridsh, bakes one of {} of its "
+                 "size",
+                 100 * double(bytes) / double(fileBytes),
+                 share < 0.01 ? std::string("less than 1 %") : fmt::format("about {:.0f} %", 100 * share));
 }
 
 } // namespace q3

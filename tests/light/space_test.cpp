@@ -131,6 +131,20 @@ TEST(Ways, ThinWallsBlockAndFacesDoNot) {
     }
 }
 
+TEST(Ways, AWallOfTwoBrushesIsOne) {
+    QuietLog quiet;
+    VirtualFileSystem vfs(quiet.log);
+    vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
+    SceneBuilder scene = Room({-128, -128, 0}, {128, 128, 128});
+    scene.AddBox({0, -128, 0}, {4, 64, 128}, TestShader("textures/test/wall"), BoxKind::Detail);
+    scene.AddBox({4, -128, 0}, {8, 64, 128}, TestShader("textures/test/wall"), BoxKind::Detail);
+    const Bsp bsp = CompiledScene(scene, vfs);
+    const BspSpace space(bsp, std::vector<bool>(bsp.brushes.size(), true));
+    EXPECT_EQ(WayBetween(space, {2, 0, 1}, {10, 0, 1}), Way::LeavesSolid);
+    EXPECT_EQ(WayBetween(space, {2, 0, 1}, {10, 6, 1}), Way::LeavesSolid) << "oblique";
+    EXPECT_EQ(WayBetween(space, {-2, 0, 1}, {10, 0, 1}), Way::Blocked);
+}
+
 TEST(Ways, APillarInWaterBlocks) {
     QuietLog quiet;
     VirtualFileSystem vfs(quiet.log);

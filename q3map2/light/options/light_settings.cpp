@@ -83,24 +83,24 @@ Group SparseGridSH() {
         o.shAdaptive = true;
         return o.sparseGoal;
     };
-    return {
-        "Sparse SH light grid",
-        "Cells down to 4 units where the light needs them, large ones elsewhere: "
-        "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
-        {{{.name = "-shadaptive",
-           .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
-           .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
-                      "sparse grid that the file had, with a warning."},
-          &LightOptions::shAdaptive},
-         ErrorTargetSetting<LightOptions>(
-             "Error that the sparse grid may have on a screen at random positions of players: RMS; includes "
-             "-shadaptive",
-             "It is measured and printed. Cells are split while it is above this, smaller cells gain, and the grid has "
-             "at most half of the bytes of the uniform one, or 0.08 MB: "
-             "[accuracy.md](accuracy.md#error-against-bytes).",
-             goal),
-         BudgetSetting<LightOptions>("Size of the sparse grid, in place of an error target; includes -shadaptive",
-                                     "The least error that fits.", goal)}};
+    return {"Sparse SH light grid",
+            "Cells down to 4 units where the light needs them, large ones elsewhere: "
+            "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
+            {{{.name = "-shadaptive",
+               .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
+               .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
+                          "sparse grid that the file had, with a warning."},
+              &LightOptions::shAdaptive},
+             ErrorTargetSetting<LightOptions>(
+                 "Error that the sparse grid may have on a screen at random positions of players: RMS; includes "
+                 "-shadaptive",
+                 "It is measured and printed. Cells are split while it is above this, smaller cells reduce it, and the "
+                 "grid has "
+                 "at most half of the bytes of the uniform one, or 0.08 MB: "
+                 "[accuracy.md](accuracy.md#error-against-bytes).",
+                 goal),
+             BudgetSetting<LightOptions>("Size of the sparse grid, in place of an error target; includes -shadaptive",
+                                         "The least error that fits.", goal)}};
 }
 
 Group QualityOfGridSH() {

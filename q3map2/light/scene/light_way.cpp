@@ -9,6 +9,10 @@ namespace q3 {
 
 namespace {
 
+/// Solids with less than this between them count as one: two adjoining brushes, both shrunk by kWayTouch, have twice
+/// that between them, and more along an oblique segment. Game units.
+constexpr float kLeastGap = 4 * kWayTouch;
+
 /// Where a part of a way begins and ends, as fractions of its length.
 using Span = std::array<float, 2>;
 
@@ -23,7 +27,7 @@ class WayWalk {
         if (solids_.empty())
             return Way::Open;
         std::sort(solids_.begin(), solids_.end());
-        const float slack = kWayTouch / std::max(kWayTouch, Length(along_));
+        const float slack = kLeastGap / std::max(kLeastGap, Length(along_));
         float left = 0; // where the way leaves the solid that it starts in
         for (const auto &[from, to] : solids_) {
             if (from > left + slack)

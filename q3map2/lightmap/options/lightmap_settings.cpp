@@ -197,7 +197,8 @@ Group Bounces() {
            .initial = "0",
            .help = "How often light bounces off surfaces",
            .details =
-               "Ends earlier when all bounces to come would give less than a quarter of a byte anywhere, and adds an "
+               "Ends earlier when all bounces to come would give little light, at most a quarter of a byte anywhere, "
+               "and adds an "
                "estimate of them; `inf` ends only then. More than 1 costs little: the rays are those of the first "
                "bounce."},
           Do<LightmapOptions>(TakeBounces)},
