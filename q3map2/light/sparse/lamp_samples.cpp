@@ -82,8 +82,9 @@ bool IsLamp(const Light &light) {
 }
 
 /// Appends the positions before lamp number `lamp`: jittered ones, a step apart, that are in the open and see its
-/// clusters.
-void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, std::vector<LampPlace> &places) {
+/// clusters. origin: from which the steps count, so that a map that is moved has the same positions.
+void AddPlaces(const BspSpace &space, const Vec3f &origin, const Light &light, std::uint32_t lamp,
+               std::vector<LampPlace> &places) {
     constexpr std::int32_t kKeyMask = (1 << 21) - 1; // KeyOf takes 21 bits of each coordinate
     const bool area = light.type == LightType::Area;
     const float radius = area ? light.shape.radius : 0;
@@ -95,8 +96,8 @@ void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, st
         box.Add(light.origin);
     Int3 low{}, high{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = int(std::floor((box.mins[axis] - kFarFromSurface) / step));
-        high[axis] = int(std::floor((box.maxs[axis] + kFarFromSurface) / step));
+        low[axis] = int(std::floor((box.mins[axis] - origin[axis] - kFarFromSurface) / step));
+        high[axis] = int(std::floor((box.maxs[axis] - origin[axis] + kFarFromSurface) / step));
     }
     const Vec3f clear{kSampleClearance, kSampleClearance, kSampleClearance};
     for (int z = low[2]; z <= high[2]; ++z)
@@ -107,9 +108,9 @@ void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, st
                 const std::uint64_t key =
                     KeyOf({cell[0] & kKeyMask, cell[1] & kKeyMask, cell[2] & kKeyMask}); // they may be negative
                 const Sample3 jitter = PlasticSample3(0, key);
-                const Vec3f p = Vec3f{float(cell[0]) + float(jitter.u), float(cell[1]) + float(jitter.v),
-                                      float(cell[2]) + float(jitter.w)} *
-                                kLeastStep;
+                const Vec3f p = origin + Vec3f{float(cell[0]) + float(jitter.u), float(cell[1]) + float(jitter.v),
+                                               float(cell[2]) + float(jitter.w)} *
+                                             kLeastStep;
                 if (!IsNear(light, p) || space.AnySolid(p - clear, p + clear))
                     continue;
                 const int cluster = space.ClusterAt(p, kClearance);
@@ -120,11 +121,12 @@ void AddPlaces(const BspSpace &space, const Light &light, std::uint32_t lamp, st
 
 /// The positions before all lamps, in the order of their keys; one that is before several lamps occurs once for each.
 /// most: random positions are left out so that about this many are left.
-std::vector<LampPlace> FindPlaces(const GridInputs &in, const std::vector<Light> &lights, std::size_t most) {
+std::vector<LampPlace> FindPlaces(const GridInputs &in, const Vec3f &origin, const std::vector<Light> &lights,
+                                  std::size_t most) {
     std::vector<std::vector<LampPlace>> found(lights.size());
     in.jobs.For(std::int64_t(lights.size()), [&](std::int64_t i, int) {
         if (const Light &light = lights[std::size_t(i)]; IsLamp(light))
-            AddPlaces(in.space, light, std::uint32_t(i), found[std::size_t(i)]);
+            AddPlaces(in.space, origin, light, std::uint32_t(i), found[std::size_t(i)]);
     });
     std::vector<LampPlace> places;
     for (const std::vector<LampPlace> &some : found)
@@ -193,7 +195,7 @@ LampSamples::LampSamples(const GridInputs &in, const std::vector<Light> &lights,
                          const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats)
     : lights_(lights), lattice_(lattice) {
     std::vector<std::pair<std::uint64_t, LampPlace>> order;
-    for (const LampPlace &place : FindPlaces(in, lights, mostSamples))
+    for (const LampPlace &place : FindPlaces(in, lattice.UniformMins(), lights, mostSamples))
         order.push_back({MortonOf(CellAt(lattice.InCells(place.position))), place});
     std::stable_sort(order.begin(), order.end(), [](const auto &a, const auto &b) {
         return a.first != b.first ? a.first < b.first : a.second.key < b.second.key;

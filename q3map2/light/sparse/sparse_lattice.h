@@ -30,6 +30,7 @@ class SparseLattice {
     /// Distance of points of the uniform grid along an axis: 2^UniformLevel smallest cells.
     int UniformLevel(std::size_t axis) const { return uniformLevel_[axis]; }
     int Levels() const { return levels_; }
+    Vec3f UniformMins() const { return Vec3f(uniform_.gridMins); } ///< first point of the uniform grid
     const Vec3f &Mins() const { return mins_; }
     const Vec3f &Cell() const { return cell_; }
     const Int3 &Roots() const { return roots_; }
