@@ -74,7 +74,7 @@ bool IsNear(const Light &light, const Vec3f &p) {
            (light.type == LightType::Point || Dot(away, light.normal) > 0);
 }
 
-/// Whether light is sampled before the light: suns, lights without intensity and faint ones are not lamps.
+/// Whether cells in front of the light are measured: not for suns, lights without intensity, and faint ones.
 bool IsLamp(const Light &light) {
     if (light.type == LightType::Sun || light.photons <= 0)
         return false;

@@ -61,8 +61,8 @@ class LuxelMapper {
 
     MapCounts Run() {
         allOneNormal_ = HasOneNormal();
-        for (const int number : raw_.surfaces)
-            MapSurface(number, {MapStep::Centers});
+        for (std::size_t i = 0; IsFlat() && i < raw_.surfaces.size(); ++i)
+            MapSurface(raw_.surfaces[i], {MapStep::Centers});
         for (const int number : raw_.surfaces)
             MapSurface(number, {MapStep::ThinEdges, MapStep::Rest});
         if (anySums_)
@@ -79,6 +79,8 @@ class LuxelMapper {
 
   private:
     bool HasOneNormal() const;
+    /// A planar lightmap of surfaces with one normal: MapFlatTriangle finds its luxels, unless normals are mapped.
+    bool IsFlat() const { return allOneNormal_ && raw_.planar && raw_.hasVectors; }
     LuxelPlane PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) const;
     bool Usable(const LuxelPlane &plane) const;
     using MapSteps = std::initializer_list<MapStep>;
@@ -113,7 +115,7 @@ class LuxelMapper {
     int superWidth_ = 0, superHeight_ = 0;
     MapCounts counts_;
     bool anyOccluded_ = false, anySums_ = false; // some luxel is occluded, or has the sum of several normals
-    int occludedOn_ = -1;                        // the surface whose position of a luxel was the last in a solid
+    int lastMapped_ = -1;                        // the surface that was mapped last
 
     // Of the surface being mapped.
     float offset_ = kSampleOffset;
@@ -156,13 +158,13 @@ bool LuxelMapper::Usable(const LuxelPlane &plane) const {
 
 /// Luxels that an earlier surface left in solids are tried again: this one may find an open position.
 void LuxelMapper::RetryOccluded(int surface) {
-    if (anyOccluded_ && occludedOn_ != surface) {
+    if (anyOccluded_ && lastMapped_ != surface) {
         std::replace_if(
             raw_.luxelClusters.begin(), raw_.luxelClusters.end(), [](int cluster) { return cluster < 0; },
             int(kUnmapped));
         anyOccluded_ = false;
     }
-    occludedOn_ = surface;
+    lastMapped_ = surface;
 }
 
 void LuxelMapper::MapSurface(int number, MapSteps steps) {
@@ -222,7 +224,7 @@ void LuxelMapper::MapTriangle(const std::array<SurfaceVertex, 3> &triangle, cons
         return;
     plane.triangle = &triangle;
     const NormalMap map(normals, triangle[0], triangle[1], triangle[2]);
-    if (allOneNormal_ && !map.Active() && raw_.planar && raw_.hasVectors) {
+    if (IsFlat() && !map.Active()) {
         MapFlatTriangle(triangle, plane, step);
         return;
     }
