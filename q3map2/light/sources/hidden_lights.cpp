@@ -66,7 +66,9 @@ void AddPart(const Light &light, Winding<float> w, bool twoSided, const BspSpace
     const std::optional<Vec3f> origin = OpenOrigin(part, space);
     if (!origin)
         return;
-    part.photons = float(double(light.photons) * area / double(light.shape.area));
+    const double share = area / double(light.shape.area);
+    part.photons = float(double(light.photons) * share);
+    part.tolerance = float(double(light.tolerance) * share); // as far as the whole light reaches
     part.origin = *origin;
     part.dist = Dot(part.origin, part.normal);
     parts.push_back(std::move(part));
