@@ -61,7 +61,8 @@ TEST_P(WorldKeys, AnyNumber) {
             if (key == "_color")
                 scene.SetWorldKey("_ambient", "10");
             scene.AddEntity(PointLight("10 20 100"));
-            LitSoundlyOrRefused(scene, "-gridsh 128 128 128 -shadaptive", "grid");
+            const bool sparse = value == number; // takes most of the time, and reads no keys of its own
+            LitSoundlyOrRefused(scene, sparse ? "-gridsh 128 128 128 -shadaptive" : "-gridsh 128 128 128", "grid");
         }
     }
 }
