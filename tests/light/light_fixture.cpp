@@ -73,12 +73,13 @@ Coefficients FromRectangle(const Vec3d &p, const Vec3d &corner, const Vec3d &u, 
     Coefficients c{};
     if (Dot(p - corner, normal) <= 0)
         return c;
-    // Pieces that look large are cut, so that five nodes a side are exact enough.
-    const double size = std::max(Length(u), Length(v));
-    if (2 * size > Length(corner + (u + v) * 0.5 - p)) {
-        const Vec3d halfU = u * 0.5, halfV = v * 0.5;
-        for (const Vec3d &at : {corner, corner + halfU, corner + halfV, corner + halfU + halfV})
-            c = c + FromRectangle(p, at, halfU, halfV, normal, add, color);
+    // Pieces that look large are halved across their longer side, so that five nodes a side are exact enough.
+    const double width = Length(u), height = Length(v);
+    if (2 * std::max(width, height) > Length(corner + (u + v) * 0.5 - p)) {
+        const bool across = width >= height;
+        const Vec3d cut = (across ? u : v) * 0.5;
+        for (const Vec3d &at : {corner, corner + cut})
+            c = c + FromRectangle(p, at, across ? cut : u, across ? v : cut, normal, add, color);
         return c;
     }
     static constexpr double kNodes[5] = {0.046910077030668, 0.2307653449471584, 0.5, 0.7692346550528416,

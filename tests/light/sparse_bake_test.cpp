@@ -181,7 +181,7 @@ TEST_F(SparseBakeTest, AStripOfLightBetweenPointsIsNotMissed) {
         return FromRectangle(p, {-508, -100, 24}, {0, 200, 0}, {0, 0, 14}, {1, 0, 0}, 0.75 * 2000, {1, 0.5, 0.25});
     };
     const SparseView sparse(Baked(scene, "-sherrortarget 1"));
-    const auto before = RandomPositions({{-492, -90, 24}, {-476, 90, 38}}, 0, 40);
+    const auto before = RandomPositions({{-492, -90, 24}, {-476, 90, 38}}, 0, 200);
     const auto sample = [&](const Vec3d &p) { return sparse.Sample(p); };
     const auto smallest = [&](const Vec3d &p) { return Interpolated(p, 8, fromTheStrip); };
     EXPECT_LT(ScreenErrorAt(before, sample, fromTheStrip), ScreenErrorAt(before, smallest, fromTheStrip))

@@ -86,9 +86,9 @@ std::array<Vec3f, 4> FacingDown(float x0, float y0, float x1, float y1, float z)
 /// A room of 512 x 512 x 256 with the origin in the middle of its floor.
 class HiddenLampTest : public testing::Test {
   protected:
-    void Light(bool fast = false) {
+    void Light() {
         case_ = std::make_unique<SurfaceCase>(scene_, folder_, CaseSettings{.script = kLamps});
-        case_->settings.light.fast = fast;
+        case_->settings.light.fast = fast_;
         SurfaceLightCounts counts;
         created_ = SurfaceLights(case_->space, case_->table, case_->settings.light, case_->world, case_->library,
                                  counts, case_->quiet.log);
@@ -99,7 +99,8 @@ class HiddenLampTest : public testing::Test {
         ContributionCounts rays;
         LightLuxels(case_->Inputs(), lights, {}, *surfaces_, rays);
     }
-    /// Checks every luxel of a surface: expected(place, normal) within half a percent, or darker by up to `lost`.
+    /// Checks every luxel of a surface: expected(place, normal) within half a percent, or darker by up to
+    /// `lost`, byte scale.
     template <typename Expected>
     void ExpectLuxels(std::string_view shader, const Expected &expected, double lost = 0) const {
         const RawLightmap &raw = LightmapOf(*case_, *surfaces_, shader);
@@ -119,6 +120,7 @@ class HiddenLampTest : public testing::Test {
 
     SceneBuilder scene_ = EmptyRoom({-256, -256, 0}, {256, 256, 256});
     GameFolder folder_;
+    bool fast_ = false; ///< as with -fast
     std::unique_ptr<SurfaceCase> case_;
     std::vector<q3::Light> created_;
     std::unique_ptr<SurfaceLight> surfaces_;
@@ -159,7 +161,8 @@ TEST_F(HiddenLampTest, PartsOfALampReachAsFarAsItWouldUnderFast) {
     scene_.AddBox({-48, -48, 0}, {48, 48, 12}, Shaded("textures/test/wall"));
     scene_.AddQuad(FacingDown(-100, -100, 100, 100, 240), Shaded(kPanel));
     // Either half of the lamp gives one byte at 618 units, where it ends; its smallest part alone at less than 240.
-    Light(true);
+    fast_ = true;
+    Light();
     constexpr double kLeftOut = 1; // by -fast: up to the tolerance. Byte scale
     ExpectLuxels(
         kPanel,

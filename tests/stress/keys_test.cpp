@@ -38,9 +38,7 @@ TEST_P(LightKeys, AnyNumber) {
             SceneBuilder scene = Room();
             scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/vec/sky_sun"));
             AddLight(scene, kind, key, vector ? fmt::format("{0} 1 {0}", number) : number);
-            // The sparse grid takes most of the time, and sees only the light that any kind gives.
-            const bool sparse = kind == LightKind::Point || kind == LightKind::Sun;
-            LitSoundlyOrRefused(scene, sparse ? "-gridsh 128 128 128 -shadaptive" : "-gridsh 128 128 128", "light at");
+            LitSoundlyOrRefused(scene, "-gridsh 128 128 128 -shadaptive", "light at");
         }
 }
 
@@ -61,8 +59,7 @@ TEST_P(WorldKeys, AnyNumber) {
             if (key == "_color")
                 scene.SetWorldKey("_ambient", "10");
             scene.AddEntity(PointLight("10 20 100"));
-            const bool sparse = value == number; // takes most of the time, and reads no keys of its own
-            LitSoundlyOrRefused(scene, sparse ? "-gridsh 128 128 128 -shadaptive" : "-gridsh 128 128 128", "grid");
+            LitSoundlyOrRefused(scene, "-gridsh 128 128 128 -shadaptive", "grid");
         }
     }
 }
