@@ -76,10 +76,10 @@ Coefficients FromRectangle(const Vec3d &p, const Vec3d &corner, const Vec3d &u, 
     // Pieces that look large are halved across their longer side, so that five nodes a side are exact enough.
     const double width = Length(u), height = Length(v);
     if (2 * std::max(width, height) > Length(corner + (u + v) * 0.5 - p)) {
-        const bool across = width >= height;
-        const Vec3d cut = (across ? u : v) * 0.5;
-        for (const Vec3d &at : {corner, corner + cut})
-            c = c + FromRectangle(p, at, across ? cut : u, across ? v : cut, normal, add, color);
+        const bool halveU = width >= height;
+        const Vec3d half = (halveU ? u : v) * 0.5;
+        for (const Vec3d &at : {corner, corner + half})
+            c = c + FromRectangle(p, at, halveU ? half : u, halveU ? v : half, normal, add, color);
         return c;
     }
     static constexpr double kNodes[5] = {0.046910077030668, 0.2307653449471584, 0.5, 0.7692346550528416,

@@ -100,9 +100,9 @@ class HiddenLampTest : public testing::Test {
         LightLuxels(case_->Inputs(), lights, {}, *surfaces_, rays);
     }
     /// Checks every luxel of a surface: expected(place, normal) within half a percent, or darker by up to
-    /// `lost`, byte scale.
+    /// `mayLack`. Byte scale.
     template <typename Expected>
-    void ExpectLuxels(std::string_view shader, const Expected &expected, double lost = 0) const {
+    void ExpectLuxels(std::string_view shader, const Expected &expected, double mayLack = 0) const {
         const RawLightmap &raw = LightmapOf(*case_, *surfaces_, shader);
         int luxels = 0;
         for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i) {
@@ -112,7 +112,7 @@ class HiddenLampTest : public testing::Test {
             const Vec3f &p = raw.positions[i];
             const double slack = 0.005 * right + 0.01;
             ASSERT_LE(raw.light[0][i].x, right + slack) << p.x << ' ' << p.y << ' ' << p.z;
-            ASSERT_GE(raw.light[0][i].x, right - lost - slack) << p.x << ' ' << p.y << ' ' << p.z;
+            ASSERT_GE(raw.light[0][i].x, right - mayLack - slack) << p.x << ' ' << p.y << ' ' << p.z;
             ++luxels;
         }
         EXPECT_GE(luxels, 50);
@@ -160,10 +160,11 @@ TEST_F(HiddenLampTest, PartsOfALampReachAsFarAsItWouldUnderFast) {
     scene_.AddQuad(Rectangle(-200, -200, 200, 200, 8), Shaded("textures/test/dim"));
     scene_.AddBox({-48, -48, 0}, {48, 48, 12}, Shaded("textures/test/wall"));
     scene_.AddQuad(FacingDown(-100, -100, 100, 100, 240), Shaded(kPanel));
-    // Either half of the lamp gives one byte at 618 units, where it ends; its smallest part alone at less than 240.
+    // The quad is two lights, triangles, that end at about 600 units. With the tolerance of the whole, their smallest
+    // part would end at 230, before it reaches the panel.
     fast_ = true;
     Light();
-    constexpr double kLeftOut = 1; // by -fast: up to the tolerance. Byte scale
+    constexpr double kLeftOut = 0.7; // by -fast, at most one byte a light; most far beside the lamp. Byte scale
     ExpectLuxels(
         kPanel,
         [](const Vec3f &p, const Vec3f &n) {

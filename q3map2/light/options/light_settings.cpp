@@ -389,8 +389,10 @@ Group Speed() {
             "",
             {{{.name = "-fast",
                .help = "Quick draft: lights end where they get faint, and the SH grid takes few samples",
-               .details = "Area lights give nothing where they would give at most the tolerance of 1 of 255; SH grid: "
-                          "`-shsamples` of 1/16. Bounced light ends in the same way, on surfaces."},
+               .details =
+                   "Area lights give nothing where they would give at most 1 of 255; for a part of a light that solids "
+                   "cut, this tolerance is in proportion to its area. SH grid: `-shsamples` of 1/16. Bounced light "
+                   "ends in the same way, on surfaces."},
               &LightOptions::fast},
              {{.name = "-fastgrid", .help = "-fast for both light grids only"}, &LightOptions::fastGrid},
              {{.name = "-faster",

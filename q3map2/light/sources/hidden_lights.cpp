@@ -53,8 +53,8 @@ std::optional<Vec3f> OpenOrigin(const Light &light, const BspSpace &space) {
     return {};
 }
 
-/// Adds a light for the part `w` of the light's polygon, with its fraction of the intensity and tolerance; none if the part is tiny
-/// or no place in front of it is clear.
+/// Adds a light for the part `w` of the light's polygon, photons and tolerance in proportion to its area; none if the
+/// part is tiny or no place in front of it is clear.
 void AddPart(const Light &light, Winding<float> w, bool twoSided, const BspSpace &space, std::vector<Light> &parts) {
     const double area = WindingArea(w);
     if (area < kLeastArea)
@@ -68,7 +68,7 @@ void AddPart(const Light &light, Winding<float> w, bool twoSided, const BspSpace
         return;
     const double share = area / double(light.shape.area);
     part.photons = float(double(light.photons) * share);
-    part.tolerance = float(double(light.tolerance) * share); // so it reaches as far as the whole light
+    part.tolerance = float(double(light.tolerance) * share); // so it reaches about as far as the whole light
     part.origin = *origin;
     part.dist = Dot(part.origin, part.normal);
     parts.push_back(std::move(part));
