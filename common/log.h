@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
+#include <concepts>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -13,6 +16,8 @@
 #include <vector>
 
 namespace q3 {
+
+// ---- What the program prints, in the form that editors and build scripts expect ----
 
 enum class LogLevel { Normal = 1, Warning = 2, Error = 3 };
 
@@ -67,10 +72,12 @@ class Log {
     /// "--- Name ---" on a line of its own.
     void Section(std::string_view name) { SectionText(name, true); }
     /// One count in the format of q3map2: the value right-aligned in nine columns, then its name.
-    void Count(long long value, std::string_view name) { CountText(value, name, true); }
+    template <std::integral T> void Count(T value, std::string_view name) { CountText((long long)(value), name, true); }
     /// The same, only printed under -v. An observer is told in any case.
     void VerboseSection(std::string_view name) { SectionText(name, verbose_); }
-    void VerboseCount(long long value, std::string_view name) { CountText(value, name, verbose_); }
+    template <std::integral T> void VerboseCount(T value, std::string_view name) {
+        CountText((long long)(value), name, verbose_);
+    }
     /// A setting that is not at its default; see LogObserver::OnSetting.
     void Setting(std::string_view name, std::string_view value, std::string_view source, std::string_view initial);
 
@@ -116,6 +123,29 @@ class Log {
     mutable std::mutex mutex_;
     std::map<std::string, int, std::less<>> warnings_, totals_;
     std::vector<std::string> repeated_;
+};
+
+/// Prints the progress of a pass. Terminals get one live line with percent, rays per second and time left; files and
+/// editors get "0...1...2...3...4...5...6...7...8...9... (12)", with the seconds at the end.
+class Progress {
+  public:
+    Progress(Log &log, std::int64_t total);
+
+    /// `done` of `total` steps are finished; `rays`: cast so far in this pass. Not for concurrent calls.
+    void Update(std::int64_t done, std::uint64_t rays);
+    /// Ends the line with the elapsed seconds.
+    void Finish();
+    double Seconds() const;
+
+  private:
+    void DrawLive(std::int64_t done, std::uint64_t rays);
+
+    Log &log_;
+    std::int64_t total_;
+    bool terminal_;
+    int step_ = 0;
+    double lastShown_ = 0;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 } // namespace q3

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Arguments to exit status.
 #include "common/platform/platform.h"
-#include "q3map2/stages.h"
+#include "q3map2/cli/program.h"
 
 int main(int argc, char **argv) {
     const q3::ProcessStart start = q3::StartProcess(argc, argv);

@@ -1,10 +1,11 @@
-// GPL-2.0-or-later. One zip archive (pk3), opened for reading.
+// GPL-2.0-or-later. Zip archives (pk3): reading, and writing entry by entry.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -57,5 +58,27 @@ std::string PlainName(std::string_view name);
 
 /// PlainName; a name that could lead out of the game folders, or that holds control bytes, becomes empty.
 std::string SafeName(std::string_view name);
+
+/// An archive in memory that is written as a whole. The same entries in the same order give the same bytes: every entry
+/// has the date 1980-01-01, the first that zip knows.
+class ArchiveWriter {
+  public:
+    /// zlib's levels: -1 its own choice, 0 stored as it is, 1 fast to 9 small.
+    explicit ArchiveWriter(int level);
+    ~ArchiveWriter();
+    ArchiveWriter(const ArchiveWriter &) = delete;
+    ArchiveWriter &operator=(const ArchiveWriter &) = delete;
+
+    void Add(std::string_view name, std::span<const std::byte> data);
+    /// The finished archive. To be called once, as the last call.
+    std::vector<std::byte> Finish();
+    /// Finish, then replaces the file by the archive, or leaves it as it was, and returns the size in bytes. Without it
+    /// nothing is written. Errors: Error naming the path.
+    std::uint64_t Commit(const std::filesystem::path &path);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 } // namespace q3

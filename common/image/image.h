@@ -1,10 +1,13 @@
-// GPL-2.0-or-later. Images in memory, and decoding of the formats that games ship.
+// GPL-2.0-or-later. Images in memory, decoding of the formats that games ship, and reduction.
 #pragma once
+
+#include "common/error.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -65,5 +68,32 @@ void WritePng(const std::filesystem::path &path, const Image &image);
 /// The same with texels as for EncodePng.
 void WritePng(const std::filesystem::path &path, std::span<const std::uint8_t> texels, int width, int height,
               int channels);
+
+/// Error unless 1..16384 texels a side and at most 2^26 in all: 256 MiB as RGBA.
+inline void CheckImageSize(std::uint64_t width, std::uint64_t height, std::string_view name) {
+    constexpr std::uint64_t kMaxSide = 16384, kMaxTexels = std::uint64_t(1) << 26;
+    if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide || width * height > kMaxTexels)
+        throw Error("{}: an image of {} x {}, expected 1 to {} a side and at most {} texels", name, width, height,
+                    kMaxSide, kMaxTexels);
+}
+
+/// Row 0 on top, one byte a texel. The palette itself is not kept.
+struct IndexImage {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> indexes;
+};
+
+/// Decoders; `name`, errors and limits as in image.h. 8 bits a texel, one plane.
+IndexImage DecodePcx(std::span<const std::byte> file, std::string_view name);
+/// std::nullopt if the PNG is valid but has no palette.
+std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std::string_view name);
+
+/// The image with its longer side at most `longestSide` texels (over 0), the other in proportion; the same image if it
+/// fits already. Each texel is the mean of the area that it covers, of stored values, as engines make mipmaps.
+Image Reduced(const Image &image, int longestSide);
+
+/// Decodes the largest mipmap; of a cube map, that of its first face. DXT1, DXT3, DXT5, and uncompressed texels with
+/// any masks. `name`, errors and limits as in image.h.
+Image DecodeDds(std::span<const std::byte> file, std::string_view name);
 
 } // namespace q3

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. OpenEXR through its library. Built with Q3MAP2_OPENEXR, else image_without_exr.cpp is.
 #include "common/error.h"
 #include "common/image/float_image.h"
-#include "common/image/image_check.h"
+#include "common/image/image.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>

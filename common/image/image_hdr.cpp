@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Radiance pictures: RGBE in rows, flat or in runs.
 #include "common/error.h"
 #include "common/image/float_image.h"
-#include "common/image/image_check.h"
+#include "common/image/image.h"
 #include "common/text/text.h"
 #include "libs/math/packed_color.h"
 

@@ -1,8 +1,6 @@
 // GPL-2.0-or-later. JPEG through TurboJPEG.
 #include "common/image/image.h"
 
-#include "common/image/image_check.h"
-
 #include <turbojpeg.h>
 
 #include <memory>

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. PCX: runs of palette indexes, 8 bits a texel (ZSoft PCX File Format, revision 5).
 #include "common/error.h"
-#include "common/image/image_check.h"
-#include "common/image/image_index.h"
+#include "common/image/image.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Portable float maps: three lines of text, then floats, bottom row first.
 #include "common/error.h"
 #include "common/image/float_image.h"
-#include "common/image/image_check.h"
+#include "common/image/image.h"
 #include "common/text/text.h"
 
 #include <algorithm>

@@ -2,8 +2,6 @@
 #include "common/image/image.h"
 
 #include "common/files/files.h"
-#include "common/image/image_check.h"
-#include "common/image/image_index.h"
 
 #include <png.h>
 

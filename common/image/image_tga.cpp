@@ -1,8 +1,6 @@
 // GPL-2.0-or-later. TGA, as games of this family read it.
 #include "common/image/image.h"
 
-#include "common/image/image_check.h"
-
 #include <algorithm>
 #include <string>
 

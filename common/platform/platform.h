@@ -1,8 +1,12 @@
 // GPL-2.0-or-later. What differs between operating systems: one source for each, of which CMake takes one.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,5 +48,36 @@ void SetPermissions(std::FILE *file, int mode);
 bool SyncFile(std::FILE *file);
 /// Renames a closed file over another, atomically. False: failed, errno says why.
 bool RenameOver(const std::filesystem::path &from, const std::filesystem::path &to);
+
+/// The sending end of a TCP connection. Only WaitUntilReady blocks.
+class Socket {
+  public:
+    /// Starts to connect to an IPv4 address "a.b.c.d". Null: no such address, or no socket could be made.
+    static std::unique_ptr<Socket> Connect(const std::string &address, std::uint16_t port);
+    Socket(const Socket &) = delete;
+    Socket &operator=(const Socket &) = delete;
+    /// Closes the connection; bytes already taken by Send still arrive.
+    ~Socket();
+    /// Waits until bytes can be sent or the connection is lost, at most for `most`. False: timed out.
+    bool WaitUntilReady(std::chrono::milliseconds most);
+    /// Returns how many of the bytes the system took, possibly 0. Empty: connecting failed or the other end is gone.
+    std::optional<std::size_t> Send(std::string_view bytes);
+
+  private:
+    /// Takes ownership of a socket or descriptor of the operating system.
+    explicit Socket(std::uintptr_t handle) : handle_(handle) {}
+
+    std::uintptr_t handle_;
+};
+
+/// Measures CPU seconds of the process from its construction.
+class CpuTimer {
+  public:
+    CpuTimer() : start_(CpuSeconds()) {}
+    double Seconds() const { return CpuSeconds() - start_; }
+
+  private:
+    double start_;
+};
 
 } // namespace q3

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. TCP connections on POSIX systems: Linux, macOS, BSD.
-#include "common/platform/socket.h"
+#include "common/platform/platform.h"
 
 #include <cerrno>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. TCP connections on Windows.
-#include "common/platform/socket.h"
+#include "common/platform/platform.h"
 
 // Before ws2tcpip.h, which needs its types.
 #include <winsock2.h>

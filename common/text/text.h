@@ -1,11 +1,14 @@
-// GPL-2.0-or-later. Bytes as text, case-insensitive comparison, and numbers in text.
+// GPL-2.0-or-later. Bytes as text, comparison without case, numbers in text, and suggestions for misspelled names.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace q3 {
 
@@ -37,5 +40,25 @@ int IntegerFromText(std::string_view text);
 std::optional<double> WholeNumber(std::string_view text);
 /// The same for integers that fit an int.
 std::optional<int> WholeInteger(std::string_view text);
+
+/// The phrase with its first plural noun in the singular: "draw surfaces written" gives "draw surface written".
+std::string Singular(std::string_view plural);
+/// "1 light", "2 lights": the number and the phrase, which is given in the plural.
+std::string CountedText(long long number, std::string_view plural);
+template <std::integral T> std::string Counted(T number, std::string_view plural) {
+    return CountedText((long long)(number), plural);
+}
+/// A size for people: "900 bytes", "12.3 KB", "4.5 MB", with 1000 bytes to the KB.
+std::string SizeText(std::uint64_t bytes);
+
+/// Least number of insertions, deletions, replacements and swaps of adjacent letters that turn `a` into `b`, with no
+/// letter edited twice (optimal string alignment).
+std::size_t EditDistance(std::string_view a, std::string_view b);
+
+/// The names at the least edit distance from a mistyped word, ignoring case and leading dashes: at most three, none
+/// farther off than a third of the word's length.
+std::vector<std::string> NearestNames(std::string_view word, std::span<const std::string> names);
+/// "; did you mean -light?", or nothing.
+std::string DidYouMean(std::string_view word, std::span<const std::string> names);
 
 } // namespace q3

@@ -1,7 +1,6 @@
-// GPL-2.0-or-later. Convex planar polygons.
+// GPL-2.0-or-later. Convex planar polygons: areas, hulls, and clipping with the tolerances of map compilers.
 #pragma once
 
-#include "libs/math/bounds.h"
 #include "libs/math/vec.h"
 
 #include <algorithm>
@@ -9,6 +8,8 @@
 #include <vector>
 
 namespace q3 {
+
+// ---- Convex planar polygons ----
 
 template <typename T> using Winding = std::vector<Vec3<T>>;
 
@@ -107,5 +108,71 @@ template <typename T> Bounds<T> WindingBounds(const Winding<T> &w) {
         bounds.Add(p);
     return bounds;
 }
+
+/// The convex hull of points in a plane, clockwise as seen from the tip of the unit normal, without corners that stick
+/// out by less than `tolerance`. Empty when all points are that close to a line. Andrew's monotone chain.
+inline Winding<double> ConvexHull(std::vector<Vec3d> points, const Vec3d &normal, double tolerance) {
+    const Vec3d axis = std::abs(normal.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    const Vec3d right = Normalize(Cross(axis, normal)), up = Cross(normal, right);
+    // Stable, as points that differ only along the normal compare equal.
+    std::stable_sort(points.begin(), points.end(), [&](const Vec3d &a, const Vec3d &b) {
+        const double ax = Dot(a, right), bx = Dot(b, right);
+        return ax != bx ? ax < bx : Dot(a, up) < Dot(b, up);
+    });
+    Winding<double> hull;
+    // Adds p to the hull and drops the corners that it makes superfluous; the first `kept` corners stay.
+    const auto add = [&](const Vec3d &p, std::size_t kept) {
+        while (hull.size() > kept) {
+            const Vec3d &a = hull[hull.size() - 2], &b = hull.back();
+            // Where p turns back, b is an extreme point however near to the line a p it is.
+            const double least = Dot(p - b, b - a) > 0 ? tolerance * Length(p - a) : 0;
+            if (Dot(Cross(p - b, b - a), normal) > least)
+                break;
+            hull.pop_back();
+        }
+        hull.push_back(p);
+    };
+    for (const Vec3d &p : points)
+        add(p, 1);
+    const std::size_t half = hull.size();
+    for (auto p = points.rbegin(); p != points.rend(); ++p)
+        add(*p, half);
+    if (!hull.empty())
+        hull.pop_back();
+    if (hull.size() < 3)
+        hull.clear();
+    return hull;
+}
+
+/// Points in float, as in files and engines; arithmetic on them is in double.
+using Polygon = Winding<float>;
+
+inline constexpr double kMaxWorldCoord = 65536; ///< game units; nothing lies beyond
+
+/// Splits by the plane. Points within epsilon are on it and go to both sides. A polygon without a point behind goes to
+/// the front as it is, one without a point in front to the back; for one that lies in the plane both are empty.
+/// New points get the plane's own coordinate on axes where its normal is exactly 1 or -1, and are rounded to float.
+void ClipPolygon(const Polygon &w, const Plane &plane, double epsilon, Polygon &front, Polygon &back);
+/// The same, but a polygon on the plane is returned as back.
+void ClipPolygonKeepOn(const Polygon &w, const Plane &plane, double epsilon, Polygon &front, Polygon &back);
+/// Clips to the front. False, and w empty, when nothing is left; also for a polygon in the plane.
+bool ChopPolygon(Polygon &w, const Plane &plane, double epsilon);
+/// The same in double, for the windings of brushes.
+bool ChopPolygon(Winding<double> &w, const Plane &plane, double epsilon);
+
+enum class PolygonSide { Front, Back, On, Cross };
+/// The side on which a polygon lies, by its points farther than 0.1 from the plane.
+PolygonSide SideOf(const Polygon &w, const Plane &plane);
+/// Whether fewer than three edges are longer than 0.2.
+bool IsTiny(const Polygon &w);
+/// A square of the plane that covers the world, half edge 131072, clockwise seen from the front.
+Polygon BasePolygon(const Plane &plane);
+/// The same in double, so that clips of it stay exact on slanted planes.
+Winding<double> BaseWinding(const Plane &plane);
+/// Reversed order of points.
+Polygon Reversed(const Polygon &w);
+/// Plane through the first three points that are not collinear; seen from its front the polygon is clockwise. The
+/// normal is zero if there are none.
+Plane PlaneOf(const Polygon &w);
 
 } // namespace q3

@@ -27,7 +27,7 @@ struct PolygonMoments {
         xy += d.x * d.y * w, yz += d.y * d.z * w, xz += d.x * d.z * w;
     }
     /// Integral of Y[k] over the solid angle.
-    ShVector Projection() const { return ShFromMoments<double>(solidAngle, first, xy, yz, zz, xz, xx - yy); }
+    SHVector Projection() const { return SHFromMoments<double>(solidAngle, first, xy, yz, zz, xz, xx - yy); }
 };
 
 /// atan2(y, x) for y >= 0 or x > 0; for small angles by its series, exact to 1e-13 and many times faster.

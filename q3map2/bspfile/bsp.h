@@ -1,8 +1,9 @@
-// GPL-2.0-or-later. A compiled map in memory: all lumps of an IBSP file.
+// GPL-2.0-or-later. A compiled map in memory, and point queries on its BSP tree.
 #pragma once
 
+#include "libs/math/vec.h"
 #include "q3map2/bspfile/bsp_records.h"
-#include "q3map2/bspfile/sparse_grid.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 
 #include <array>
 #include <cstddef>
@@ -13,6 +14,14 @@
 #include <vector>
 
 namespace q3 {
+
+/// Vertex of a draw surface during the bsp stage, or of a model.
+struct DrawVert {
+    Vec3f xyz, normal;
+    std::array<float, 2> st{};
+    std::array<std::uint8_t, 4> color{255, 255, 255, 255};
+    bool inserted = false; ///< by T-junction repair
+};
 
 /// One named lump of the BSPX directory that may follow the header lumps.
 struct BspxLump {
@@ -113,5 +122,46 @@ template <std::size_t N> std::string_view FieldName(const std::array<char, N> &f
     const std::string_view all(field.data(), N);
     return all.substr(0, all.find('\0'));
 }
+
+/// Points within this distance of a node's plane count as on both sides. Game units.
+inline constexpr float kOnPlane = 0.1f;
+
+/// Cluster of solid leafs.
+inline constexpr int kSolidCluster = -1;
+
+/// A child of a node: the number of a node, or -1 - the number of a leaf.
+using BspChild = int;
+inline int LeafOf(BspChild child) {
+    return -1 - child;
+}
+/// The root node, or leaf 0 in a map without nodes.
+inline BspChild RootOf(const Bsp &bsp) {
+    return bsp.nodes.empty() ? -1 : 0;
+}
+
+/// Number of the leaf that holds p in a validated Bsp. A point within kOnPlane of a plane belongs to the front, unless
+/// the leaf found there is solid.
+int LeafAt(const Bsp &bsp, const Vec3f &p);
+
+/// Compact copy of the tree of a validated Bsp: planes, children and clusters only, to stay in CPU caches.
+class BspTree {
+  public:
+    struct Node {
+        Vec3f normal;
+        float dist = 0;
+        std::array<BspChild, 2> children{};
+    };
+    explicit BspTree(const Bsp &bsp);
+
+    BspChild Root() const { return nodes_.empty() ? -1 : 0; }
+    const Node &NodeOf(BspChild child) const { return nodes_[std::size_t(child)]; }
+    int ClusterOf(int leaf) const { return clusters_[std::size_t(leaf)]; }
+    /// As the free function LeafAt.
+    int LeafAt(const Vec3f &p) const;
+
+  private:
+    std::vector<Node> nodes_;
+    std::vector<int> clusters_; ///< by leaf
+};
 
 } // namespace q3

@@ -2,10 +2,10 @@
 #include "q3map2/bspfile/bsp_validate.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_layout.h"
 #include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
+#include "q3map2/bspfile/bspfile_ibsp.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <algorithm>

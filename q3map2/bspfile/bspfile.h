@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Compiled maps as files on disk. Includes what users of the folder need.
+// GPL-2.0-or-later. Compiled maps as files on disk, and names for files that are something else.
 #pragma once
 
 #include "common/log.h"
@@ -11,9 +11,26 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace q3 {
+
+/// How many bytes KindOfFile looks at.
+inline constexpr std::size_t kKindBytes = 4096;
+
+/// What KindOfFile returns for files that may be map sources.
+inline constexpr std::string_view kKindEmpty = "empty", kKindText = "text",
+                                  kKindMapSource = "a map source: compile it with -bsp";
+
+/// What a file is by its first bytes: "a map of Quake II (IBSP 38)", "a zip archive", "text". Empty: IBSP 46 or 47, or
+/// unknown.
+std::string KindOfFile(std::span<const std::byte> begin);
+
+/// What a map source of another game family is: "a map source of Doom 3 (Version 2)". Empty: none of these.
+std::string KindOfSource(std::string_view text);
 
 /// ReadBsp from disk, without the file image in memory.
 Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log &log);

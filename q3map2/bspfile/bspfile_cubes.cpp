@@ -2,7 +2,7 @@
 #include "q3map2/bspfile/bspfile_cubes.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_layout.h"
+#include "q3map2/bspfile/bspfile_ibsp.h"
 
 #include <algorithm>
 #include <cmath>

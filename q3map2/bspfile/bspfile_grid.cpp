@@ -1,12 +1,16 @@
-// GPL-2.0-or-later. Placement of the legacy light grid, and the SH light grid lump.
+// GPL-2.0-or-later. The uniform light grids: their placement, the lump of the SH grid, and its samples as engines take
+// them.
 #include "q3map2/bspfile/bspfile_grid.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/bsp.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace q3 {
+
+// ---- Placement of the legacy light grid, and the SH light grid lump ----
 
 namespace {
 
@@ -61,6 +65,57 @@ void CheckLightGridSH(const LightGridSH &grid, std::string_view name) {
                 if (!std::isfinite(value))
                     throw Error("{}: SH light grid: point {}: coeffs[{}] is {}, not a finite number", name, i, k,
                                 value);
+}
+
+// ---- The SH grids of a map as libs/shgrid samples them ----
+
+shgrid_grid UniformReader(const LightGridSH &grid) {
+    shgrid_grid reader{};
+    std::ranges::copy(grid.header.gridMins, reader.mins);
+    std::ranges::copy(grid.header.gridSize, reader.cell);
+    std::ranges::copy(grid.header.gridBounds, reader.bounds);
+    reader.count = grid.header.numPoints;
+    reader.points = reinterpret_cast<const unsigned char *>(grid.points.data());
+    return reader;
+}
+
+shgrid_grid SparseReader(std::span<const std::byte> lump) {
+    shgrid_grid reader;
+    if (const shgrid_result result = shgrid_parse(lump.data(), lump.size(), &reader); result != SHGRID_OK)
+        throw Error("sparse SH light grid: {}", shgrid_message(result));
+    return reader;
+}
+
+// ---- How many points of an SH light grid are in the open ----
+
+namespace {
+
+bool InSolid(const Bsp &bsp, const Float3 &position) {
+    return bsp.leafs[std::size_t(LeafAt(bsp, Vec3f(position)))].cluster < 0;
+}
+
+bool IsZero(const bspGridPointSH_t &point) {
+    return std::ranges::all_of(point.coeffs, [](const Float3 &rgb) { return rgb == Float3{}; });
+}
+
+} // namespace
+
+GridShares CountGridShares(const Bsp &bsp, const LightGridSH &grid) {
+    const bspGridSHHeader_t &head = grid.header;
+    const GridLayout layout{head.gridMins, head.gridSize, head.gridBounds};
+    GridShares shares;
+    std::size_t index = 0;
+    for (int z = 0; z < head.gridBounds[2]; z++)
+        for (int y = 0; y < head.gridBounds[1]; y++)
+            for (int x = 0; x < head.gridBounds[0]; x++, index++) {
+                if (!InSolid(bsp, layout.Position(x, y, z)))
+                    shares.open++;
+                else if (IsZero(grid.points[index]))
+                    shares.darkVoid++;
+                else
+                    shares.filled++;
+            }
+    return shares;
 }
 
 } // namespace q3

@@ -1,9 +1,13 @@
-// GPL-2.0-or-later. Placement of the uniform light grids, and the SH light grid lump.
+// GPL-2.0-or-later. The uniform light grids: their placement, the lump of the SH grid, and its samples as engines take
+// them.
 #pragma once
 
+#include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/bsp.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace q3 {
@@ -37,5 +41,19 @@ GridLayout LayoutGrid(const Float3 &worldMins, const Float3 &worldMaxs, const Fl
 
 /// Checks the header against the number of points, and that all floats are finite. Errors name the field.
 void CheckLightGridSH(const LightGridSH &grid, std::string_view name);
+
+/// A reader of the uniform grid, which must outlive it.
+shgrid_grid UniformReader(const LightGridSH &grid);
+/// A reader of the lump of a sparse grid (EncodeSparseGrid), which must outlive it. Errors: what shgrid_parse says.
+shgrid_grid SparseReader(std::span<const std::byte> lump);
+
+/// Numbers of SH grid points by position and value; each point is in one of the three. Printed by light and -info.
+struct GridShares {
+    std::size_t open = 0;     ///< in open space
+    std::size_t filled = 0;   ///< in solid, not zero: light taken from points around
+    std::size_t darkVoid = 0; ///< in solid, all zero
+};
+
+GridShares CountGridShares(const Bsp &bsp, const LightGridSH &grid);
 
 } // namespace q3

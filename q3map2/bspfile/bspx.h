@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/log.h"
-#include "q3map2/bspfile/bsp_layout.h"
+#include "q3map2/bspfile/bspfile_ibsp.h"
 
 #include <cstdint>
 #include <string>

@@ -1,10 +1,12 @@
-// GPL-2.0-or-later. Declaration of an entity key: names, default, range and help.
+// GPL-2.0-or-later. Declaration of entity keys: names, default, range and help.
 #pragma once
 
 #include "common/log.h"
-#include "common/setting_info.h"
+#include "common/settings.h"
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/entities.h"
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,5 +42,40 @@ void WarnOfBadKeys(const Entity &entity, std::size_t number, std::span<const Ent
 
 /// The documentation section of these keys.
 SettingSection DescribeKeys(std::string_view title, std::string_view intro, std::span<const EntityKey> keys);
+
+/// What kind of entity has a key.
+enum class KeyOwner {
+    World,  ///< worldspawn, about light
+    Light,  ///< entities whose class begins with light
+    Brushes ///< entities with brushes or patches, worldspawn among them
+};
+
+/// One warning for each key of the entity that has no effect on such an owner; `number` is its index in the file.
+void WarnOfForeignKeys(const Entity &entity, std::size_t number, KeyOwner owner, Log &log);
+
+/// The keys, for the documentation.
+std::vector<SettingSection> ForeignKeySections();
+
+/// How to read the SH grid: kRadiance after -shradiance, absent otherwise.
+inline constexpr std::string_view kGridSHKey = "_q3map2_sh", kRadiance = "radiance";
+/// Tone mapping of the lightmaps, written by ToneText (light/options/light_tone.h) and read by shgrid_parse_tone.
+/// Absent if all settings are at their defaults.
+inline constexpr std::string_view kToneKey = "_q3map2_tone";
+/// How the basis maps of -rnm are stored, in the file and beside it: "raw" or "rescaled". Absent without such maps.
+inline constexpr std::string_view kRnmKey = "_q3map2_rnm";
+constexpr std::string_view RnmStorageWord(RnmStorage storage) {
+    return storage == RnmStorage::Raw ? "raw" : "rescaled";
+}
+
+/// Keys of light style N: _styleNpattern, its pattern; _switchN, the targetnames of its lights; _switchNdark, 1 if they
+/// are dark at first.
+std::string PatternKey(int style);
+std::string SwitchKey(int style);
+std::string DarkKey(int style);
+/// Whether it is one of these keys.
+bool IsStyleKey(std::string_view key);
+/// The number N, 1 to 254, of a key like "_styleNrgbgen", with such a beginning and end, ignoring case; -1: it is
+/// another key.
+int StyleOfKey(std::string_view key, std::string_view beginning, std::string_view end);
 
 } // namespace q3

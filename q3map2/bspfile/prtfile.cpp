@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
-#include "q3map2/bspfile/bsp_layout.h"
+#include "q3map2/bspfile/bspfile_ibsp.h"
 
 #include <charconv>
 #include <cmath>

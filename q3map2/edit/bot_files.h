@@ -1,6 +1,7 @@
-// GPL-2.0-or-later. Bot navigation files (.aas) beside a map.
+// GPL-2.0-or-later. Bot navigation files (.aas) beside a map, and the checksum by which they know it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,12 @@
 #include <vector>
 
 namespace q3 {
+
+/// MD4 digest (RFC 1320) as four words; their bytes in little-endian order are the digest as it is printed.
+std::array<std::uint32_t, 4> Md4(std::span<const std::byte> data);
+
+/// The four words of the MD4 digest, xored: what Quake III engines call a block checksum.
+std::uint32_t BlockChecksum(std::span<const std::byte> data);
 
 /// A navigation file names the map that it was made for by the checksum of the whole .bsp. An engine that finds another
 /// one refuses the file, and bots stand still.

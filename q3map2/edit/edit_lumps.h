@@ -1,13 +1,39 @@
-// GPL-2.0-or-later. BSPX lumps of maps that were scaled, moved or merged.
+// GPL-2.0-or-later. Light grids, BSPX lumps and entity text of maps that were scaled, moved or merged.
 #pragma once
 
 #include "common/log.h"
+#include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "q3map2/edit/edit_grids.h"
+#include "q3map2/bspfile/entities.h"
 
+#include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace q3 {
+
+/// Six decimals, without zeros at the end.
+std::string NumberText(double number);
+std::string VectorText(const Vec3d &v);
+/// A bound of a node or leaf, at most 2^30 from 0.
+std::int32_t WholeBound(double bound);
+
+/// Cell of the legacy grid: worldspawn's gridsize, or 64 64 128 where it is missing or no size.
+Float3 GridCellOf(const Entity &world);
+
+/// How positions of a map change: times `factors`, then plus `shift`.
+struct AxisTransform {
+    Vec3d factors{1, 1, 1}, shift;
+
+    float Apply(float value, std::size_t axis) const { return float(double(value) * factors[axis] + shift[axis]); }
+    Float3 Apply(const Float3 &p) const { return {Apply(p[0], 0), Apply(p[1], 1), Apply(p[2], 2)}; }
+};
+
+/// Takes the grids of `before` over to `bsp`, the transformed map with transformed world bounds and a gridsize that
+/// fits. The head of the SH grid says where its points are, so they move exactly. Engines derive the points of the
+/// legacy grid from world bounds and gridsize: where that does not give the transformed points, the grid is dropped
+/// with a warning. World bounds and gridsize may change by rounding. BSPX lumps: TransformLumps.
+void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log);
 
 /// Keeps lumps without positions and transforms positions in lumps of known formats. Other lumps may hold positions:
 /// each is dropped with a warning.

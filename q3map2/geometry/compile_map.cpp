@@ -1,39 +1,224 @@
-// GPL-2.0-or-later. The bsp stage as a whole.
+// GPL-2.0-or-later. The bsp stage as a whole: a map source to a .bsp, its entities, and brushes as text.
 #include "q3map2/geometry/compile_map.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/surface_keys.h"
-#include "q3map2/geometry/effects/debug_portals.h"
+#include "common/text/text.h"
+#include "q3map2/bspfile/bspfile_hdr.h"
+#include "q3map2/bspfile/entity_key.h"
+#include "q3map2/bspfile/map_keys.h"
 #include "q3map2/geometry/effects/decals.h"
-#include "q3map2/geometry/effects/derived_surfaces.h"
-#include "q3map2/geometry/effects/flares.h"
 #include "q3map2/geometry/effects/fog.h"
-#include "q3map2/geometry/effects/fog_hull.h"
-#include "q3map2/geometry/effects/terrain.h"
+#include "q3map2/geometry/effects/surface_effects.h"
 #include "q3map2/geometry/emit/bsp_writer.h"
 #include "q3map2/geometry/faces/brush_faces.h"
-#include "q3map2/geometry/faces/patch_mesh.h"
+#include "q3map2/geometry/faces/draw_surface.h"
+#include "q3map2/geometry/faces/meta.h"
 #include "q3map2/geometry/faces/patch_surfaces.h"
-#include "q3map2/geometry/faces/subdivide.h"
 #include "q3map2/geometry/faces/tjunctions.h"
-#include "q3map2/geometry/game_entities.h"
-#include "q3map2/geometry/map_text.h"
-#include "q3map2/geometry/meta/meta_mesh.h"
-#include "q3map2/geometry/models/model_scatter.h"
 #include "q3map2/geometry/models/models.h"
-#include "q3map2/geometry/surface/surface_class.h"
-#include "q3map2/tree/areas.h"
 #include "q3map2/tree/brush_filter.h"
 #include "q3map2/tree/flood.h"
-#include "q3map2/tree/hidden_sides.h"
-#include "q3map2/tree/portal_file.h"
 #include "q3map2/tree/portals.h"
-#include "q3map2/tree/tree_faces.h"
-#include "q3map2/tree/visible_hulls.h"
+#include "q3map2/tree/tree.h"
+#include "q3map2/tree/visible_sides.h"
 
 #include <algorithm>
+#include <array>
 
 namespace q3 {
+
+// ---- Brushes of a map as text (.caulk, fakemap), and limits of engines ----
+
+namespace {
+
+/// Letter of the shader that an editor should apply to a hidden side; '-': leave the side as it is.
+char CaulkLetter(const Brush &brush, const BrushSide &side) {
+    const bool isSeen = side.visibleHull.size() >= 3 && !side.culled;
+    if (isSeen || !side.shader || (side.compileFlags & C_NODRAW) != 0)
+        return '-';
+    constexpr std::array<std::pair<std::uint32_t, char>, 3> kLiquids = {{{0x20, 'w'}, {0x10, 's'}, {0x8, 'l'}}};
+    if ((brush.compileFlags & C_LIQUID) != 0)
+        for (const auto &[flag, letter] : kLiquids)
+            if ((brush.contentFlags & flag) != 0)
+                return letter;
+    if ((brush.compileFlags & C_SOLID) == 0)
+        return 'n';
+    return (brush.compileFlags & C_TRANSLUCENT) != 0 ? 'N' : 'c';
+}
+
+std::string PointText(const Vec3f &p) {
+    return fmt::format("( {:g} {:g} {:g} ) ", p.x, p.y, p.z);
+}
+
+} // namespace
+
+std::string CaulkText(const MapEntity &world) {
+    std::string text;
+    for (const Brush &brush : world.brushes) {
+        if (brush.settings.entity != 0 || brush.generated)
+            continue;
+        text += fmt::format("{} ", brush.primitive);
+        for (const BrushSide &side : brush.sides)
+            if (!side.bevel && side.winding.size() >= 3)
+                text += CaulkLetter(brush, side);
+        text += '\n';
+    }
+    return text;
+}
+
+std::string FakeMapText(const MapEntity &world, const PlaneTable &planes) {
+    constexpr std::string_view kFolder = "textures/";
+    std::string text = "{\n\"classname\" \"worldspawn\"\n";
+    for (const Brush &brush : world.brushes) {
+        text += "{\n";
+        for (const BrushSide &side : brush.sides) {
+            if (side.bevel || side.planeNum < 0)
+                continue;
+            const Polygon w = side.winding.size() >= 3 ? side.winding : BasePolygon(planes[side.planeNum]);
+            std::string_view name = side.shader ? std::string_view(side.shader->name) : "noshader";
+            if (name.starts_with(kFolder))
+                name.remove_prefix(kFolder.size());
+            text += PointText(w[0]) + PointText(w[1]) + PointText(w[2]) + fmt::format("{} 0 0 0 1 1 0 0 0\n", name);
+        }
+        text += "}\n";
+    }
+    return text + "}\n";
+}
+
+void WarnOfLimits(const Bsp &bsp, Log &log) {
+    int lastArea = 0;
+    for (const bspLeaf_t &leaf : bsp.leafs)
+        lastArea = std::max(lastArea, leaf.area);
+    std::size_t entities = 0; // each begins with "{" on a line of its own
+    for (std::size_t at = 0; (at = bsp.entities.find("{\n", at)) != std::string::npos; at++)
+        entities += at == 0 || bsp.entities[at - 1] == '\n';
+    struct Limit {
+        std::string_view what;
+        std::size_t count, limit;
+        std::string_view wayOut;
+    };
+    const Limit limits[] = {
+        {"models", bsp.models.size(), 256, "make fewer brush entities"},
+        {"shaders", bsp.shaders.size(), 1024, "use fewer shaders"},
+        {"entities", entities, 2048, "use fewer entities: groups and compiled-in models do not count"},
+        {"bytes of entity text", bsp.entities.size(), 262144, "use fewer entities and keys"},
+        {"brushes", bsp.brushes.size(), 32768, "use fewer brushes"},
+        {"brush sides", bsp.brushSides.size(), 131072, "use fewer or simpler brushes"},
+        {"planes", bsp.planes.size(), 131072, "use fewer brushes, and axial ones"},
+        {"nodes", bsp.nodes.size(), 131072, "make more brushes detail"},
+        {"leafs", bsp.leafs.size(), 131072, "make more brushes detail"},
+        {"leaf surfaces", bsp.leafSurfaces.size(), 131072, "make more brushes detail, or use -meta"},
+        {"leaf brushes", bsp.leafBrushes.size(), 262144, "make more brushes detail"},
+        {"surfaces", bsp.drawSurfaces.size(), 131072, "use -meta"},
+        {"draw vertices", bsp.drawVerts.size(), 524288, "use -meta, and simpler models"},
+        {"draw indexes", bsp.drawIndexes.size(), 524288, "use simpler models"},
+        {"areas", std::size_t(lastArea) + 1, 256, "use fewer area portals"},
+        {"fogs", bsp.fogs.size(), 31, "use fewer fog brushes"},
+    };
+    for (const Limit &one : limits)
+        if (one.count > one.limit)
+            log.Warn(one.what, "{} {}, engines hold {}: {}", one.count, one.what, one.limit, one.wayOut);
+}
+
+// ---- Entities of the map source, as written for the game ----
+
+namespace {
+
+/// Keys that stages write into worldspawn of the .bsp; kept if present.
+constexpr std::array<std::string_view, 3> kToolKeys = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
+/// Keys that describe the light stored in the .bsp, so values in the map source are ignored.
+constexpr std::array<std::string_view, 3> kLightKeys = {kGridSHKey, kToneKey, kRnmKey};
+
+std::string_view CloneOf(const MapEntity &entity) {
+    return keys::kInstance.Text(entity.pairs);
+}
+
+bool HasPrimitives(const MapEntity &entity) {
+    return !entity.brushes.empty() || !entity.patches.empty();
+}
+
+/// Gives each clone the `model` value of the entity that it names.
+void ShareModels(Map &map, const BspContext &context) {
+    for (MapEntity &entity : map.entities) {
+        const std::string_view name = CloneOf(entity);
+        if (name.empty())
+            continue;
+        const auto parent = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &other) {
+            return EqualNoCase(keys::kCloneName.Text(other.pairs), name);
+        });
+        if (parent == map.entities.end() || !parent->pairs.Has("model")) {
+            context.log.Warn("clone without parent", "{}: it is a clone of {}, but {}", entity.MessagePrefix(), name,
+                             parent == map.entities.end() ? "no entity has that _clonename"
+                                                          : "that entity has no model");
+            continue;
+        }
+        const std::string model(parent->pairs.Value("model"));
+        entity.pairs.Set("model", model);
+    }
+}
+
+} // namespace
+
+void NumberModels(Map &map, const BspContext &context) {
+    int models = 1;
+    for (std::size_t i = 0; i < map.entities.size(); ++i) {
+        MapEntity &entity = map.entities[i];
+        if (i == 0) {
+            entity.model = 0;
+            continue;
+        }
+        if (!CloneOf(entity).empty()) {
+            entity.brushes.clear();
+            entity.patches.clear();
+        }
+        if (HasPrimitives(entity)) {
+            entity.model = models++;
+            entity.pairs.Set("model", fmt::format("*{}", entity.model));
+        }
+    }
+    ShareModels(map, context);
+    context.log.VerboseCount(models, "models");
+}
+
+std::string GameEntities(const Map &map, const BspOptions &options) {
+    const Entity &world = map.entities.front().pairs;
+    const bool keepLights = options.keepLights || keys::kKeepLights.Flag(world);
+    const bool keepModels = options.keepModels || keys::kKeepModels.Flag(world);
+    std::vector<Entity> kept;
+    for (const MapEntity &entity : map.entities) {
+        const std::string_view name = entity.pairs.ClassName();
+        const bool isCompiledIn =
+            EqualNoCase(name, "_decal") || EqualNoCase(name, "_skybox") || EqualNoCase(name, "func_group") ||
+            EqualNoCase(name, "group_info") ||
+            (EqualNoCase(name, "misc_model") && !keepModels && !keys::kStaticProp.Flag(entity.pairs)) ||
+            (StartsWithNoCase(name, "light") && !keepLights);
+        if (&entity.pairs == &world || (!isCompiledIn && !entity.pairs.pairs.empty()))
+            kept.push_back(entity.pairs);
+    }
+    return FormatEntities(kept);
+}
+
+void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
+    NumberModels(map, context);
+    const std::vector<Entity> old = ParseEntities(bsp.entities, map.name);
+    for (const std::string_view key : kToolKeys)
+        if (!old.empty() && old.front().Has(key))
+            map.World().pairs.Set(key, old.front().Value(key));
+    for (const std::string_view key : kLightKeys) {
+        map.World().pairs.Erase(key);
+        if (!old.empty() && old.front().Has(key))
+            map.World().pairs.Set(key, old.front().Value(key));
+    }
+    std::erase_if(map.World().pairs.pairs, [](const auto &pair) { return IsStyleKey(pair.first); });
+    if (!old.empty())
+        for (const auto &[key, value] : old.front().pairs)
+            if (IsStyleKey(key))
+                map.World().pairs.Set(key, value);
+    bsp.entities = GameEntities(map, context.options);
+    DropUnfitHdrLight(bsp, map.name, context.log);
+}
+
+// ---- The bsp stage as a whole ----
 
 namespace {
 

@@ -1,7 +1,9 @@
-// GPL-2.0-or-later. The octree of LIGHTGRID_OCTREE and LIGHTGRIDS: points in boxes, boxes in solids left out.
+// GPL-2.0-or-later. The BSPX lumps LIGHTGRID_OCTREE and LIGHTGRIDS: points in boxes, boxes in solids left out.
 #pragma once
 
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspx.h"
+#include "q3map2/gridformats/grid_source.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -28,5 +30,13 @@ struct OctreePoints {
 /// than 8 points are occluded or it was split five times; boxes of occluded points alone have no leaf. A point has one
 /// style at most. Errors: all points are occluded.
 std::vector<std::byte> EncodeGridOctree(const OctreePoints &points);
+
+/// The points of the SH grid, each with the mean of its light over all normals; those that are void are occluded.
+/// Errors: all are.
+std::vector<std::byte> EncodeOctreeLump(const GridSource &source, const GridTone &tone);
+
+/// One subgrid with the points of the SH grid, each with its light on surfaces that face +x, -x, +y, -y, +z, -z; black
+/// sides are left out, and void points are occluded. Errors: all points are void, the lump would pass 2^32 bytes.
+std::vector<std::byte> EncodeGridsLump(const GridSource &source, const GridTone &tone);
 
 } // namespace q3

@@ -1,21 +1,162 @@
-// GPL-2.0-or-later. The SH light grid of a map as the source of other grids.
+// GPL-2.0-or-later. The SH light grid of a map as the source of other grids: its light, split into ambient and
+// directed, in the tone of the lightmaps.
 #include "q3map2/gridformats/grid_source.h"
 
 #include "common/error.h"
+#include "libs/math/vec.h"
 #include "libs/sh/sh.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/bspfile/grid_reader.h"
+#include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/light_keys.h"
-#include "q3map2/bspfile/written_keys.h"
 #include "q3map2/light/grid/light_gridsh.h"
-#include "q3map2/light/grid/sh_floats.h"
+#include "q3map2/light/grid/probe_integrator.h"
+#include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numbers>
+#include <string>
 
 namespace q3 {
+
+// ---- Light of SH coefficients as an ambient part and one directed light ----
+
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kMinDirection = 1e-7; ///< shorter vectors are rounding errors. 1 is byte 255
+
+Vec3d Coefficient(const bspGridPointSH_t &light, std::size_t k) {
+    const Float3 &rgb = light.coeffs[k];
+    return {double(rgb[0]), double(rgb[1]), double(rgb[2])};
+}
+
+Vec3d DominantDirection(const bspGridPointSH_t &light) {
+    const auto luminance = [&](std::size_t k) { return double(Luminance(Vec3f(light.coeffs[k]))); };
+    const Vec3d v{luminance(3), luminance(1), luminance(2)}; // basis functions 3, 1, 2 are x, y, z
+    const double length = Length(v);
+    return length > kMinDirection ? v / length : Vec3d{0, 0, 1};
+}
+
+/// Integrals over all normals n of the light, and of the light times max(0, n . direction).
+struct Integrals {
+    Vec3d whole, lobe;
+};
+
+Integrals Integrate(const bspGridPointSH_t &light, const Vec3d &direction) {
+    Integrals sum{Coefficient(light, 0) / kSHC0, {}};
+    const SHVector basis = SHBasis(direction);
+    for (std::size_t k = 0; k < 9; ++k)
+        sum.lobe += Coefficient(light, k) * (kCosineLobe[k] * basis[k]);
+    return sum;
+}
+
+} // namespace
+
+Vec3d MeanLight(const bspGridPointSH_t &light) {
+    return Coefficient(light, 0) * kSHC0;
+}
+
+Vec3d LightOn(const bspGridPointSH_t &light, const Vec3d &normal) {
+    const SHVector basis = SHBasis(normal);
+    Vec3d sum;
+    for (std::size_t k = 0; k < 9; ++k)
+        sum += Coefficient(light, k) * basis[k];
+    return Max(sum, Vec3d{});
+}
+
+AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double minAmbient) {
+    // Normal equations of (light - ambient - directed * lobe)^2; the integrals of 1, lobe and lobe^2 over the sphere
+    // are 4 pi, pi and 2 pi / 3.
+    AmbientDirected fit;
+    fit.direction = DominantDirection(light);
+    const Integrals sum = Integrate(light, fit.direction);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double e1 = sum.whole[i], e2 = sum.lobe[i];
+        double ambient = (2 * e1 - 3 * e2) / (5 * pi), directed = (12 * e2 - 3 * e1) / (5 * pi);
+        if (directed < 0)
+            directed = 0, ambient = e1 / (4 * pi);
+        if (ambient < minAmbient)
+            ambient = minAmbient, directed = 3 * (e2 - pi * minAmbient) / (2 * pi);
+        fit.ambient[i] = ambient;
+        fit.directed[i] = std::max(directed, 0.0);
+    }
+    return fit;
+}
+
+AmbientDirected FitMeanAndDirected(const bspGridPointSH_t &light, double directedShare) {
+    AmbientDirected fit = FitAmbientDirected(light);
+    const Vec3d mean = Max(MeanLight(light), Vec3d{});
+    for (std::size_t i = 0; i < 3; ++i) {
+        fit.directed[i] = std::min(fit.directed[i], mean[i] / directedShare);
+        fit.ambient[i] = std::max(mean[i] - directedShare * fit.directed[i], 0.0);
+    }
+    return fit;
+}
+
+// ---- The tone of the lightmaps, for grids that hold bytes ----
+
+namespace {
+
+constexpr float kFull = 255;
+/// Unlimited scales light by this before the limit at 255, and undoes it after: limits light at 2^20 times 255. A power
+/// of two, so that no rounding is added.
+constexpr float kHeadroom = 1.0f / (1 << 20);
+
+} // namespace
+
+GridTone::GridTone(std::string_view entities, Log &log) {
+    const std::string text(StoredWorld(std::string(entities)).Value(kToneKey));
+    if (shgrid_parse_tone(text.c_str(), &tone_) != SHGRID_OK)
+        log.Warn("tone", "worldspawn: {} \"{}\" is not pairs of a word and a number in range: grids get no tone",
+                 kToneKey, text);
+}
+
+GridTone::GridTone(const char *tone) {
+    if (shgrid_parse_tone(tone, &tone_) != SHGRID_OK)
+        throw Error("tone \"{}\": expected pairs of a word and a number in range", tone);
+}
+
+bool GridTone::IsPlain() const {
+    return tone_.contrast == 1 && tone_.gamma == 1 && tone_.exposure == 0 && tone_.saturation == 1 &&
+           tone_.scale == 1 && tone_.maxlight == kFull && tone_.srgb == 0;
+}
+
+Vec3d GridTone::Limited(const Vec3d &light) const {
+    float rgb[3] = {float(light.x), float(light.y), float(light.z)};
+    shgrid_apply_tone(&tone_, rgb);
+    return Vec3d{double(rgb[0]), double(rgb[1]), double(rgb[2])} * double(kFull);
+}
+
+Vec3d GridTone::Unlimited(const Vec3d &light) const {
+    if (tone_.maxlight < kFull)
+        return Limited(light);
+    shgrid_tone tone = tone_;
+    tone.scale *= kHeadroom;
+    tone.srgb = 0;
+    float rgb[3] = {float(light.x), float(light.y), float(light.z)};
+    shgrid_apply_tone(&tone, rgb);
+    Vec3d color;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const float linear = rgb[i] / kHeadroom;
+        color[i] = double(kFull * (tone_.srgb ? SrgbFromLinear(linear) : linear));
+    }
+    return color;
+}
+
+std::array<std::uint8_t, 3> GridTone::Bytes(const Vec3d &light) const {
+    const Vec3d color = Limited(light);
+    std::array<std::uint8_t, 3> bytes;
+    for (std::size_t i = 0; i < 3; ++i)
+        bytes[i] = std::uint8_t(std::lround(color[i]));
+    return bytes;
+}
+
+// ---- The SH light grid of a map as the source of other grids ----
 
 namespace {
 

@@ -1,13 +1,60 @@
-// GPL-2.0-or-later. The SH light grid of a map as the source of other grids.
+// GPL-2.0-or-later. The SH light grid of a map as the source of other grids: its light, split into ambient and
+// directed, in the tone of the lightmaps.
 #pragma once
 
+#include "common/log.h"
 #include "libs/math/vec.h"
+#include "libs/shgrid/shgrid.h"
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/bspfile_grid.h"
-#include "q3map2/bspfile/sparse_grid.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 
+#include <array>
+#include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace q3 {
+
+/// Light ambient + directed * max(0, n . direction) on a surface with the normal n; 1 is byte 255. No part is negative.
+struct AmbientDirected {
+    Vec3d ambient, directed;
+    Vec3d direction{0, 0, 1}; ///< toward the light, unit
+};
+
+/// The nearest such light by least squares over all normals, channel by channel, to convolved coefficients. The
+/// direction is that of band 1's luminance; +z if that is zero. minAmbient: the least ambient light that an engine
+/// shows; where the fit has less on a channel, directed light is fitted to this.
+AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double minAmbient = 0);
+
+/// The same with ambient + directedShare * directed equal to the mean of the light over all normals, for engines that
+/// keep one color. directedShare above 0.
+AmbientDirected FitMeanAndDirected(const bspGridPointSH_t &light, double directedShare);
+
+/// Mean of convolved coefficients over all normals. May be negative after lights that take light away.
+Vec3d MeanLight(const bspGridPointSH_t &light);
+/// Light on a surface with this unit normal, at least 0.
+Vec3d LightOn(const bspGridPointSH_t &light, const Vec3d &normal);
+
+/// Turns linear light, where 1 is byte 255, into what lightmaps would store.
+class GridTone {
+  public:
+    /// The entities text of a map, whose key _q3map2_tone counts. A key that cannot be read warns and is plain.
+    GridTone(std::string_view entities, Log &log);
+    /// `tone`: a value of that key; empty: plain. Errors: it cannot be read.
+    explicit GridTone(const char *tone = "");
+
+    bool IsPlain() const;
+    /// From 0 to 255, or to `_maxlight`; brighter colors are scaled down with their hue.
+    Vec3d Limited(const Vec3d &light) const;
+    /// The same without the upper limit, unless `_maxlight` sets one below 255.
+    Vec3d Unlimited(const Vec3d &light) const;
+    /// Limited, rounded.
+    std::array<std::uint8_t, 3> Bytes(const Vec3d &light) const;
+
+  private:
+    shgrid_tone tone_{};
+};
 
 /// The SH grid of a file as it is stored.
 struct StoredGridSH {

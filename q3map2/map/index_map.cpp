@@ -3,8 +3,7 @@
 
 #include "common/error.h"
 #include "common/image/image.h"
-#include "common/image/image_index.h"
-#include "q3map2/bspfile/object_keys.h"
+#include "q3map2/bspfile/map_keys.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Index maps: images with the terrain layer of each texel.
 #pragma once
 
-#include "q3map2/map/bsp_context.h"
+#include "q3map2/map/bsp_options.h"
 #include "q3map2/map/map.h"
 
 #include <cstdint>

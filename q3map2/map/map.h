@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. A map source in memory: entities with brushes and patches.
 #pragma once
 
-#include "libs/math/bounds.h"
-#include "libs/math/winding_clip.h"
+#include "libs/math/vec.h"
+#include "libs/math/winding.h"
+#include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/bsp_records.h"
-#include "q3map2/bspfile/draw_vert.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/map/planes.h"
 #include "q3map2/shader/shader_info.h"
@@ -14,6 +14,7 @@
 #include <deque>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace q3 {
@@ -109,5 +110,8 @@ struct Map {
     const ShaderInfo *defaultCelShader = nullptr;
     MapEntity &World() { return entities.front(); }
 };
+
+/// By side: the convex parts that are drawn instead of its visible hull. Sides that are not listed are in one part.
+using SideParts = std::unordered_map<const BrushSide *, std::vector<Polygon>>;
 
 } // namespace q3

@@ -1,7 +1,7 @@
-// GPL-2.0-or-later. Windings and contents of brushes.
+// GPL-2.0-or-later. Windings, contents and bevel planes of brushes.
 #pragma once
 
-#include "q3map2/map/bsp_context.h"
+#include "q3map2/map/bsp_options.h"
 #include "q3map2/map/map.h"
 
 #include <memory>
@@ -20,5 +20,10 @@ void SetBrushContents(Brush &brush, const BspContext &context);
 /// the brush extends beyond the world.
 std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const ShaderInfo *firstShader,
                                        const BspContext &context, PlaneTable &table);
+
+/// Appends the bevel planes that boxes of any size need to collide with the brush exactly: axial planes, and planes
+/// through slanted edges. To be called once, after MakeBrushWindings. `snap`: axial bevels are rounded to multiples of
+/// it, game units; 0: off. inheritedFlags: surface flags that bevels take over from the sides that they touch.
+void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap, std::uint32_t inheritedFlags);
 
 } // namespace q3

@@ -1,17 +1,14 @@
-// GPL-2.0-or-later. Map text to entities.
+// GPL-2.0-or-later. The reader of map sources: text to entities, and settings of surfaces from their keys.
 #include "q3map2/map/map_parse.h"
 
-#include "q3map2/bspfile/foreign_keys.h"
-#include "q3map2/bspfile/light_style_keys.h"
-#include "q3map2/bspfile/surface_keys.h"
+#include "q3map2/bspfile/entity_key.h"
+#include "q3map2/bspfile/light_keys.h"
+#include "q3map2/bspfile/map_keys.h"
 #include "q3map2/map/index_map.h"
-#include "q3map2/map/map_bevels.h"
 #include "q3map2/map/map_brush.h"
-#include "q3map2/map/map_entities.h"
-#include "q3map2/map/map_origin.h"
 #include "q3map2/map/map_patch.h"
 #include "q3map2/map/map_primitive.h"
-#include "q3map2/map/map_settings.h"
+#include "q3map2/map/map_scanner.h"
 
 #include <fmt/ranges.h>
 
@@ -19,6 +16,8 @@
 #include <cmath>
 
 namespace q3 {
+
+// ---- Map text to entities ----
 
 namespace {
 
@@ -355,12 +354,12 @@ void MapReader::PrintCounts() const {
         }
     }
     const std::size_t worldBrushes = map_.entities.front().brushes.size();
-    context_.log.VerboseCount((long long)(worldBrushes), "total world brushes");
+    context_.log.VerboseCount(worldBrushes, "total world brushes");
     context_.log.VerboseCount(detail, "detail brushes");
     context_.log.VerboseCount(patches, "patches");
     context_.log.VerboseCount(boxBevels, "boxbevels");
     context_.log.VerboseCount(edgeBevels, "edgebevels");
-    context_.log.VerboseCount((long long)(map_.entities.size()), "entities");
+    context_.log.VerboseCount(map_.entities.size(), "entities");
     context_.log.VerboseCount(map_.planes.Count(), "planes");
     context_.log.VerboseCount(areaPortals, "areaportals");
 }
@@ -370,6 +369,41 @@ void MapReader::PrintCounts() const {
 Map ReadMap(std::string_view text, std::string_view name, const BspContext &context) {
     RequireMapSource(text, name);
     return MapReader(text, name, context).Read();
+}
+
+// ---- Settings of the surfaces of an entity, from its keys ----
+
+namespace {
+
+constexpr float kMaxColor = 1e6f; // far above any light, and products do not overflow
+
+Vec3f AmbientOf(const Entity &pairs) {
+    const float ambient = std::clamp(float(keys::kAmbient.Number(pairs)), -kMaxColor, kMaxColor);
+    Vec3f color = keys::kWorldColor.Vector(pairs).value_or(Vec3f{1, 1, 1});
+    for (std::size_t i = 0; i < 3; ++i)
+        color[i] = std::clamp(color[i], -kMaxColor, kMaxColor);
+    return color * ambient;
+}
+
+} // namespace
+
+SurfaceSettings SettingsOf(const MapEntity &entity, const Map &map, const BspContext &context) {
+    const Entity &pairs = entity.pairs;
+    const bool isWorld = entity.number == 0;
+    SurfaceSettings settings;
+    settings.entity = entity.number;
+    const bool casts = isWorld || EqualNoCase(pairs.ClassName(), "func_group");
+    settings.castShadows = keys::kCastShadows.Integer(pairs, casts ? 1 : 0);
+    settings.receiveShadows = keys::kReceiveShadows.Integer(pairs);
+    settings.sampleSize = keys::kSampleSize.Integer(pairs);
+    settings.lightmapScale = float(keys::kLightmapScale.Number(pairs, 0));
+    settings.shadeAngle = float(keys::kShadeAngle.Number(pairs));
+    settings.ambient = AmbientOf(pairs);
+    if (settings.ambient == Vec3f{} && !isWorld && !map.entities.empty())
+        settings.ambient = AmbientOf(map.entities.front().pairs);
+    const std::string_view cel = keys::kCelShader.Text(pairs);
+    settings.celShader = cel.empty() ? map.defaultCelShader : &context.shaders.Get(fmt::format("textures/{}", cel));
+    return settings;
 }
 
 } // namespace q3

@@ -1,6 +1,7 @@
-// GPL-2.0-or-later. Brushes and patches of map text.
+// GPL-2.0-or-later. Brushes and patches of map text, moved relative to the origin of their entity.
 #pragma once
 
+#include "q3map2/map/bsp_options.h"
 #include "q3map2/map/map.h"
 #include "q3map2/map/map_scanner.h"
 
@@ -57,5 +58,10 @@ class PrimitiveReader {
     const BspContext &context_;
     std::unordered_map<std::string, const ShaderInfo *> shaders_;
 };
+
+/// Moves all brushes and patches of the entity; sides get the numbers of their moved planes.
+void MoveEntity(MapEntity &entity, const Vec3f &by, PlaneTable &planes);
+/// Joins a func_group with the world: undoes the translation by an origin brush and applies the key origin.
+void JoinWorld(MapEntity &group, MapEntity &world, PlaneTable &planes, const BspContext &context);
 
 } // namespace q3

@@ -4,15 +4,240 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
-#include "q3map2/minimap/minimap_levels.h"
-#include "q3map2/minimap/minimap_samples.h"
-#include "q3map2/minimap/minimap_solids.h"
+#include "common/text/text.h"
+#include "libs/math/sampling.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <system_error>
 
 namespace q3 {
+
+// ---- Thickness of the solids of a map along vertical lines ----
+
+namespace {
+
+constexpr std::string_view kNoShaderName = "noshader";
+
+/// Flags that any side has.
+std::uint32_t FlagsOfSides(const Bsp &bsp, const bspBrush_t &brush, const std::vector<std::uint32_t> &flagsOfShader) {
+    std::uint32_t flags = 0;
+    for (std::int32_t i = 0; i < brush.numSides; ++i)
+        flags |= flagsOfShader[std::size_t(bsp.brushSides[std::size_t(brush.firstSide + i)].shaderNum)];
+    return flags;
+}
+
+/// Compile flags by number; none for sides without a shader.
+std::vector<std::uint32_t> FlagsOfShaders(const Bsp &bsp, ShaderLibrary &library) {
+    for (const bspShader_t &shader : bsp.shaders)
+        library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
+    std::vector<std::uint32_t> flags;
+    for (const bspShader_t &shader : bsp.shaders) {
+        const std::string_view name = FieldName(shader.shader);
+        flags.push_back(EqualNoCase(name, kNoShaderName) ? 0 : library.Get(name).compileFlags);
+    }
+    return flags;
+}
+
+MinimapSolid SolidOf(const Bsp &bsp, const bspBrush_t &brush) {
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    MinimapSolid solid{{}, {{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}}};
+    for (std::int32_t i = 0; i < brush.numSides; ++i) {
+        const bspPlane_t &side = bsp.planes[std::size_t(bsp.brushSides[std::size_t(brush.firstSide + i)].planeNum)];
+        const Plane plane{Vec3d(side.normal), double(side.dist)};
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            if (plane.normal[axis] == 1)
+                solid.bounds.maxs[axis] = std::min(solid.bounds.maxs[axis], plane.dist);
+            if (plane.normal[axis] == -1)
+                solid.bounds.mins[axis] = std::max(solid.bounds.mins[axis], -plane.dist);
+        }
+        solid.planes.push_back(plane);
+    }
+    return solid;
+}
+
+} // namespace
+
+double MinimapSolid::Thickness(double x, double y) const {
+    double bottom = -std::numeric_limits<double>::infinity(), top = std::numeric_limits<double>::infinity();
+    for (const Plane &plane : planes) {
+        const double rest = plane.dist - plane.normal.x * x - plane.normal.y * y;
+        if (plane.normal.z > 0)
+            top = std::min(top, rest / plane.normal.z);
+        else if (plane.normal.z < 0)
+            bottom = std::max(bottom, rest / plane.normal.z);
+        else if (rest < 0)
+            return 0;
+    }
+    const double length = top - bottom;
+    return length > 0 && std::isfinite(length) ? length : 0;
+}
+
+std::vector<MinimapSolid> MinimapSolids(const Bsp &bsp, ShaderLibrary &library) {
+    const std::vector<std::uint32_t> flagsOfShader = FlagsOfShaders(bsp, library);
+    std::vector<MinimapSolid> solids;
+    const bspModel_t &world = bsp.models.front();
+    for (std::int32_t i = 0; i < world.numBSPBrushes; ++i) {
+        const bspBrush_t &brush = bsp.brushes[std::size_t(world.firstBSPBrush + i)];
+        const std::uint32_t flags = FlagsOfSides(bsp, brush, flagsOfShader);
+        if ((flags & C_SOLID) != 0 && (flags & C_SKY) == 0)
+            solids.push_back(SolidOf(bsp, brush));
+    }
+    return solids;
+}
+
+// ---- Minimaps: pictures of a map from above, of how thick its solids are ----
+
+// ---- Level curves of minimaps ----
+
+namespace {
+
+void BoostValues(std::vector<float> &values, double boost) {
+    constexpr double kLeast = 1e-6; // a boost below 1 has a pole above 1, where solids overlap
+    for (float &value : values)
+        value = float(value * boost / std::max((boost - 1) * value + 1, kLeast));
+}
+
+struct LevelCurve {
+    double contrast, brightness;
+};
+
+/// The curve that follows a stretch of the values to 0..1. The lowest counts as 1 at most, the highest as 0 at least.
+LevelCurve AutoLevel(const std::vector<float> &values, LevelCurve curve, Log &log) {
+    double low = 1, high = 0;
+    for (const float value : values)
+        low = std::min(low, double(value)), high = std::max(high, double(value));
+    if (high > low) {
+        curve.brightness -= curve.contrast * low / (high - low);
+        curve.contrast /= high - low;
+        log.Print("Auto level: brightness {:f}, contrast {:f}\n", curve.brightness, curve.contrast);
+    }
+    return curve;
+}
+
+/// (8 s + 1) v - s (sum of the eight neighbors); outside counts as 0.
+void SharpenImage(MinimapValues &image, double s) {
+    const MinimapValues from = image;
+    const auto at = [&](int x, int y) {
+        const bool inside = x >= 0 && y >= 0 && x < from.size && y < from.size;
+        return inside ? double(from.values[std::size_t(y) * std::size_t(from.size) + std::size_t(x)]) : 0;
+    };
+    for (int y = 0; y < from.size; ++y)
+        for (int x = 0; x < from.size; ++x) {
+            double around = -at(x, y);
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx)
+                    around += at(x + dx, y + dy);
+            image.values[std::size_t(y) * std::size_t(from.size) + std::size_t(x)] =
+                float((8 * s + 1) * at(x, y) - s * around);
+        }
+}
+
+} // namespace
+
+void ApplyMinimapLevels(MinimapValues &image, const MinimapOptions &options, Log &log) {
+    if (options.boost != 1)
+        BoostValues(image.values, options.boost);
+    LevelCurve curve{options.contrast, options.brightness};
+    if (options.autoLevel)
+        curve = AutoLevel(image.values, curve, log);
+    if (curve.contrast != 1 || curve.brightness != 0)
+        for (float &value : image.values)
+            value = float(value * curve.contrast + curve.brightness);
+    if (options.sharpen > 0)
+        SharpenImage(image, options.sharpen);
+}
+
+// ---- Where a pixel of a minimap is sampled ----
+
+namespace {
+
+constexpr int kMaxFailures = 1000;
+
+/// Numbers in 0..1 by index.
+double RandomUnit(std::uint64_t index) {
+    return UnitFromHash(HashIndex(index));
+}
+
+/// Squared distance where the unit square repeats.
+double WrappedDistance2(const PixelOffset &a, const PixelOffset &b) {
+    double sum = 0;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double d = std::abs(a[axis] - b[axis]), wrapped = std::min(d, 1 - d);
+        sum += wrapped * wrapped;
+    }
+    return sum;
+}
+
+struct ClosestPair {
+    std::size_t a = 0, b = 0;
+    double distance2 = std::numeric_limits<double>::max();
+};
+
+ClosestPair FindClosestPair(const std::vector<PixelOffset> &points) {
+    ClosestPair closest;
+    for (std::size_t a = 0; a < points.size(); ++a)
+        for (std::size_t b = a + 1; b < points.size(); ++b)
+            if (const double d = WrappedDistance2(points[a], points[b]); d < closest.distance2)
+                closest = {a, b, d};
+    return closest;
+}
+
+/// Squared distance of `place` from the nearest point other than `but`.
+double Clearance2(const std::vector<PixelOffset> &points, std::size_t but, const PixelOffset &place) {
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (i != but)
+            least = std::min(least, WrappedDistance2(points[i], place));
+    return least;
+}
+
+} // namespace
+
+std::vector<PixelOffset> SpreadOffsets(std::size_t count) {
+    std::uint64_t index = 0;
+    std::vector<PixelOffset> points(count);
+    const auto randomPlace = [&index]() -> PixelOffset {
+        const double x = RandomUnit(index++);
+        return {x, RandomUnit(index++)};
+    };
+    for (PixelOffset &point : points)
+        point = randomPlace();
+    if (count < 2)
+        return points;
+    ClosestPair closest = FindClosestPair(points);
+    for (int failures = 0; failures < kMaxFailures;) {
+        const std::size_t moved = RandomUnit(index++) < 0.5 ? closest.a : closest.b;
+        const PixelOffset place = randomPlace();
+        if (Clearance2(points, moved, place) <= closest.distance2) {
+            ++failures;
+            continue;
+        }
+        points[moved] = place;
+        closest = FindClosestPair(points);
+        failures = 0;
+    }
+    return points;
+}
+
+MinimapSampler::MinimapSampler(const MinimapOptions &options)
+    : count_(std::size_t(options.randomSamples > 0 ? options.randomSamples : options.samples)) {
+    if (options.randomSamples == 0)
+        fixed_ = count_ == 1 ? std::vector<PixelOffset>{{0.5, 0.5}} : SpreadOffsets(count_);
+}
+
+PixelOffset MinimapSampler::Offset(std::uint64_t pixel, std::size_t sample) const {
+    if (!fixed_.empty())
+        return fixed_[sample];
+    // Uniform in the unit disc.
+    const std::uint64_t index = 2 * (pixel * count_ + sample);
+    const double radius = std::sqrt(RandomUnit(index)), angle = 2 * std::numbers::pi * RandomUnit(index + 1);
+    return {0.5 + radius * std::cos(angle), 0.5 + radius * std::sin(angle)};
+}
+
+// ---- Minimaps: pictures of a map from above, of how thick its solids are ----
 
 namespace {
 
@@ -88,7 +313,7 @@ Minimap DrawMinimap(const Bsp &bsp, ShaderLibrary &library, const MinimapOptions
     PrintBox("size_texcoords", minimap.box, log);
 
     const std::vector<MinimapSolid> solids = MinimapSolids(bsp, library);
-    log.Count((long long)(solids.size()), "opaque brushes");
+    log.Count(solids.size(), "opaque brushes");
     const MinimapSampler sampler(options);
     const auto size = std::size_t(options.size);
     minimap.image.values.resize(size * size);

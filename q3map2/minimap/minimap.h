@@ -3,16 +3,31 @@
 
 #include "common/jobs.h"
 #include "common/log.h"
+#include "libs/math/vec.h"
+#include "libs/math/winding.h"
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/minimap/minimap_options.h"
 #include "q3map2/shader/shader_library.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace q3 {
+
+/// A convex solid: what is behind all planes.
+struct MinimapSolid {
+    std::vector<Plane> planes;
+    Boundsd bounds; ///< of the planes along x and y; infinite where there are none
+
+    /// Length of the vertical line through (x, y) in the solid, game units.
+    double Thickness(double x, double y) const;
+};
+
+/// World brushes with a solid side and without a sky side.
+std::vector<MinimapSolid> MinimapSolids(const Bsp &bsp, ShaderLibrary &library);
 
 /// Values of pixels, `size` a row; row 0 has the lowest y.
 struct MinimapValues {
@@ -46,5 +61,28 @@ std::string MinimapSidecar(const Boundsd &box, std::string_view name);
 /// absolute. Errors: those of DrawMinimap, and files that cannot be written.
 void WriteMinimap(const Bsp &bsp, const std::filesystem::path &bspPath, ShaderLibrary &library,
                   const MinimapOptions &options, const MinimapStyle &style, const JobPool &jobs, Log &log);
+
+/// Boost, automatic level, brightness and contrast, in this order, then sharpening.
+void ApplyMinimapLevels(MinimapValues &image, const MinimapOptions &options, Log &log);
+
+/// An offset from the corner of a pixel with the lowest x and y, in pixels.
+using PixelOffset = std::array<double, 2>;
+
+/// `count` points of the unit square, as far from each other as a random search finds where the square repeats in both
+/// directions. The same on every machine.
+std::vector<PixelOffset> SpreadOffsets(std::size_t count);
+
+/// Positions of the samples of all pixels.
+class MinimapSampler {
+  public:
+    explicit MinimapSampler(const MinimapOptions &options);
+    std::size_t Count() const { return count_; }
+    /// Offset of a sample of pixel number `pixel`. Random ones lie up to 1 from the middle, so partly in neighbors.
+    PixelOffset Offset(std::uint64_t pixel, std::size_t sample) const;
+
+  private:
+    std::size_t count_;
+    std::vector<PixelOffset> fixed_; ///< empty: random
+};
 
 } // namespace q3

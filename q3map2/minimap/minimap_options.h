@@ -4,7 +4,7 @@
 #include "common/arguments.h"
 #include "common/log.h"
 #include "common/settings.h"
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 
 #include <filesystem>
 #include <optional>

@@ -1,13 +1,17 @@
-// GPL-2.0-or-later. Model files as triangles in the map's axes.
+// GPL-2.0-or-later. Model files as triangles in the map's axes, and MD3 models with the vertices of the file.
 #pragma once
 
 #include "common/files/vfs.h"
 #include "common/log.h"
-#include "q3map2/bspfile/draw_vert.h"
+#include "libs/math/vec.h"
+#include "q3map2/bspfile/bsp.h"
+#include "q3map2/bspfile/entities.h"
 
 #include <array>
+#include <cstddef>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -48,5 +52,28 @@ class ModelLibrary {
 /// Shader name for a material: without extension, with the model's folder when it has none; paths from other machines
 /// are cut at their "models" or "textures" folder. A material without a name gets that of the model.
 std::string ShaderOfMaterial(std::string_view material, std::string_view modelName);
+
+/// point' = linear . point + origin.
+struct ModelTransform {
+    std::array<Vec3d, 3> rows{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+    Vec3d origin;
+
+    Vec3d Point(const Vec3d &p) const;
+    /// Transforms a normal by the inverse transpose, to unit length. Returns `n` if the transform makes it zero.
+    Vec3d Normal(const Vec3d &n) const;
+    double Determinant() const;
+};
+/// Scales, rotates by roll, then pitch, then yaw (degrees), and adds the origin.
+ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin);
+/// Scale of an entity's model along its axes: the key "modelscale_vec", else "modelscale".
+Vec3d ModelScaleOf(const Entity &entity);
+/// Pitch, yaw and roll of an entity in degrees: the key "angles", else "angle" as yaw.
+Vec3d AnglesOf(const Entity &entity);
+
+/// Whether the file begins as an MD3 model does.
+bool IsMd3(std::span<const std::byte> file);
+/// The meshes and vertices of an MD3 model as an engine has them: nothing is joined, split or left out. modelName: for
+/// shader names, see ShaderOfMaterial. Errors: a version other than 15, no such frame, parts outside the file.
+Model ReadMd3(std::span<const std::byte> file, std::string_view modelName, int frame);
 
 } // namespace q3

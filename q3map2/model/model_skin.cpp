@@ -4,7 +4,7 @@
 #include "common/files/archive.h"
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
-#include "q3map2/bspfile/object_keys.h"
+#include "q3map2/bspfile/map_keys.h"
 #include "q3map2/shader/shader_table.h"
 
 #include <algorithm>

@@ -1,14 +1,37 @@
-// GPL-2.0-or-later. Shader scripts as engines read them.
+// GPL-2.0-or-later. Shader scripts as engines read them: which script defines a shader, which files it names, and who
+// wants them.
 #include "q3map2/pk3/engine_scripts.h"
 
 #include "common/error.h"
+#include "common/files/archive.h"
 #include "common/text/text_scan.h"
-#include "q3map2/shader/shader_text.h"
+#include "q3map2/shader/shader_parse.h"
 
 #include <algorithm>
 #include <array>
 
 namespace q3 {
+
+// ---- Names of files or shaders that a package wants, and who wants them ----
+
+std::string PackageName(std::string_view name) {
+    return PlainName(name);
+}
+
+bool WantedList::Add(std::string_view name, std::string_view why, bool required) {
+    std::string clean = PackageName(name);
+    if (clean.empty())
+        return false;
+    if (known_.insert(LowerCase(clean)).second) {
+        all_.push_back({std::move(clean), std::string(why), required});
+        return true;
+    }
+    if (required)
+        std::ranges::find_if(all_, [&](const Wanted &w) { return EqualNoCase(w.name, clean); })->required = true;
+    return false;
+}
+
+// ---- Shader scripts as engines read them ----
 
 namespace {
 

@@ -1,17 +1,40 @@
-// GPL-2.0-or-later. Shader scripts as engines read them: which script defines a shader, and which files it names.
+// GPL-2.0-or-later. Shader scripts as engines read them: which script defines a shader, which files it names, and who
+// wants them.
 #pragma once
 
 #include "common/log.h"
-#include "q3map2/pk3/wanted_list.h"
+#include "common/text/text.h"
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace q3 {
+
+/// PlainName: how files of packages are named.
+std::string PackageName(std::string_view name);
+
+struct Wanted {
+    std::string name, why;
+    bool required = true;
+};
+
+/// Names in the order in which they were added, each once; case does not matter.
+class WantedList {
+  public:
+    /// False: it is there already (and is required if either is), or empty.
+    bool Add(std::string_view name, std::string_view why, bool required = true);
+    bool Has(std::string_view name) const { return known_.contains(LowerCase(name)); }
+    const std::vector<Wanted> &All() const { return all_; }
+
+  private:
+    std::vector<Wanted> all_;
+    std::set<std::string> known_; ///< lower case
+};
 
 /// A definition that engines use. Names of images have no extension.
 struct EngineShader {

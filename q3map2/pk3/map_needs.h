@@ -1,14 +1,76 @@
-// GPL-2.0-or-later. What a map asks the engine and the game for.
+// GPL-2.0-or-later. What a map asks the engine and the game for, where such files come from, and what players have
+// already.
 #pragma once
 
+#include "common/files/vfs.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "q3map2/pk3/wanted_list.h"
+#include "q3map2/pk3/engine_scripts.h"
 #include "q3map2/shader/games.h"
 
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace q3 {
+
+/// Names in lower case, those of files without extension, those of scripts without folder too.
+struct Exclusions {
+    std::set<std::string> textures, shaders, shaderFiles, sounds, videos;
+
+    bool HasTexture(std::string_view image) const;
+    bool HasShader(std::string_view shader) const;
+    bool HasShaderFile(std::string_view script) const;
+    bool HasSound(std::string_view sound) const;
+    bool HasVideo(std::string_view video) const;
+    /// Whether it is a texture of the list and no shader of it: an image that the game has under a name for which a
+    /// script must define nothing else.
+    bool IsPureTexture(std::string_view name) const { return HasTexture(name) && !HasShader(name); }
+    void Add(const Exclusions &other);
+};
+
+/// Blocks `textures { }`, `shaders { }`, `shaderfiles { }`, `sounds { }` and `videos { }` of names. `name` is for
+/// messages. Errors: another block, a brace that is missing.
+Exclusions ReadExclusions(std::string text, std::string_view name);
+
+// ---- Where files of a package come from ----
+
+enum class Whereabouts {
+    Nowhere,
+    InBase, ///< in an archive that players have
+    Here
+};
+
+/// The folders that the maps are in, then the game's files.
+class PackageSource {
+  public:
+    /// `folders`: those that hold folders maps, scripts and so on. `basePaks`: masks of archives that players have.
+    PackageSource(const VirtualFileSystem &vfs, std::vector<std::filesystem::path> folders,
+                  const std::vector<std::string> &basePaks);
+
+    Whereabouts Find(std::string_view name) const;
+    /// Nothing if there is no such file or, with a warning, it is damaged.
+    std::optional<std::vector<std::byte>> Read(std::string_view name) const;
+    /// Where Read finds it, for messages: a file, or an archive and the name in it. Empty: nowhere.
+    std::string Location(std::string_view name) const;
+    /// The same as Read, as text.
+    std::optional<std::string> ReadText(std::string_view name) const;
+    /// Names in the folder that end so, each once, sorted: first those of the maps' folders.
+    std::vector<std::string> List(std::string_view folder, std::string_view extension) const;
+
+  private:
+    /// Empty: not in the maps' folders.
+    std::filesystem::path LooseFile(std::string_view name) const;
+
+    const VirtualFileSystem &vfs_;
+    std::vector<std::filesystem::path> folders_;
+    std::vector<std::string> basePaks_; ///< lower case
+};
+
+/// All shader scripts of the game. Prints their number.
+EngineScripts ReadScripts(const PackageSource &source, const Game &game, Log &log);
 
 /// Shaders, sounds and models that maps name.
 struct MapNeeds {

@@ -1,16 +1,34 @@
-// GPL-2.0-or-later. What goes into a package, and what is missing.
+// GPL-2.0-or-later. What goes into a package, what is missing, and the options of -pk3 and -repack.
 #pragma once
 
+#include "common/settings.h"
 #include "q3map2/pk3/engine_scripts.h"
-#include "q3map2/pk3/exclusions.h"
 #include "q3map2/pk3/map_needs.h"
-#include "q3map2/pk3/package_source.h"
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace q3 {
+
+// ---- Options of -pk3 and -repack ----
+
+struct PackOptions {
+    bool list = false;                   ///< print what was collected
+    bool png = false;                    ///< PNG images count too, and first
+    int level = 9;                       ///< of compression, as zlib has it; 10 is 9
+    std::string folder;                  ///< of the package; empty: the first base path
+    std::vector<std::string> basePaks;   ///< masks of archives that players have
+    std::vector<std::string> exclusions; ///< more files of exclusions
+};
+
+struct RepackOptions : PackOptions {
+    RepackOptions() { level = 1; }
+    bool onlyList = false; ///< write nothing
+};
+
+std::vector<SettingGroup<PackOptions>> PackSettings();
+std::vector<SettingGroup<RepackOptions>> RepackSettings();
 
 /// A file of a package.
 struct PackageEntry {

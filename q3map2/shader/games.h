@@ -74,4 +74,17 @@ std::span<const Game> Games();
 /// Row of that name (case-insensitive), or null.
 const Game *FindGame(std::string_view name);
 
+/// Default of com_hunkMegs, the memory for a map, in MiB. 0: unknown.
+int EngineMegabytes(const Game &game);
+
+/// The list of quake3, on which those of other games are based.
+std::vector<SurfaceParm> BaseParms();
+std::vector<SurfaceParm> QuakeLiveParms();
+std::vector<SurfaceParm> TremulousParms();
+std::vector<SurfaceParm> WolfParms();
+std::vector<SurfaceParm> EnemyTerritoryParms();
+std::vector<SurfaceParm> UrbanTerrorParms();
+std::vector<SurfaceParm> EliteForceParms();
+std::vector<SurfaceParm> ReactionParms();
+
 } // namespace q3

@@ -1,12 +1,15 @@
-// GPL-2.0-or-later. The formats of the game's images, and their sizes from their headers.
+// GPL-2.0-or-later. The formats of the game's images, their sizes from their headers, and color spaces.
 #include "q3map2/shader/image_formats.h"
 
-#include "common/image/image_dds.h"
+#include "common/image/image.h"
 #include "common/text/text.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace q3 {
+
+// ---- The formats of the game's images, and their sizes from their headers ----
 
 namespace {
 
@@ -92,6 +95,22 @@ constexpr std::array<ImageFormat, 4> kFormats = {{{".tga", DecodeTga, TgaSize},
 
 std::span<const ImageFormat> ImageFormats() {
     return kFormats;
+}
+
+// ---- Color spaces ----
+
+float LinearFromSrgb(float c) {
+    return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+}
+
+float SrgbFromLinear(float c) {
+    return c <= 0.0031308f ? c * 12.92f : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
+}
+
+Vec3f NormalizeColor(const Vec3f &c) {
+    const float largest = MaxComponent(c);
+    const Vec3f normal = c / largest;
+    return largest > 0 && IsFinite(normal) ? normal : Vec3f{1, 1, 1};
 }
 
 } // namespace q3

@@ -1,7 +1,8 @@
-// GPL-2.0-or-later. The formats of the game's images, and their sizes from their headers.
+// GPL-2.0-or-later. The formats of the game's images, their sizes from their headers, and color spaces.
 #pragma once
 
 #include "common/image/image.h"
+#include "libs/math/vec.h"
 
 #include <array>
 #include <cstddef>
@@ -21,5 +22,11 @@ struct ImageFormat {
 
 /// All formats, in the order in which files are looked for: the first that exists is used.
 std::span<const ImageFormat> ImageFormats();
+
+/// Decodes an sRGB channel value in 0..1 to linear.
+float LinearFromSrgb(float c);
+float SrgbFromLinear(float c);
+/// c divided by its largest component; zero gives 1 1 1.
+Vec3f NormalizeColor(const Vec3f &c);
 
 } // namespace q3

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/log.h"
-#include "common/setting_info.h"
+#include "common/settings.h"
 #include "common/text/text_scan.h"
 #include "q3map2/shader/shader_table.h"
 
@@ -92,5 +92,9 @@ DirectiveGroup VertexLightDirectives();
 DirectiveGroup GeometryDirectiveGroup();
 DirectiveGroup TextureDirectives();
 DirectiveGroup ExtraSurfaceDirectives();
+
+/// Whether an engine of this family or an editor knows a directive of that name outside of stages, and the compiler
+/// does not. `lower`: the name in lower case.
+bool IsEngineDirective(std::string_view lower);
 
 } // namespace q3

@@ -2,7 +2,7 @@
 #include "q3map2/shader/shader_geometry.h"
 
 #include "common/text/text.h"
-#include "q3map2/shader/shader_color.h"
+#include "q3map2/shader/image_formats.h"
 #include "q3map2/shader/shader_directive.h"
 
 #include <algorithm>

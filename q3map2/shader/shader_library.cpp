@@ -5,9 +5,7 @@
 #include "common/files/archive.h"
 #include "common/text/text.h"
 #include "q3map2/shader/image_formats.h"
-#include "q3map2/shader/shader_color.h"
 #include "q3map2/shader/shader_parse.h"
-#include "q3map2/shader/shader_text.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,60 @@
 #include "common/text/text_scan.h"
 #include "q3map2/shader/shader_table.h"
 
+#include <cstddef>
+#include <string>
+#include <string_view>
+
 namespace q3 {
+
+/// A scanner that can record the tokens it reads as tidy text: without comments, tokens of a line joined by blanks,
+/// braces on lines of their own, indented by tabs.
+class ShaderTextScanner {
+  public:
+    explicit ShaderTextScanner(TextScanner &scanner) : scanner_(scanner) {}
+
+    /// As TextScanner.
+    bool Next(std::string_view &token) { return Recorded(scanner_.Next(token), token); }
+    /// The next word of the line, unless it is a brace: as in engines, a brace ends the directive, and the next read
+    /// returns it.
+    bool NextArgument(std::string_view &token);
+    /// Skips the rest of a directive.
+    void SkipArguments();
+    /// Whether a block begins after the last token, on this line or after blank ones.
+    bool BlockFollows() const;
+    /// Not while recording.
+    void PushBack() { scanner_.PushBack(); }
+    const TextLocation &TokenLocation() const { return scanner_.TokenLocation(); }
+    std::string_view Unread() const { return scanner_.Unread(); }
+
+    /// Starts a new recording with an opening brace.
+    void Record();
+    /// Removes the last token from the recording.
+    void Forget();
+    /// Ends recording; closes braces that are still open.
+    std::string TakeText();
+
+  private:
+    bool Recorded(bool got, std::string_view token) {
+        if (got && recording_)
+            Write(token);
+        return got;
+    }
+    void Write(std::string_view token);
+    void StartLine();
+
+    TextScanner &scanner_;
+    bool recording_ = false;
+    std::string text_;
+    struct Place {
+        std::size_t size = 0;
+        int depth = 0, line = 0; ///< line: of the script, of the last token; 0 after a line break
+    };
+    Place at_, beforeLast_;
+};
+
+/// The text of a shader, tidied. `body`: what follows its opening brace, without includes.
+std::string TidyBody(std::string_view body);
 
 /// Reads all shaders of one script into the table. Mistakes in the script are warnings with their line. Errors:
 /// those of the scanner; the shaders before them are in the table.

@@ -2,9 +2,9 @@
 #include "q3map2/shreport/report_package.h"
 
 #include "common/error.h"
-#include "common/files/archive_writer.h"
+#include "common/files/archive.h"
 #include "common/files/files.h"
-#include "common/image/image_reduce.h"
+#include "common/image/image.h"
 #include "common/text/text.h"
 #include "q3map2/pk3/map_needs.h"
 #include "q3map2/pk3/package_plan.h"
@@ -97,7 +97,7 @@ class ReportPackage {
             text += '\n' + StrippedText(*shader);
         if (!text.empty())
             Add(fmt::format("scripts/{}.shader", name_), std::as_bytes(std::span(text)));
-        log_.Count((long long)(plan_.strippedShaders.size()), "shaders");
+        log_.Count(plan_.strippedShaders.size(), "shaders");
     }
 
     void AddTextures(int textureSize, const JobPool &jobs) {

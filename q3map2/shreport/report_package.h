@@ -4,7 +4,7 @@
 #include "common/jobs.h"
 #include "common/log.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "q3map2/pk3/package_source.h"
+#include "q3map2/pk3/map_needs.h"
 #include "q3map2/shader/games.h"
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The page that shows a map, and the map in it.
+// GPL-2.0-or-later. The page that shows a map, the map in it, and the options of -shreport.
 #include "q3map2/shreport/viewer_page.h"
 
 #include "common/error.h"
@@ -8,6 +8,30 @@
 #include <memory>
 
 namespace q3 {
+
+// ---- Options of the stage -shreport ----
+
+std::vector<SettingGroup<SHReportOptions>> SHReportSettings() {
+    constexpr SettingRange sizes{0, 16384};
+    return {{"Page",
+             "",
+             {{{.name = "-texturesize",
+                .values = "N",
+                .unit = "texels",
+                .range = sizes,
+                .help = "Longer side of a texture at most; 0: no textures"},
+               &SHReportOptions::textureSize},
+              {{.name = "-o", .values = "FILE", .initial = "x.html beside x.bsp", .help = "The page"},
+               &SHReportOptions::output}}}};
+}
+
+SHReportOptions ParseSHReportOptions(Arguments &arguments, Log &log) {
+    SHReportOptions options;
+    TakeSettings(SHReportSettings(), options, arguments, log);
+    return options;
+}
+
+// ---- The page that shows a map, and the map in it ----
 
 namespace {
 

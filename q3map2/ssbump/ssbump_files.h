@@ -1,16 +1,33 @@
-// GPL-2.0-or-later. Bump maps as image files.
+// GPL-2.0-or-later. Bump maps as image files, and the options of -ssbump.
 #pragma once
 
+#include "common/arguments.h"
 #include "common/log.h"
+#include "common/settings.h"
 #include "q3map2/ssbump/ssbump.h"
-#include "q3map2/ssbump/ssbump_options.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace q3 {
+
+// ---- Options of the stage -ssbump ----
+
+struct SsbumpOptions {
+    double bumpScale = 8; ///< height of white over black, texels; negative: white is deep
+    bool tile = true;     ///< the height map repeats
+    int rays = 32;        ///< azimuths along which a texel looks for its horizon
+    int filter = 0;       ///< passes that smooth the steps of the image
+    std::string normals;  ///< path of a normal map to write; empty: none
+};
+
+/// The options of the stage, declared.
+std::vector<SettingGroup<SsbumpOptions>> SsbumpSettings();
+/// Removes these options from `arguments`.
+SsbumpOptions ParseSsbumpOptions(Arguments &arguments, Log &log);
 
 /// Bytes of the channels of a bump map: 255 for 1, rounded to nearest.
 std::vector<std::uint8_t> SsbumpBytes(std::span<const Vec3f> bump);

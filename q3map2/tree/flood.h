@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Flood fill from entities: finds leaks, makes leafs outside opaque.
+// GPL-2.0-or-later. Flood fill from entities: leaks, leafs outside, numbers of clusters and areas.
 #pragma once
 
 #include "q3map2/map/map.h"
@@ -8,6 +8,8 @@
 #include <vector>
 
 namespace q3 {
+
+// ---- Flood fill from entities: finds leaks, makes leafs outside opaque ----
 
 enum class Sealing {
     Sealed,
@@ -26,5 +28,14 @@ std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map);
 int LeakedEntity(const Tree &tree);
 /// The leak line as text of a .lin file: one point per text line.
 std::string LeakFileText(const std::vector<Vec3f> &line);
+
+/// Numbers the clusters and returns their count. `deep`: leafs below a detail split share a cluster. Throws Error for
+/// more clusters than a .bsp may have.
+int NumberClusters(Tree &tree, bool deep);
+/// Numbers the areas, the regions between area portals, and returns their count.
+int FloodAreas(Tree &tree);
+/// The area portals of the world that have the same area on both sides or lie in a solid, as indexes of its brushes.
+/// Call it after FloodAreas.
+std::vector<int> IdleAreaPortals(const Tree &tree, const MapEntity &world);
 
 } // namespace q3

@@ -1,8 +1,9 @@
-// GPL-2.0-or-later. The BSP tree during the bsp stage.
+// GPL-2.0-or-later. The BSP tree of the bsp stage: faces, choice of planes, recursion.
 #pragma once
 
-#include "libs/math/winding_clip.h"
-#include "q3map2/map/bsp_context.h"
+#include "libs/math/winding.h"
+#include "q3map2/map/bsp_options.h"
+#include "q3map2/map/map.h"
 #include "q3map2/map/planes.h"
 
 #include <array>
@@ -67,5 +68,11 @@ Tree BuildTree(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize,
                const BspContext &context);
 /// A tree of one leaf, for brush entities.
 Tree SingleLeafTree(const Boundsf &bounds);
+
+/// Whole sides of structural brushes (and of detail brushes with -deep), for the first tree. Structural brushes with
+/// fewer than four sides become detail.
+std::vector<TreeFace> StructuralFaces(MapEntity &world, const BspContext &context);
+/// Visible hulls of the same sides, for the second tree.
+std::vector<TreeFace> VisibleFaces(const MapEntity &world, const BspContext &context);
 
 } // namespace q3

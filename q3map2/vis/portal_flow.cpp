@@ -1,8 +1,9 @@
 // GPL-2.0-or-later. Portal flow: the portals seen through a portal, by depth-first search over chains of portals.
-#include "common/progress.h"
-#include "q3map2/vis/chain_link.h"
-#include "q3map2/vis/separators.h"
+#include "q3map2/vis/portal_flow.h"
+
+#include "common/log.h"
 #include "q3map2/vis/vis_map.h"
+#include "q3map2/vis/vis_winding.h"
 
 #include <algorithm>
 #include <chrono>

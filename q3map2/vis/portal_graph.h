@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The graph of leafs and directed portals.
+// GPL-2.0-or-later. The graph of leafs and directed portals, and its merging where unions are convex.
 #pragma once
 
 #include "libs/math/winding.h"

@@ -1,8 +1,8 @@
-// GPL-2.0-or-later. The vis stage as a whole, and its statistics.
+// GPL-2.0-or-later. The vis stage: from portals to what every cluster may see.
 #include "q3map2/vis/vis.h"
 
 #include "common/text/text.h"
-#include "q3map2/bspfile/surface_keys.h"
+#include "q3map2/bspfile/map_keys.h"
 #include "q3map2/vis/vis_map.h"
 
 #include <algorithm>
@@ -12,6 +12,65 @@
 #include <optional>
 
 namespace q3 {
+
+// ---- Options of the vis stage ----
+
+VisStageOptions ParseVisOptions(Arguments &arguments, Log &log) {
+    VisStageOptions options;
+    TakeSettings(VisSettings(), options, arguments, log);
+    options.vis.merge |= options.vis.keepHints;
+    options.vis.passageOnly &= !options.vis.noPassage;
+    return options;
+}
+
+// ---- The options of the vis stage, declared ----
+
+namespace {
+
+/// A flag of VisOptions.
+auto Vis(bool VisOptions::*field) {
+    return [field](auto &o) -> auto & {
+        return o.vis.*field;
+    };
+}
+
+} // namespace
+
+std::vector<SettingGroup<VisStageOptions>> VisSettings() {
+    return {{"Visibility",
+             "Of several modes the first one in this order counts: `-fast`, `-nopassage`, `-passageOnly`.",
+             {{{.name = "-saveprt",
+                .help = "Keep x.prt, which is deleted otherwise",
+                .details = "It is deleted once the `.bsp` is written."},
+               &VisStageOptions::savePrt},
+              {{.name = "-fast",
+                .help = "Rough visibility, quickly: only which way portals face decides",
+                .details = "For test compiles: little is hidden, so the game runs slower."},
+               Vis(&VisOptions::fast)},
+              {{.name = "-merge",
+                .help = "Merge leafs that are convex together, then their portals: quicker, less exact",
+                .details = "Leafs are merged through hint portals too."},
+               Vis(&VisOptions::merge)},
+              {{.name = "-hint", .help = "As -merge, but leafs on both sides of a hint brush stay apart"},
+               Vis(&VisOptions::keepHints)},
+              {{.name = "-mergeportals", .help = "Merge portals between the same two leafs only"},
+               Vis(&VisOptions::mergePortals)},
+              {{.name = "-nopassage",
+                .help = "Portal flow without passages: slower, less exact",
+                .details = "Wins over `-passageOnly`."},
+               Vis(&VisOptions::noPassage)},
+              {{.name = "-passageOnly", .help = "Passages without portal flow: quicker, less exact"},
+               Vis(&VisOptions::passageOnly)},
+              {{.name = "-nosort", .help = "Process portals in the order of the file"}, Vis(&VisOptions::noSort)},
+              {{.name = "-plain",
+                .help = "Compute as the original q3map2 does, one portal after the other on one thread",
+                .details = "Each direction is computed separately, and the lump is that of the original program."},
+               Vis(&VisOptions::plain)},
+              {{.name = "-v", .help = "A second -v: print how many clusters see how many others"},
+               &VisStageOptions::histogram}}}};
+}
+
+// ---- The vis stage as a whole, and its statistics ----
 
 namespace {
 

@@ -1,8 +1,10 @@
 // GPL-2.0-or-later. The vis stage: from portals to what every cluster may see.
 #pragma once
 
+#include "common/arguments.h"
 #include "common/jobs.h"
 #include "common/log.h"
+#include "common/settings.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/prtfile.h"
 
@@ -65,5 +67,18 @@ Visibility ComputeVisibility(const PortalFile &file, std::string_view name, cons
 /// Prints total, average, deviation, minimum and maximum of visible clusters; each cluster counts itself. `histogram`:
 /// also prints, for each such number, how many clusters have it. Percentages are of all clusters.
 void PrintStatistics(const Visibility &visibility, bool histogram, Log &log);
+
+/// Set by the command-line options in the table of vis.cpp.
+struct VisStageOptions {
+    VisOptions vis;
+    bool savePrt = false;
+    bool histogram = false; ///< set by a second -v: print the number of clusters for each count of visible clusters
+};
+
+/// Takes the options of the vis stage off `arguments`. Errors: those of TakeSettings.
+VisStageOptions ParseVisOptions(Arguments &arguments, Log &log);
+
+/// The options of the vis stage, except those that all stages accept.
+std::vector<SettingGroup<VisStageOptions>> VisSettings();
 
 } // namespace q3

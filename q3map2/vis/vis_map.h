@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Portals in compact form, and the passes over them. Internal to the folder.
+// GPL-2.0-or-later. Portals in compact form, and the passes over them: flood, passages, symmetry.
 #pragma once
 
 #include "libs/math/bit_table.h"

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Small scenes for tests of the path tracer.
 #include "tests/bounce/bounce_fixture.h"
 
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
 
 namespace q3::test {

@@ -5,7 +5,7 @@
 #include "tools/bounce_error/reference.h"
 #include "tools/scene/scene_builder.h"
 
-#include "q3map2/light/light.h"
+#include "q3map2/light/light_setup.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 
 #include <memory>

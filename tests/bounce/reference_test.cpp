@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. References of luxels and positions, and errors against them.
-#include "q3map2/lightmap/light_world.h"
+#include "q3map2/lightmap/light_stage.h"
 #include "tests/bounce/bounce_fixture.h"
 #include "tools/bounce_error/bounce_causes.h"
 #include "tools/bounce_error/lit_files.h"

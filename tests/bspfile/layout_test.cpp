@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. The layouts of the container: what is written, and what is read.
-#include "q3map2/bspfile/bsp_pieces.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/bspfile/bspfile_ibsp.h"
 #include "tests/bspfile/sample_bsp.h"
 
 #include <gmock/gmock.h>

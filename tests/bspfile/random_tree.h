@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Random octrees of the sparse SH grid, and their field by the definition, slowly.
 #pragma once
 
-#include "q3map2/bspfile/sparse_grid.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 
 #include <array>
 #include <map>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The BSPX lump of the sparse SH grid, against bytes put together here.
 #include "q3map2/bspfile/bsp_validate.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "q3map2/bspfile/sparse_grid.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 #include "tests/bspfile/sample_bsp.h"
 
 #include <gmock/gmock.h>

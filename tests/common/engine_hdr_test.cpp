@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. HDR light as engines load it.
-#include "common/image/engine_hdr.h"
+#include "common/image/float_image.h"
 
 #include "common/error.h"
 #include "tests/common/float_image_readers.h"

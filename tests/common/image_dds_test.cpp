@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. DDS images: blocks by the formulas of S3TC, masks, and files that are cut or changed.
 #include "common/error.h"
-#include "common/image/image_dds.h"
+#include "common/image/image.h"
 
 #include <functional>
 #include <initializer_list>

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Images of fewer texels, and images as files in memory.
 #include "common/error.h"
-#include "common/image/image_reduce.h"
+#include "common/image/image.h"
 
 #include <cstdlib>
 

@@ -2,7 +2,6 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
-#include "common/image/image_index.h"
 #include "tests/common/game_folder.h"
 
 #include <turbojpeg.h>

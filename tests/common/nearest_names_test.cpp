@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Names like a misspelt one.
-#include "common/nearest_names.h"
+#include "common/text/text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Numbers of things, and sizes, as text.
 #include "common/log.h"
-#include "common/text/counted.h"
+#include "common/text/text.h"
 #include "tests/common/game_folder.h"
 
 namespace q3::test {

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Guesses about unknown files.
 #include "common/error.h"
-#include "q3map2/convert/analyze.h"
+#include "q3map2/convert/bsp_info.h"
 #include "tests/convert/small_bsp.h"
 
 #include <gmock/gmock.h>

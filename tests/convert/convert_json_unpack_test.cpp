@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The text of the JSON files.
 #include "common/error.h"
+#include "q3map2/convert/game/game_flags.h"
 #include "q3map2/convert/json/convert_json.h"
-#include "q3map2/convert/json/convert_json_flags.h"
 #include "q3map2/convert/json/convert_json_write.h"
 #include "tests/convert/small_bsp.h"
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Maps of one game for another.
-#include "q3map2/convert/game/game_convert.h"
+#include "q3map2/convert/game/game_flags.h"
 #include "tests/common/game_folder.h"
 
 namespace q3::test {

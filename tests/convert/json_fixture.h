@@ -3,7 +3,6 @@
 
 #include "common/error.h"
 #include "q3map2/convert/json/convert_json.h"
-#include "q3map2/convert/json/convert_json_pack.h"
 #include "tests/convert/small_bsp.h"
 
 #include <gtest/gtest.h>

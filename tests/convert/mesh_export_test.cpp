@@ -1,6 +1,5 @@
 // GPL-2.0-or-later. Maps as model files.
 #include "q3map2/convert/mesh/mesh_export.h"
-#include "q3map2/convert/mesh/mesh_text.h"
 #include "tests/convert/small_bsp.h"
 #include "tests/shader/library_fixture.h"
 

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Map sources from one form of brushes to another.
 #include "common/error.h"
 #include "common/text/text.h"
-#include "q3map2/convert/source/plane_points.h"
-#include "q3map2/convert/source/source_from_map.h"
+#include "q3map2/convert/source/source_from_bsp.h"
+#include "q3map2/convert/source/source_writer.h"
 #include "q3map2/map/map_parse.h"
 #include "tests/shader/library_fixture.h"
 

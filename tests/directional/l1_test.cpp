@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Light as L1 spherical harmonics, deluxe maps, packed colors.
 #include "libs/directional/directional.h"
-#include "q3map2/lightmap/encode/l1_light.h"
+#include "q3map2/lightmap/encode/rnm.h"
 #include "tests/directional/light_sets.h"
 
 #include <gtest/gtest.h>
@@ -103,8 +103,8 @@ TEST(L1Light, HeaderAgreesWithEncoderOnRandomLamps) {
     }
 }
 
-using ShArray = float[4][3];
-void ToArray(const L1Light &light, ShArray &sh) {
+using SHArray = float[4][3];
+void ToArray(const L1Light &light, SHArray &sh) {
     for (std::size_t k = 0; k < 4; k++)
         for (std::size_t c = 0; c < 3; c++)
             sh[k][c] = light.c[k][c];
@@ -117,7 +117,7 @@ TEST(L1Light, WithFlatLightTheFlatNormalIsExact) {
         L1Light light;
         for (const Lamp &lamp : lamps)
             light.AddLight(lamp.color, lamp.direction);
-        ShArray sh;
+        SHArray sh;
         ToArray(light, sh);
         const Vec3f lit = Received(lamps, {0, 0, 1});
         const float flat[3] = {0, 0, 1}, received[3] = {lit.x, lit.y, lit.z};
@@ -129,7 +129,7 @@ TEST(L1Light, WithFlatLightTheFlatNormalIsExact) {
 }
 
 TEST(L1Light, WithFlatLightGuards) {
-    ShArray dark{}, behind;
+    SHArray dark{}, behind;
     ToArray(OneLight({0, 0, -1}), behind);
     const float flat[3] = {0, 0, 1}, down[3] = {0, 0, -1}, received[3] = {0.5f, 0.25f, -1};
     float rgb[3];
@@ -144,7 +144,7 @@ TEST(L1Light, CurvedAtBothEnds) {
     LightSets sets(10);
     L1Light uniform;
     uniform.AddUniform({0.5f, 1, 0});
-    ShArray one, even;
+    SHArray one, even;
     ToArray(uniform, even);
     for (int i = 0; i < 200; i++) {
         const Vec3f w = sets.Direction(), n = sets.Direction();
@@ -164,7 +164,7 @@ TEST(L1Light, CurvedKeepsTheMean) {
     // Over the sphere, about the axis of a light of 1 with 0.3 from everywhere.
     L1Light light = OneLight({0, 0, 1});
     light.AddUniform({0.3f, 0.3f, 0.3f});
-    ShArray sh;
+    SHArray sh;
     ToArray(light, sh);
     double mean = 0;
     constexpr int kSteps = 4000;

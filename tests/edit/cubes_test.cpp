@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Ambient cubes of maps that are merged, scaled and moved.
 #include "q3map2/edit/merge_maps.h"
-#include "q3map2/edit/scale_map.h"
-#include "q3map2/edit/shift_map.h"
+#include "q3map2/edit/scale_shift.h"
 #include "tests/convert/small_bsp.h"
 
 #include <gmock/gmock.h>

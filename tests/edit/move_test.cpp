@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. Maps that are scaled and moved.
 #include "common/error.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/edit/scale_map.h"
-#include "q3map2/edit/shift_map.h"
+#include "q3map2/edit/scale_shift.h"
 #include "tests/convert/small_bsp.h"
 
 #include <cmath>

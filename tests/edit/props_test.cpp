@@ -2,8 +2,7 @@
 #include "q3map2/bspfile/prop_light.h"
 #include "q3map2/edit/edit_lumps.h"
 #include "q3map2/edit/merge_maps.h"
-#include "q3map2/edit/scale_map.h"
-#include "q3map2/edit/shift_map.h"
+#include "q3map2/edit/scale_shift.h"
 #include "tests/convert/small_bsp.h"
 
 #include <cstring>

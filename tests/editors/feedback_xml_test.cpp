@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The stream to editors keeps their limits.
-#include "q3map2/editors/feedback_xml.h"
+#include "q3map2/editors/editor_feedback.h"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Whole compiles of small maps.
 #include "common/error.h"
-#include "q3map2/geometry/game_entities.h"
+#include "q3map2/geometry/compile_map.h"
 #include "tests/geometry/compile_fixture.h"
 
 #include <numbers>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. A game folder with scripts and models, and a small map made by hand.
 #pragma once
 
-#include "q3map2/geometry/surface/draw_surface.h"
+#include "q3map2/geometry/faces/draw_surface.h"
 #include "q3map2/map/map_brush.h"
 #include "tests/common/game_folder.h"
 

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Draw surfaces made by hand, and what steps of the bsp stage need to work on them.
 #pragma once
 
-#include "q3map2/geometry/meta/meta_mesh.h"
-#include "q3map2/geometry/surface/surface_class.h"
+#include "q3map2/geometry/faces/draw_surface.h"
+#include "q3map2/geometry/faces/meta.h"
 #include "tests/common/game_folder.h"
 
 #include <deque>

@@ -2,7 +2,6 @@
 #include "common/error.h"
 #include "q3map2/geometry/faces/brush_faces.h"
 #include "q3map2/geometry/faces/patch_surfaces.h"
-#include "q3map2/geometry/faces/subdivide.h"
 #include "q3map2/map/map_texture.h"
 #include "tests/geometry/face_scene.h"
 

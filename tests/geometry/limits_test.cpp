@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. What engines cannot hold is told, each with its number; what they just can is not.
-#include "q3map2/geometry/map_text.h"
+#include "q3map2/geometry/compile_map.h"
 #include "tests/common/game_folder.h"
 
 #include <functional>

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Hashed look-ups give what a search in order of addition gives.
-#include "q3map2/geometry/faces/tjunction_lines.h"
-#include "q3map2/geometry/surface/point_table.h"
+#include "q3map2/geometry/faces/draw_surface.h"
+#include "q3map2/geometry/faces/tjunctions.h"
 
 #include <cmath>
 #include <random>

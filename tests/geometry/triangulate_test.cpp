@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Polygons to triangles: all of the polygon, once, facing as it does.
 #include "common/error.h"
-#include "q3map2/geometry/faces/triangulate.h"
+#include "q3map2/geometry/faces/brush_faces.h"
 #include "tests/geometry/face_scene.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Ambient and directed light fitted to SH coefficients.
-#include "q3map2/gridformats/ambient_directed.h"
+#include "q3map2/gridformats/grid_source.h"
 #include "tests/gridformats/sample_grid.h"
 
 namespace q3::test {

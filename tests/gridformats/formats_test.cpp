@@ -2,7 +2,6 @@
 #include "q3map2/gridformats/grid_formats.h"
 
 #include "common/error.h"
-#include "q3map2/gridformats/grid_format_options.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Lump 15 and lightgrid.raw made of the SH grid, as engines read them.
-#include "q3map2/gridformats/ambient_directed.h"
+#include "q3map2/gridformats/grid_source.h"
 #include "q3map2/gridformats/legacy_encode.h"
 #include "tests/gridformats/sample_grid.h"
 #include "tools/grid_readers/legacy_reader.h"
@@ -70,7 +70,7 @@ void ExpectNear(const LegacyGridReader &reader, double bound) {
     }
 }
 
-TEST(LegacyGridFromSH, Ioquake3ShowsTheLightOfTheShGrid) {
+TEST(LegacyGridFromSH, Ioquake3ShowsTheLightOfTheSHGrid) {
     const Fixture f;
     const auto lump = EncodeLegacyGrid(f.points, kForIoquake3, GridTone(), 1);
     const auto reader = LegacyGridReader::Load(BytesOf(lump), f.places, kIoquake3Engine);

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. The lumps LIGHTGRID_OCTREE and LIGHTGRIDS: bytes, and what engines read.
-#include "q3map2/gridformats/ambient_directed.h"
-#include "q3map2/gridformats/grids_encode.h"
-#include "q3map2/gridformats/octree_encode.h"
+#include "q3map2/gridformats/grid_octree.h"
+#include "q3map2/gridformats/grid_source.h"
 #include "tests/gridformats/sample_grid.h"
 #include "tools/grid_readers/octree_reader.h"
 

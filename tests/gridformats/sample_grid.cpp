@@ -16,7 +16,7 @@ bspGridPointSH_t ConstantLight(const Vec3d &color) {
 
 bspGridPointSH_t LightFrom(const Vec3d &direction, const Vec3d &color) {
     bspGridPointSH_t point{};
-    const ShVector basis = ShBasis(Normalize(direction));
+    const SHVector basis = SHBasis(Normalize(direction));
     for (std::size_t k = 0; k < 9; ++k)
         point.coeffs[k] = Vec3f(color * (kCosineLobe[k] * basis[k])).Array();
     return point;

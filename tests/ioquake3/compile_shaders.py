@@ -11,7 +11,7 @@ in vec3 normal, position;
 out vec4 result;
 void main()
 {
-    result = vec4(ShGridLight(normalize(normal), position), 1.0);
+    result = vec4(SHGridLight(normalize(normal), position), 1.0);
 }
 """
 FORMS = ("", "#define USE_SHGRID_TEXTURES\n", "#define USE_SHGRID_TEXTURES\n#define USE_SHGRID_SPARSE\n")

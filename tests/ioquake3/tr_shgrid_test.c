@@ -109,9 +109,9 @@ static byte *MakeFile(const char *keys) {
 /* Loads a file of that size and frees it, as the engine does. */
 static void Load(const char *keys, long size, int shift) {
     byte *file = MakeFile(keys);
-    R_RegisterShGrid();
+    R_RegisterSHGrid();
     lines = warnings = 0;
-    R_LoadShGrid("maps/x.bsp", file, size, shift);
+    R_LoadSHGrid("maps/x.bsp", file, size, shift);
     free(file);
 }
 
@@ -121,22 +121,22 @@ static void TestLoad(void) {
     Load("", kFile, 0);
     CHECK(lines == 1 && warnings == 0);
     CHECK(strstr(lastLine, "lump 18, 1 points") != NULL);
-    CHECK(R_ShGridAt(origin, &coeffs) && coeffs.c[5][1] == 2 && !shGridWorld.isRadiance && !shGridWorld.hasTone);
+    CHECK(R_SHGridAt(origin, &coeffs) && coeffs.c[5][1] == 2 && !shGridWorld.isRadiance && !shGridWorld.hasTone);
     r_shgrid->integer = 0;
-    CHECK(!R_ShGridAt(origin, &coeffs));
+    CHECK(!R_SHGridAt(origin, &coeffs));
     r_shgrid->integer = 1;
-    R_FreeShGrid();
-    CHECK(!R_ShGridAt(origin, &coeffs));
+    R_FreeSHGrid();
+    CHECK(!R_SHGridAt(origin, &coeffs));
     Load("\"_q3map2_sh\" \"radiance\"\n\"_q3map2_tone\" \"gamma 2\"", kFile, 0);
     CHECK(shGridWorld.isRadiance && shGridWorld.hasTone && shGridWorld.tone.gamma == 2);
-    CHECK(R_ShGridAt(origin, &coeffs) && fabsf(coeffs.c[0][0] - 1.5707963f) < 1e-6f);
-    R_FreeShGrid();
+    CHECK(R_SHGridAt(origin, &coeffs) && fabsf(coeffs.c[0][0] - 1.5707963f) < 1e-6f);
+    R_FreeSHGrid();
     Load("\"_q3map2_tone\" \"gamma none\"", kFile, 0);
     CHECK(warnings == 1 && shGridWorld.grid.points != NULL && !shGridWorld.hasTone);
-    R_FreeShGrid();
+    R_FreeSHGrid();
     Load("", kFile - 1, 0);
     CHECK(lines == 1 && warnings == 1 && strstr(lastLine, "maps/x.bsp") != NULL);
-    CHECK(!R_ShGridAt(origin, &coeffs));
+    CHECK(!R_SHGridAt(origin, &coeffs));
 }
 
 /* An entity is lit by the grid, unless it has no world or r_shgrid is 0; dynamic lights of the last frame are gone. */
@@ -146,15 +146,15 @@ static void TestEntity(void) {
     vec3_t light[3], split[3];
     memset(&ent, 1, sizeof ent);
     Load("", kFile, 0);
-    CHECK(R_SetupShGridEntity(&ent, qtrue, origin, light[0], light[1], light[2]) && ent.lit && ent.coeffs.c[5][1] == 2);
+    CHECK(R_SetupSHGridEntity(&ent, qtrue, origin, light[0], light[1], light[2]) && ent.lit && ent.coeffs.c[5][1] == 2);
     CHECK(DotProduct(ent.dynamicLight, ent.dynamicLight) == 0 && DotProduct(ent.dynamicDir, ent.dynamicDir) == 0);
-    R_ShGridSplit(&ent.coeffs, split[0], split[1], split[2]);
+    R_SHGridSplit(&ent.coeffs, split[0], split[1], split[2]);
     CHECK(memcmp(light, split, sizeof split) == 0);
-    CHECK(!R_SetupShGridEntity(&ent, qfalse, origin, light[0], light[1], light[2]) && !ent.lit);
+    CHECK(!R_SetupSHGridEntity(&ent, qfalse, origin, light[0], light[1], light[2]) && !ent.lit);
     r_shgrid->integer = 0;
-    CHECK(!R_SetupShGridEntity(&ent, qtrue, origin, light[0], light[1], light[2]) && !ent.lit);
+    CHECK(!R_SetupSHGridEntity(&ent, qtrue, origin, light[0], light[1], light[2]) && !ent.lit);
     r_shgrid->integer = 1;
-    R_FreeShGrid();
+    R_FreeSHGrid();
 }
 
 /* Coefficients in the axes of a model, which may have any length, against normals in map axes. */
@@ -165,7 +165,7 @@ static void TestTurn(void) {
     for (k = 0; k < 9; k++)
         for (channel = 0; channel < 3; channel++)
             coeffs.c[k][channel] = k ? 0.1f * (float)((7 * k + 3 * channel) % 11 - 5) : 8.0f;
-    R_ShGridTurn(&coeffs, axis, &turned);
+    R_SHGridTurn(&coeffs, axis, &turned);
     for (i = 0; i < 200; i++) {
         const float z = cosf(0.1f * (float)i), r = sinf(0.1f * (float)i);
         const vec3_t normal = {r * cosf((float)i), r * sinf((float)i), z};
@@ -200,26 +200,26 @@ static void TestScale(void) {
     int channel;
     MakeLight(color, even, &coeffs);
     Load("", kFile, 0);
-    R_ShGridSplit(&coeffs, ambient, directed, dir);
+    R_SHGridSplit(&coeffs, ambient, directed, dir);
     for (channel = 0; channel < 3; channel++) {
         CHECK(fabsf(ambient[channel] - 255 * even[channel]) < 1e-3f);
         CHECK(fabsf(directed[channel] - 255 * color[channel]) < 1e-3f);
         CHECK(fabsf(dir[channel] - toward[channel]) < 1e-6f);
     }
-    R_ShGridLight(&coeffs, away, rgb); /* 0.0625 = 0.09375 - 0.5 + 0.46875: docs/engine_integration.md */
+    R_SHGridLight(&coeffs, away, rgb); /* 0.0625 = 0.09375 - 0.5 + 0.46875: docs/engine_integration.md */
     CHECK(fabsf(rgb[0] - 255 * (0.1f + 0.0625f * 0.4f)) < 1e-3f);
-    R_FreeShGrid();
+    R_FreeSHGrid();
     /* With an overbright shift of 2 light is above 255, and is scaled down keeping its hue. */
     Load("", kFile, 2);
-    R_ShGridLight(&coeffs, toward, rgb);
+    R_SHGridLight(&coeffs, toward, rgb);
     CHECK(fabsf(rgb[0] - 255) < 1e-3f && fabsf(rgb[1] - 127.5f) < 0.1f);
     CHECK(fabsf(rgb[2] / rgb[0] - 0.10625f / 0.525f) < 1e-5f);
-    R_FreeShGrid();
+    R_FreeSHGrid();
     /* Gamma 2 acts on light before the shift. */
     Load("\"_q3map2_tone\" \"gamma 2 scale 0.25\"", kFile, 1);
-    R_ShGridLight(&coeffs, toward, rgb);
+    R_SHGridLight(&coeffs, toward, rgb);
     CHECK(fabsf(rgb[0] - 2 * 255 * 0.25f * sqrtf(0.525f)) < 1e-2f);
-    R_FreeShGrid();
+    R_FreeSHGrid();
 }
 
 int main(void) {

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Convex hulls in a plane.
-#include "libs/math/convex_hull.h"
+#include "libs/math/winding.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Spherical harmonics without negative lobes: nowhere negative.
-#include "libs/sh/dering.h"
+#include "libs/sh/sh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,15 +25,15 @@ std::vector<Vec3d> Directions(int count) {
     return directions;
 }
 
-double Evaluate(const ShVector &c, const Vec3d &n) {
-    const ShVector basis = ShBasis(n);
+double Evaluate(const SHVector &c, const Vec3d &n) {
+    const SHVector basis = SHBasis(n);
     double sum = 0;
     for (std::size_t k = 0; k < 9; k++)
         sum += c[k] * basis[k];
     return sum;
 }
 
-double Lowest(const ShVector &c, const std::vector<Vec3d> &directions) {
+double Lowest(const SHVector &c, const std::vector<Vec3d> &directions) {
     double lowest = std::numeric_limits<double>::max();
     for (const Vec3d &n : directions)
         lowest = std::min(lowest, Evaluate(c, n));
@@ -41,27 +41,27 @@ double Lowest(const ShVector &c, const std::vector<Vec3d> &directions) {
 }
 
 /// Light of one direction: sharp as projected, or convolved with the clamped cosine.
-ShVector Delta(const Vec3d &d, double light, bool convolved) {
-    ShVector c = ShBasis(d);
+SHVector Delta(const Vec3d &d, double light, bool convolved) {
+    SHVector c = SHBasis(d);
     for (std::size_t k = 0; k < 9; k++)
         c[k] *= light * (convolved ? kCosineLobe[k] : 1);
     return c;
 }
 
-ShVector Sum(const ShVector &a, const ShVector &b) {
-    ShVector sum = a;
+SHVector Sum(const SHVector &a, const SHVector &b) {
+    SHVector sum = a;
     for (std::size_t k = 0; k < 9; k++)
         sum[k] += b[k];
     return sum;
 }
 
 /// Sums of lights from a few directions, as at points of a map, and coefficients of any kind.
-std::vector<ShVector> Samples(int count) {
+std::vector<SHVector> Samples(int count) {
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
-    std::vector<ShVector> samples;
+    std::vector<SHVector> samples;
     for (int i = 0; i < count; i++) {
-        ShVector c{};
+        SHVector c{};
         if (i % 2 == 0) {
             const int lights = 1 + i / 2 % 4;
             for (int k = 0; k < lights; k++) {
@@ -80,7 +80,7 @@ std::vector<ShVector> Samples(int count) {
 }
 
 /// What is in memory of a map.
-ShVector Rounded(ShVector c) {
+SHVector Rounded(SHVector c) {
     for (double &x : c)
         x = double(float(x));
     return c;
@@ -88,8 +88,8 @@ ShVector Rounded(ShVector c) {
 
 TEST(Dering, MinimumIsTheLeastOfAllDirections) {
     const std::vector<Vec3d> directions = Directions(20000);
-    for (const ShVector &c : Samples(60)) {
-        const ShMinimum found = MinimumOfSh(c);
+    for (const SHVector &c : Samples(60)) {
+        const SHMinimum found = MinimumOfSH(c);
         double size = 0;
         for (const double x : c)
             size += std::abs(x);
@@ -103,20 +103,20 @@ TEST(Dering, MinimumIsTheLeastOfAllDirections) {
 
 TEST(Dering, MinimumOfSumsWithoutAUniqueOne) {
     // Uniform, one band only, a ring, a pair of poles: the direction is any of them.
-    EXPECT_NEAR(MinimumOfSh({2}).value, 2 * kShC0, 1e-15);
-    EXPECT_NEAR(MinimumOfSh({1, 0, 3}).value, kShC0 - 3 * kShC1, 1e-15);
-    EXPECT_NEAR(MinimumOfSh({1, 0, 0, 0, 0, 0, 2}).value, kShC0 - 2 * kShC3, 1e-15);
-    EXPECT_NEAR(MinimumOfSh({1, 0, 0, 0, 0, 0, -2}).value, kShC0 - 4 * kShC3, 1e-15);
-    EXPECT_NEAR(MinimumOfSh(Delta({0.6, 0, 0.8}, 1, true)).value, 3.0 / 32 - 2.0 / 15, 1e-15);
-    EXPECT_EQ(MinimumOfSh({}).value, 0);
+    EXPECT_NEAR(MinimumOfSH({2}).value, 2 * kSHC0, 1e-15);
+    EXPECT_NEAR(MinimumOfSH({1, 0, 3}).value, kSHC0 - 3 * kSHC1, 1e-15);
+    EXPECT_NEAR(MinimumOfSH({1, 0, 0, 0, 0, 0, 2}).value, kSHC0 - 2 * kSHC3, 1e-15);
+    EXPECT_NEAR(MinimumOfSH({1, 0, 0, 0, 0, 0, -2}).value, kSHC0 - 4 * kSHC3, 1e-15);
+    EXPECT_NEAR(MinimumOfSH(Delta({0.6, 0, 0.8}, 1, true)).value, 3.0 / 32 - 2.0 / 15, 1e-15);
+    EXPECT_EQ(MinimumOfSH({}).value, 0);
 }
 
 TEST(Dering, NothingIsNegativeAfterwardsAndTheMeanStays) {
     const std::vector<Vec3d> directions = Directions(100000);
     int changed = 0;
-    for (const ShVector &sample : Samples(100)) {
-        const ShVector before = Rounded(sample);
-        ShVector after = before;
+    for (const SHVector &sample : Samples(100)) {
+        const SHVector before = Rounded(sample);
+        SHVector after = before;
         changed += RemoveNegativeLobes(after);
         EXPECT_EQ(after[0], before[0]);
         EXPECT_GE(Lowest(Rounded(after), directions), 0);
@@ -125,11 +125,11 @@ TEST(Dering, NothingIsNegativeAfterwardsAndTheMeanStays) {
 }
 
 TEST(Dering, ASecondTimeChangesNothing) {
-    for (const ShVector &sample : Samples(2000)) {
-        ShVector c = Rounded(sample);
+    for (const SHVector &sample : Samples(2000)) {
+        SHVector c = Rounded(sample);
         RemoveNegativeLobes(c);
-        const ShVector once = Rounded(c);
-        ShVector twice = once;
+        const SHVector once = Rounded(c);
+        SHVector twice = once;
         EXPECT_FALSE(RemoveNegativeLobes(twice));
         EXPECT_EQ(twice, once);
     }
@@ -137,11 +137,11 @@ TEST(Dering, ASecondTimeChangesNothing) {
 
 TEST(Dering, WhatIsNowhereNegativeStaysAsItIs) {
     int kept = 0;
-    for (const ShVector &sample : Samples(2000)) {
-        ShVector c = sample;
+    for (const SHVector &sample : Samples(2000)) {
+        SHVector c = sample;
         // Raised until its minimum is just above zero.
-        c[0] += (std::max(0.0, -MinimumOfSh(c).value) + 1e-9 * std::abs(c[0])) / kShC0;
-        const ShVector before = c;
+        c[0] += (std::max(0.0, -MinimumOfSH(c).value) + 1e-9 * std::abs(c[0])) / kSHC0;
+        const SHVector before = c;
         EXPECT_FALSE(RemoveNegativeLobes(c));
         kept += c == before;
     }
@@ -149,7 +149,7 @@ TEST(Dering, WhatIsNowhereNegativeStaysAsItIs) {
 }
 
 /// The factors of bands 1 and 2, each the same for all its coefficients that are not zero.
-std::array<double, 2> FactorsOf(const ShVector &before, const ShVector &after) {
+std::array<double, 2> FactorsOf(const SHVector &before, const SHVector &after) {
     std::array<double, 2> factors{1, 1};
     for (std::size_t k = 1; k < 9; k++) {
         double &factor = factors[k < 4 ? 0 : 1];
@@ -164,8 +164,8 @@ std::array<double, 2> FactorsOf(const ShVector &before, const ShVector &after) {
 
 TEST(Dering, BandsAreScaledByAWindow) {
     int changed = 0;
-    for (const ShVector &before : Samples(200)) {
-        ShVector after = before;
+    for (const SHVector &before : Samples(200)) {
+        SHVector after = before;
         if (!RemoveNegativeLobes(after))
             continue;
         changed++;
@@ -179,18 +179,18 @@ TEST(Dering, BandsAreScaledByAWindow) {
 TEST(Dering, TheWindowIsNoNarrowerThanNeeded) {
     const std::vector<Vec3d> directions = Directions(100000);
     int changed = 0;
-    for (const ShVector &before : Samples(60)) {
-        ShVector after = before;
+    for (const SHVector &before : Samples(60)) {
+        SHVector after = before;
         if (!RemoveNegativeLobes(after))
             continue;
         changed++;
         const auto [band1, band2] = FactorsOf(before, after);
         // A thousandth less of lambda is too little.
-        ShVector wider = before;
+        SHVector wider = before;
         const double lambda = (1 / band2 - 1) / 36 * 0.998 - 1e-5;
         for (std::size_t k = 1; k < 9; k++)
             wider[k] /= 1 + (k < 4 ? 4 : 36) * lambda;
-        EXPECT_LT(MinimumOfSh(wider).value, 0) << band1;
+        EXPECT_LT(MinimumOfSH(wider).value, 0) << band1;
     }
     EXPECT_GT(changed, 40);
 }
@@ -209,7 +209,7 @@ TEST(Dering, LightOfOneDirection) {
         lambda += 1e-5;
     EXPECT_GT(lambda, 0);
     for (const Vec3d &d : {Vec3d{0, 0, 1}, Normalize(Vec3d{1, -2, 0.5}), Vec3d{-1, 0, 0}}) {
-        ShVector c = Delta(d, 3, true);
+        SHVector c = Delta(d, 3, true);
         EXPECT_TRUE(RemoveNegativeLobes(c));
         for (const Vec3d &n : Directions(50)) {
             const double t = Dot(n, d);
@@ -224,7 +224,7 @@ TEST(Dering, AbsurdValuesBecomeFiniteOnes) {
     for (const double mean : {0.0, -1.0, 1e-40, 1e-20, 1.0, 1e9})
         for (const double other : {0.0, 1e-40, 1e-9, 1.0, 1e9, 1e25})
             for (std::size_t k = 1; k < 9; k++) {
-                ShVector c{mean};
+                SHVector c{mean};
                 c[k] = other;
                 c[9 - k] -= other / 3;
                 RemoveNegativeLobes(c);

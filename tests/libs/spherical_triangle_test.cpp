@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Samples of spherical triangles against closed forms.
-#include "libs/math/spherical_triangle.h"
+#include "libs/math/sampling.h"
 #include "libs/sh/polygon_moments.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Polygons cut by planes.
-#include "libs/math/winding_clip.h"
+#include "libs/math/winding.h"
 
 #include <random>
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Ambient cubes: their light against closed forms and slow sums, their places, what is kept.
 #include "common/error.h"
 #include "libs/ambientcubes/ambient_cubes.h"
-#include "q3map2/bspfile/bsp_tree.h"
+#include "q3map2/bspfile/bsp.h"
 #include "q3map2/light/cubes/ambient_cubes.h"
 #include "q3map2/light/cubes/leaf_positions.h"
 #include "tests/light/compiled_map.h"

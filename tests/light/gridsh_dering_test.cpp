@@ -3,7 +3,7 @@
 
 #include "common/arguments.h"
 #include "libs/sh/sh.h"
-#include "q3map2/light/grid/gridsh_dering.h"
+#include "q3map2/light/grid/light_gridsh.h"
 
 #include "common/error.h"
 
@@ -81,9 +81,9 @@ TEST_F(GridSHDeringTest, TheSameBytesFromAnyNumberOfThreads) {
 TEST_F(GridSHDeringTest, ReportsTheLargestChange) {
     // Green is 0.5 + n.x, which is negative around -x. Red and blue stay.
     bspGridPointSH_t point{};
-    const double mean = 0.5 / kShC0;
+    const double mean = 0.5 / kSHC0;
     point.coeffs[0] = {float(mean), float(mean), 0};
-    point.coeffs[3][1] = float(1 / kShC1);
+    point.coeffs[3][1] = float(1 / kSHC1);
     const bspGridPointSH_t before = point;
     const DeringStats stats = DeringPoint(point, false);
     EXPECT_EQ(stats.points, 1);

@@ -2,7 +2,7 @@
 #include "libs/sh/sh.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/sources/light_entities.h"
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 
 #include "tests/light/light_fixture.h"
 
@@ -98,7 +98,7 @@ class LightFromAbove : public IndirectLight {
 TEST_F(GridSHErrorTest, ExactLightHasBouncedLight) {
     constexpr float kBounced = 40;
     Bsp bsp = Lit(Ambient("60"), "-sh");
-    const ShVector basis = ShBasis(Vec3d{0, 0, 1});
+    const SHVector basis = SHBasis(Vec3d{0, 0, 1});
     for (std::size_t k = 0; k < 9; ++k)
         Corrupt(bsp, k, double(kBounced) * kCosineLobe[k] * basis[k]);
     const LightFromAbove bounced(kBounced);
@@ -108,14 +108,14 @@ TEST_F(GridSHErrorTest, ExactLightHasBouncedLight) {
 
 TEST_F(GridSHErrorTest, KnownDamageIsReported) {
     Bsp bsp = Lit(Ambient("100"), "-sh");
-    Corrupt(bsp, 0, 5 / kShC0);
+    Corrupt(bsp, 0, 5 / kSHC0);
     GridSHError error = Measure(bsp);
     EXPECT_NEAR(error.rms, 5, 1e-3);
     EXPECT_NEAR(error.percentile95, 5, 1e-3);
     EXPECT_NEAR(error.doubled, 5, 1e-3);
 
     bsp = Lit(Ambient("100"), "-sh");
-    Corrupt(bsp, 2, 20 / kShC1);
+    Corrupt(bsp, 2, 20 / kSHC1);
     // 20 n.z: a third of the squares of the 26 directions is along z.
     error = Measure(bsp);
     EXPECT_NEAR(error.rms, 20 / std::sqrt(3), 1e-3);
@@ -124,9 +124,9 @@ TEST_F(GridSHErrorTest, KnownDamageIsReported) {
 
 TEST_F(GridSHErrorTest, WhatNoScreenShowsDoesNotCount) {
     Bsp bsp = Lit(Ambient("300"), "-sh");
-    Corrupt(bsp, 0, 40 / kShC0);
+    Corrupt(bsp, 0, 40 / kSHC0);
     EXPECT_EQ(Measure(bsp).rms, 0);
-    Corrupt(bsp, 0, -95 / kShC0); // 245 instead of 300, which shows as 255
+    Corrupt(bsp, 0, -95 / kSHC0); // 245 instead of 300, which shows as 255
     EXPECT_NEAR(Measure(bsp).rms, 10, 1e-3);
 }
 

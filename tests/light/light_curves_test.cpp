@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Falloff and cones of light entities: reference values, limits, what is refused.
 #include "common/error.h"
 #include "q3map2/light/sources/falloff.h"
-#include "q3map2/light/sources/light_curves.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "tests/light/light_fixture.h"
 

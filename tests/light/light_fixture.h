@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Lighting of small scenes in process, and the definition of the SH grid to compare with.
 #pragma once
 
-#include "q3map2/lightmap/light_world.h"
+#include "q3map2/lightmap/light_stage.h"
 #include "tests/common/game_folder.h"
 #include "tools/scene/scene_builder.h"
 

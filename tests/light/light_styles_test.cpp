@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Styles of patterns and switches, and the waves that stand for patterns.
 #include "common/error.h"
 #include "q3map2/light/sources/light_styles.h"
-#include "q3map2/light/sources/style_wave.h"
 #include "tests/common/game_folder.h"
 #include "tests/light/light_fixture.h"
 

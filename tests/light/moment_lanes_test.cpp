@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Moments for sixteen receivers at once: as for each alone.
-#include "q3map2/light/transfer/moment_lanes.h"
+#include "q3map2/light/transfer/area_sampler.h"
 
 #include <gtest/gtest.h>
 

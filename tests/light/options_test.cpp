@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. SH grid: what the options change, and what they must not.
 #include "libs/sh/sh.h"
-#include "q3map2/bspfile/written_keys.h"
+#include "q3map2/bspfile/entity_key.h"
 #include "tests/light/light_fixture.h"
 
 #include <cmath>
@@ -131,8 +131,8 @@ TEST_F(OptionsTest, FastTakesFewOfManyDimLightsAndKeepsTheirLight) {
         if (!Inside(all.Position(i), RoomBounds()))
             continue;
         const double one = 255 * Evaluate(all.At(i), {0, 0, 1}).x, other = 255 * Evaluate(fast.At(i), {0, 0, 1}).x;
-        const double light = 4 * 255 * kShC0 * (all.At(i)[0].x);
-        sumAll += light, sumFast += 4 * 255 * kShC0 * (fast.At(i)[0].x);
+        const double light = 4 * 255 * kSHC0 * (all.At(i)[0].x);
+        sumAll += light, sumFast += 4 * 255 * kSHC0 * (fast.At(i)[0].x);
         squares += (one - other) * (one - other);
         EXPECT_LE(std::abs(one - other), 4 * std::sqrt(kChoice * light)) << "four standard deviations, point " << i;
     }

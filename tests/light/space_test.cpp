@@ -2,10 +2,10 @@
 #include "tests/light/compiled_map.h"
 #include "tests/light/light_fixture.h"
 
-#include "q3map2/light/light.h"
-#include "q3map2/light/scene/light_hull.h"
+#include "q3map2/light/light_setup.h"
 #include "q3map2/light/scene/light_space.h"
-#include "q3map2/light/scene/light_way.h"
+#include "q3map2/light/scene/open_parts.h"
+#include "q3map2/light/scene/shadow_casters.h"
 
 #include <algorithm>
 #include <random>

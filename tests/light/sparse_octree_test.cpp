@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. Parts of the bake of the sparse SH grid: lattice, pruning, hanging corners, fit, tree of the file.
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/sparse/corner_fit.h"
-#include "q3map2/light/sparse/octree_prune.h"
-#include "q3map2/light/sparse/sparse_tree.h"
+#include "q3map2/light/sparse/octree.h"
 #include "tests/light/sparse_view.h"
 
 #include <bit>
@@ -229,14 +228,14 @@ TEST(FitCorners, KeepsALinearField) {
     const BspSpace space(room, std::vector<bool>(room.brushes.size(), true));
     std::mt19937 random(3);
     const Octree tree = RandomOctree(lattice, random, 0.5, 0.1);
-    std::array<std::array<float, 4>, kShFloats> field{};
+    std::array<std::array<float, 4>, kSHFloats> field{};
     for (auto &row : field)
         for (float &factor : row)
             factor = std::uniform_real_distribution<float>(0.5f, 1)(random);
     LatticePoints light(lattice);
     const auto fieldAt = [&](const LatticePoint &p) {
-        ShFloats value;
-        for (std::size_t k = 0; k < kShFloats; k++)
+        SHFloats value;
+        for (std::size_t k = 0; k < kSHFloats; k++)
             value[k] =
                 field[k][0] + (field[k][1] * float(p[0]) + field[k][2] * float(p[1]) + field[k][3] * float(p[2])) / 16;
         return value;
@@ -249,11 +248,11 @@ TEST(FitCorners, KeepsALinearField) {
                 point.value = fieldAt(point.at);
             }
     CornerWeights corners(tree, light);
-    const std::vector<ShFloats> values = FitCorners(tree, light, corners, lattice, space);
+    const std::vector<SHFloats> values = FitCorners(tree, light, corners, lattice, space);
     ASSERT_EQ(values.size(), corners.Stored().size());
     ASSERT_GT(values.size(), 50u);
     for (std::size_t i = 0; i < values.size(); i++)
-        for (std::size_t k = 0; k < kShFloats; k++)
+        for (std::size_t k = 0; k < kSHFloats; k++)
             ASSERT_NEAR(values[i][k], fieldAt(light[corners.Stored()[i]].at)[k], 1e-4f);
 }
 
@@ -273,7 +272,7 @@ TEST(FitCorners, HalvesTheErrorOfACurvedField) {
                 point.value.fill(0.5f + float(x * x) / 1024); // interpolation errs to one side
             }
     CornerWeights corners(tree, light);
-    const std::vector<ShFloats> values = FitCorners(tree, light, corners, lattice, space);
+    const std::vector<SHFloats> values = FitCorners(tree, light, corners, lattice, space);
     double fitted = 0, plain = 0;
     for (std::size_t i = 0; i < light.Size(); i++) {
         const LatticeSample &point = light[i];
@@ -309,11 +308,11 @@ TEST(SparseTree, ReadersGetWhatTheCornersSay) {
             for (std::size_t c = 0; c < 8; c++) {
                 LatticeSample &point = light[light.Add(tree[leaf].Corner(c))];
                 point.open = true;
-                for (std::size_t k = 0; k < kShFloats; k++)
+                for (std::size_t k = 0; k < kSHFloats; k++)
                     point.value[k] = k < 3 ? 0.25f + 0.75f * unit(random) : 0.1f * (unit(random) - 0.5f);
             }
         CornerWeights corners(tree, light);
-        std::vector<ShFloats> values;
+        std::vector<SHFloats> values;
         for (const std::uint32_t number : corners.Stored())
             values.push_back(light[number].value);
         const SparseView view(PackSparseGrid(MakeSparseTree(tree, light, corners, lattice, values)));

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "libs/shgrid/shgrid.h"
-#include "q3map2/bspfile/sparse_grid.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 #include "tests/light/light_fixture.h"
 
 #include <vector>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Texlights: what .rad files say, and the light of surfaces that have one.
-#include "q3map2/light/sources/tex_lights.h"
+#include "q3map2/light/sources/light_surfaces.h"
 #include "tests/light/light_fixture.h"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Legacy light grids of the established program: the same maps and options must give the same bytes.
 #include "common/files/files.h"
 #include "q3map2/light/sources/light_entities.h"
-#include "q3map2/lightmap/light_world.h"
+#include "q3map2/lightmap/light_stage.h"
 #include "tests/common/game_folder.h"
 
 #include <nlohmann/json.hpp>

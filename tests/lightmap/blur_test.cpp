@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. -filter and filter radii where the lightmaps of a floor meet.
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/surface_case.h"
 

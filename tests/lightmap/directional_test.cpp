@@ -1,11 +1,10 @@
 // GPL-2.0-or-later. Directional channels of luxel light: L1 SH and the RNM basis.
-#include "q3map2/lightmap/raw/directional_channels.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
-#include "q3map2/light/sources/light_envelope.h"
-#include "q3map2/lightmap/ao/luxel_flood.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/lightmap/ao/luxel_occlusion.h"
 #include "q3map2/lightmap/bounce/light_bounce.h"
 #include "q3map2/lightmap/direct/lightmap_average.h"
-#include "q3map2/lightmap/direct/luxel_fill.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/surface_case.h"
 

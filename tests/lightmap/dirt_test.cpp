@@ -1,6 +1,5 @@
 // GPL-2.0-or-later. Dirt and floodlight on luxels, against distances to boxes worked out one by one.
-#include "q3map2/lightmap/ao/luxel_dirt.h"
-#include "q3map2/lightmap/ao/luxel_flood.h"
+#include "q3map2/lightmap/ao/luxel_occlusion.h"
 #include "tests/lightmap/surface_case.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The last step over luxels: floodlight, dirt, luxels filled from their neighbors; debug modes.
-#include "q3map2/lightmap/direct/luxel_fill.h"
+#include "q3map2/lightmap/direct/lightmap_average.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/surface_case.h"
 

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Noise filter of gathered light.
-#include "libs/math/color.h"
-#include "libs/math/low_discrepancy.h"
+#include "libs/math/sampling.h"
+#include "libs/math/vec.h"
 #include "q3map2/lightmap/bounce/bounce_filter.h"
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 #include "common/files/files.h"
 #include "common/image/float_image.h"
 #include "libs/math/packed_color.h"
-#include "q3map2/lightmap/store/exp32_json.h"
 #include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
 #include "tests/common/game_folder.h"

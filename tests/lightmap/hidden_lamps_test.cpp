@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Surface lights that solids cut or cover, their backsplash, and many skies: light at luxels.
 #include "q3map2/light/sources/hidden_lights.h"
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/light/sources/light_surfaces.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/surface_case.h"

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Light on luxels: against the established program, closed forms and slow code.
 #include "common/files/files.h"
 #include "q3map2/light/batch/form_factor.h"
-#include "q3map2/light/sources/light_envelope.h"
-#include "q3map2/light/tone/light_tone.h"
+#include "q3map2/light/options/light_tone.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/luxel_vectors.h"
 #include "tests/lightmap/surface_case.h"

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. One byte for each luxel.
-#include "q3map2/lightmap/raw/luxel_masks.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
 #include <random>

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Luxels and vertices under the curves and cones of light entities and under light_environment.
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "q3map2/lightmap/vertex/vertex_light.h"
 #include "tests/light/light_fixture.h"

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Light styles through the whole light stage: direct and bounced light of several styles add up to
 // what the same lights give in one style.
+#include "q3map2/lightmap/light_stage.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
-#include "q3map2/lightmap/surface_passes.h"
 #include "tests/light/compiled_map.h"
 #include "tests/light/light_fixture.h"
 

@@ -2,13 +2,12 @@
 #pragma once
 
 #include "common/error.h"
-#include "q3map2/light/light.h"
+#include "q3map2/light/light_setup.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
-#include "q3map2/lightmap/raw/lightmap_shade.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_map.h"
-#include "q3map2/lightmap/raw/luxel_tangents.h"
+#include "q3map2/lightmap/raw/luxel_normal.h"
 #include "tests/common/game_folder.h"
 #include "tests/light/compiled_map.h"
 #include "tools/scene/scene_builder.h"

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. The tone of lightmaps for readers of the SH grid: the engine-side reader agrees with the program,
 // and a model in the open with the floor beside it.
 #include "libs/shgrid/shgrid.h"
-#include "q3map2/bspfile/written_keys.h"
-#include "q3map2/light/tone/light_tone.h"
+#include "q3map2/bspfile/entity_key.h"
+#include "q3map2/light/options/light_tone.h"
 #include "tests/light/light_fixture.h"
 
 #include <algorithm>

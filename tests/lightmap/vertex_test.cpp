@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Light at vertices.
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/light/sources/light_surfaces.h"
 #include "q3map2/lightmap/vertex/vertex_light.h"
 #include "tests/lightmap/surface_case.h"

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Light beside thin walls: none comes through, and the lit side stays lit up to the wall.
-#include "q3map2/light/sources/light_envelope.h"
-#include "q3map2/lightmap/direct/luxel_fill.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/lightmap/direct/lightmap_average.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
-#include "q3map2/lightmap/raw/luxel_axes.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 #include "tests/lightmap/surface_case.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Minimaps: samples of a pixel, level curves, options.
 #include "common/error.h"
-#include "q3map2/minimap/minimap_levels.h"
-#include "q3map2/minimap/minimap_samples.h"
+#include "q3map2/minimap/minimap.h"
 #include "tests/minimap/minimap_fixture.h"
 
 #include <gmock/gmock.h>

@@ -1,9 +1,10 @@
 // GPL-2.0-or-later. -editorfiles, and the calls that editors make besides their menus.
 #include "common/error.h"
 #include "common/files/files.h"
-#include "q3map2/editors/builds.h"
-#include "q3map2/presets.h"
-#include "q3map2/stages.h"
+#include "q3map2/cli/documentation.h"
+#include "q3map2/cli/presets.h"
+#include "q3map2/cli/program.h"
+#include "q3map2/editors/editor_files.h"
 #include "tests/program/run_program.h"
 
 #include <gmock/gmock.h>

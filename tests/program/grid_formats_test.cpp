@@ -108,7 +108,7 @@ TEST_F(GridFormatsTest, OneBakeDoesTheSame) {
     EXPECT_TRUE(relit.Printed("lightgrid.raw is of an earlier run"));
 }
 
-TEST_F(GridFormatsTest, TheShGridOfABakeStaysOnlyIfAskedFor) {
+TEST_F(GridFormatsTest, TheSHGridOfABakeStaysOnlyIfAskedFor) {
     RunWell("-light -fast -gridformats legacy-daemon,grids MAP");
     const Bsp without = ReadMap();
     EXPECT_FALSE(without.gridSH);

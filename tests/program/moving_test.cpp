@@ -1,10 +1,9 @@
 // GPL-2.0-or-later. Every word of the established program is known here, or docs/moving.md says why not.
 #include "common/files/files.h"
 #include "common/text/text.h"
-#include "q3map2/directive_sections.h"
-#include "q3map2/entity_sections.h"
+#include "q3map2/cli/documentation.h"
+#include "q3map2/cli/program.h"
 #include "q3map2/shader/shader_library.h"
-#include "q3map2/stages.h"
 #include "tests/common/game_folder.h"
 
 #include <algorithm>

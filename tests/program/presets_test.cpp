@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. -preset, -shsmall, and the line about the size of the SH grid.
-#include "q3map2/grid_size_report.h"
-#include "q3map2/presets.h"
+#include "q3map2/cli/presets.h"
+#include "q3map2/stages/light_files.h"
 #include "tests/program/run_program.h"
 
 #include "common/files/files.h"
@@ -25,7 +25,7 @@ TEST_F(PresetTest, StandsForOptionsThatTheLineOverrides) {
     EXPECT_EQ(IntOf(LumpOf(MapBytes(), 18), 12), 0x43000000) << "cell of 128 units";
 }
 
-TEST_F(PresetTest, ShSmallKeepsItsOwnGrid) {
+TEST_F(PresetTest, SHSmallKeepsItsOwnGrid) {
     const Outcome run = RunWell("-light -preset draft -sh -shsmall MAP");
     EXPECT_THAT(run.text, HasSubstr("preset draft: -faster\n"));
     EXPECT_EQ(IntOf(LumpOf(MapBytes(), 18), 12), 0x42800000) << "cell of 64 units";
@@ -60,7 +60,7 @@ TEST_F(PresetTest, UnknownNamesAreErrorsWithTheNearest) {
     ExpectError("-preset draft -ligth MAP", "did you mean -light?");
 }
 
-TEST_F(PresetTest, ShSmallIsAFittedGridOfSixtyFour) {
+TEST_F(PresetTest, SHSmallIsAFittedGridOfSixtyFour) {
     const Outcome run = RunWell("-light -shsmall MAP");
     EXPECT_THAT(run.text, HasSubstr("SH grid: "));
     EXPECT_THAT(run.text, HasSubstr("-gridsh 80 80 80 would take about half"));

@@ -37,7 +37,7 @@ void ExpectOnlyGridsAndEntitiesChanged(const std::vector<std::byte> &before, con
     EXPECT_NE(LumpOf(before, LUMP_LIGHTGRID), LumpOf(after, LUMP_LIGHTGRID));
 }
 
-TEST_F(ProgramTest, ShWritesVersion47WithLump18) {
+TEST_F(ProgramTest, SHWritesVersion47WithLump18) {
     const auto before = MapBytes();
     const Outcome outcome = RunWell(kLight + "-onlygrid -sh MAP");
     EXPECT_TRUE(outcome.Printed("--- TraceGridSH ---"));
@@ -52,7 +52,7 @@ TEST_F(ProgramTest, ShWritesVersion47WithLump18) {
     ExpectOnlyGridsAndEntitiesChanged(before, after);
 }
 
-TEST_F(ProgramTest, ShBspxWritesVersion46WithADirectory) {
+TEST_F(ProgramTest, SHBspxWritesVersion46WithADirectory) {
     const auto before = MapBytes();
     RunWell(kLight + "-onlygrid -sh MAP");
     const auto lump = LumpOf(MapBytes(), LUMP_LIGHTGRID_SH);
@@ -67,7 +67,7 @@ TEST_F(ProgramTest, ShBspxWritesVersion46WithADirectory) {
     ExpectOnlyGridsAndEntitiesChanged(before, after);
 }
 
-TEST_F(ProgramTest, RelightWithoutShDropsTheGrid) {
+TEST_F(ProgramTest, RelightWithoutSHDropsTheGrid) {
     const auto before = MapBytes();
     for (const std::string option : {"-sh", "-shbspx", "-shradiance"}) {
         RunWell(kLight + option + " -onlygrid MAP");

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Reference for direct and bounced light in a room of boxes: sums over all of its surfaces.
 #pragma once
 
-#include "libs/math/bounds.h"
 #include "libs/math/vec.h"
 
 #include <vector>

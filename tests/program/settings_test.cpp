@@ -1,14 +1,12 @@
 // GPL-2.0-or-later. Declared settings: generated files, help, and that every declared option is taken.
-#include "q3map2/completions.h"
-#include "q3map2/directive_sections.h"
-#include "q3map2/documentation.h"
-#include "q3map2/entity_sections.h"
+#include "q3map2/cli/documentation.h"
+#include "q3map2/cli/help.h"
 #include "tests/program/run_program.h"
 
 #include "common/files/files.h"
 #include "common/text/text.h"
-#include "q3map2/stages.h"
-#include "q3map2/version.h"
+#include "q3map2/cli/program.h"
+#include "q3map2/report/version.h"
 
 #include <gmock/gmock.h>
 

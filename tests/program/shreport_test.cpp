@@ -10,7 +10,7 @@ namespace q3::test {
 
 namespace {
 
-class ShReportProgramTest : public ProgramTest {
+class SHReportProgramTest : public ProgramTest {
   protected:
     static constexpr std::string_view kOpening = R"(<script type="application/zip;base64" id="package" data-map=")";
 
@@ -38,7 +38,7 @@ class ShReportProgramTest : public ProgramTest {
     }
 };
 
-TEST_F(ShReportProgramTest, ThePageHoldsTheMap) {
+TEST_F(SHReportProgramTest, ThePageHoldsTheMap) {
     const std::vector<std::uint8_t> gray(std::size_t(3 * 256 * 256), 90);
     folder_.Write("base/baseq3/levelshots/demo.tga", EncodeTga(gray, 256, 256, 3, TgaRows::TopFirst));
     folder_.Write("base/baseq3/maps/demo.sherror.json", "{}");
@@ -54,7 +54,7 @@ TEST_F(ShReportProgramTest, ThePageHoldsTheMap) {
     EXPECT_EQ(DecodeJpeg(archive.Read("levelshots/demo.jpg"), "levelshots/demo.jpg").width, 64);
 }
 
-TEST_F(ShReportProgramTest, TheSameBytesFromAnyNumberOfThreads) {
+TEST_F(SHReportProgramTest, TheSameBytesFromAnyNumberOfThreads) {
     RunWell("-threads 1 -shreport MAP");
     const std::string page = ReadTextFile(Map(".html"));
     const std::string other = (folder_ / "other.html").string();
@@ -62,7 +62,7 @@ TEST_F(ShReportProgramTest, TheSameBytesFromAnyNumberOfThreads) {
     EXPECT_EQ(ReadTextFile(other), page);
 }
 
-TEST_F(ShReportProgramTest, OddNamesOfMaps) {
+TEST_F(SHReportProgramTest, OddNamesOfMaps) {
     const std::string name = "a&b\"c<d";
     std::filesystem::copy_file(Map(".bsp"), maps_ / (name + ".bsp"));
     RunWell("-shreport " + (maps_ / (name + ".bsp")).string());
@@ -71,7 +71,7 @@ TEST_F(ShReportProgramTest, OddNamesOfMaps) {
     EXPECT_EQ(PackageOf(page).Read("maps/" + name + ".bsp"), MapBytes());
 }
 
-TEST_F(ShReportProgramTest, Failures) {
+TEST_F(SHReportProgramTest, Failures) {
     ExpectError("-shreport " + (maps_ / "none.bsp").string(), "none.bsp");
     ExpectError("-shreport", "-shreport");
     ExpectError("-shreport -texturesize -1 MAP", "-texturesize -1");

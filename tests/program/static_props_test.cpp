@@ -5,7 +5,7 @@
 #include "libs/math/packed_color.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/prop_light.h"
-#include "q3map2/model/md3_model.h"
+#include "q3map2/model/model_load.h"
 #include "tests/program/lit_room.h"
 #include "tests/program/prop_models.h"
 

@@ -2,7 +2,6 @@
 #include "common/error.h"
 #include "libs/sh/sh.h"
 #include "q3map2/convert/preview/grid_preview.h"
-#include "q3map2/convert/preview/grid_preview_canvas.h"
 #include "q3map2/convert/preview/grid_preview_light.h"
 #include "q3map2/convert/preview/grid_preview_map.h"
 #include "tests/common/game_folder.h"
@@ -23,7 +22,7 @@ constexpr Vec3f kRedLight{0.8f, 0, 0}, kBlueLight{0, 0, 0.8f};
 constexpr std::uint8_t kByte = 204; ///< 0.8 of 255
 
 void AddLight(bspGridPointSH_t &point, const Vec3d &direction, const Vec3f &color) {
-    const auto basis = ShBasis(direction);
+    const auto basis = SHBasis(direction);
     for (std::size_t k = 0; k < 9; k++)
         for (std::size_t channel = 0; channel < 3; channel++)
             point.coeffs[k][channel] += float(kCosineLobe[k] * basis[k] * color[channel]);
@@ -47,10 +46,10 @@ Bsp TwoColors() {
     return bsp;
 }
 
-TEST(GridPreview, ShSideTellsTheTwoLightsApart) {
+TEST(GridPreview, SHSideTellsTheTwoLightsApart) {
     const Bsp bsp = TwoColors();
-    const ShPreview preview(bsp);
-    const ShSample coeffs = preview.At({100, 100, 100});
+    const SHPreview preview(bsp);
+    const SHSample coeffs = preview.At({100, 100, 100});
     const Vec3f south = LightOn(coeffs, {0, -1, 0}), north = LightOn(coeffs, {0, 1, 0});
     EXPECT_NEAR(south.x, 0.8 * 1.0625, 1e-5);
     EXPECT_NEAR(south.z, 0.8 * 0.0625, 1e-5);
@@ -60,29 +59,29 @@ TEST(GridPreview, ShSideTellsTheTwoLightsApart) {
 
 TEST(GridPreview, PlainProjectionIsConvolvedFirst) {
     Bsp bsp = TwoColors();
-    const Vec3f expected = LightOn(ShPreview(bsp).At({0, 0, 100}), {0, -0.6f, 0.8f});
+    const Vec3f expected = LightOn(SHPreview(bsp).At({0, 0, 100}), {0, -0.6f, 0.8f});
     for (bspGridPointSH_t &point : bsp.gridSH->points)
         for (std::size_t k = 0; k < 9; k++)
             for (float &value : point.coeffs[k])
                 value = float(value / kCosineLobe[k]);
     bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"_q3map2_sh\" \"radiance\"\n}\n";
-    EXPECT_NEAR(Length(LightOn(ShPreview(bsp).At({0, 0, 100}), {0, -0.6f, 0.8f}) - expected), 0, 1e-5);
+    EXPECT_NEAR(Length(LightOn(SHPreview(bsp).At({0, 0, 100}), {0, -0.6f, 0.8f}) - expected), 0, 1e-5);
 }
 
-TEST(GridPreview, ShSideHasTheToneOfTheLegacySide) {
+TEST(GridPreview, SHSideHasTheToneOfTheLegacySide) {
     Bsp bsp = TwoColors();
-    const ShSample plain = ShPreview(bsp).At({100, 100, 100});
-    EXPECT_FALSE(ShPreview(bsp).HasTone());
+    const SHSample plain = SHPreview(bsp).At({100, 100, 100});
+    EXPECT_FALSE(SHPreview(bsp).HasTone());
     bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"_q3map2_tone\" \"gamma 2 scale 0.5\"\n}\n";
-    EXPECT_TRUE(ShPreview(bsp).HasTone());
-    const ShSample toned = ShPreview(bsp).At({100, 100, 100});
+    EXPECT_TRUE(SHPreview(bsp).HasTone());
+    const SHSample toned = SHPreview(bsp).At({100, 100, 100});
     for (const Vec3f &normal : {Vec3f(0, -1, 0), Vec3f(0, 0, 1), Vec3f(0.6f, 0.8f, 0)}) {
         const Vec3f before = LightOn(plain, normal), after = LightOn(toned, normal);
         for (const std::size_t channel : {0u, 1u, 2u})
             EXPECT_NEAR(after[channel], 0.5 * std::sqrt(before[channel]), 1e-5);
     }
     bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"_q3map2_tone\" \"gamma\"\n}\n";
-    EXPECT_FALSE(ShPreview(bsp).HasTone()) << "not readable";
+    EXPECT_FALSE(SHPreview(bsp).HasTone()) << "not readable";
 }
 
 TEST(GridPreview, LegacySideIsAmbientPlusDirected) {
@@ -254,7 +253,7 @@ Bsp SparseTwoColors() {
 
 TEST(GridPreview, ShowsASparseGridWithoutTheUniformOne) {
     const Bsp bsp = SparseTwoColors();
-    const ShPreview preview(bsp);
+    const SHPreview preview(bsp);
     const Vec3f south = LightOn(preview.At({100, 100, 100}), {0, -1, 0});
     EXPECT_NEAR(south.x, 0.8 * 1.0625, 0.01);
     EXPECT_NEAR(south.z, 0.8 * 0.0625, 0.01);
@@ -269,7 +268,7 @@ TEST(GridPreview, ShowsASparseGridWithoutTheUniformOne) {
     EXPECT_GT(outlines, 8 * 500) << "eight lines of cells each way across the room";
 }
 
-TEST(GridPreview, NeedsAnShGrid) {
+TEST(GridPreview, NeedsAnSHGrid) {
     Bsp bsp = TwoColors();
     bsp.gridSH.reset();
     PictureFile none;

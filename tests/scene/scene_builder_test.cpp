@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Maps made of boxes: what a stage that reads them relies on.
 #include "common/error.h"
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
 #include "tools/scene/demo_scene.h"
@@ -26,7 +26,7 @@ struct TestLog {
 };
 
 /// The leaf an engine finds at p.
-const bspLeaf_t &LeafAt(const Bsp &bsp, const Vec3f &p) {
+const bspLeaf_t &LeafOf(const Bsp &bsp, const Vec3f &p) {
     std::int32_t at = 0;
     while (at >= 0) {
         const bspNode_t &node = bsp.nodes[std::size_t(at)];
@@ -96,7 +96,7 @@ TEST(SceneBuilder, LeafIsSolidExactlyWhereABoxIs) {
         std::uniform_real_distribution<float> x(-300, 300), z(-40, 300);
         for (int i = 0; i < 2000; i++) {
             const Vec3f p(x(random), x(random), z(random));
-            const bspLeaf_t &leaf = LeafAt(bsp, p);
+            const bspLeaf_t &leaf = LeafOf(bsp, p);
             EXPECT_EQ(leaf.cluster < 0, boxes.Solid(p)) << p.x << " " << p.y << " " << p.z;
             EXPECT_EQ(leaf.area, leaf.cluster < 0 ? -1 : 0);
         }
@@ -190,14 +190,14 @@ TEST(SceneBuilder, EmptyRoomHasSixFacesOfItsArea) {
         const auto *verts = &bsp.drawVerts[std::size_t(surface.firstVert)];
         area += Length(Cross(Vec3d(verts[1].xyz) - Vec3d(verts[0].xyz), Vec3d(verts[2].xyz) - Vec3d(verts[0].xyz)));
         const Vec3f inside = Vec3f(verts[0].xyz) * 0.5f + Vec3f(verts[2].xyz) * 0.5f + Vec3f(verts[0].normal);
-        EXPECT_GE(LeafAt(bsp, inside).cluster, 0) << "the front looks into the room";
+        EXPECT_GE(LeafOf(bsp, inside).cluster, 0) << "the front looks into the room";
         const bool ceiling = verts[0].normal[2] < 0;
         EXPECT_EQ(FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader), ceiling ? kRed.name : kWall.name);
     }
     EXPECT_EQ(area, 2 * (256 * 128 + 256 * 64 + 128 * 64));
     EXPECT_EQ(bsp.leafs.size(), 1u + 6u + 1u);
     EXPECT_EQ(bsp.nodes.size(), 6u);
-    const bspLeaf_t &room = LeafAt(bsp, {10, 10, 10});
+    const bspLeaf_t &room = LeafOf(bsp, {10, 10, 10});
     EXPECT_EQ(room.numBSPLeafSurfaces, 6);
     EXPECT_EQ(room.numBSPLeafBrushes, 0);
     EXPECT_EQ(bsp.models[0].mins, (Float3{-16, -16, -16}));
@@ -217,7 +217,7 @@ TEST(SceneBuilder, SurfacesAreListedInTheLeafsTheyBound) {
     builder.SetInterior({-128, -64, 0}, {128, 64, 64}, kWall);
     builder.AddBox({-8, -64, 0}, {8, 64, 64}, kWall); // two separate rooms
     const Bsp bsp = builder.Build();
-    const bspLeaf_t &west = LeafAt(bsp, {-60, 0, 30}), &east = LeafAt(bsp, {60, 0, 30});
+    const bspLeaf_t &west = LeafOf(bsp, {-60, 0, 30}), &east = LeafOf(bsp, {60, 0, 30});
     EXPECT_NE(west.cluster, east.cluster);
     EXPECT_EQ(west.numBSPLeafSurfaces, 6);
     EXPECT_EQ(east.numBSPLeafSurfaces, 6);
@@ -229,7 +229,7 @@ TEST(SceneBuilder, VisibilityFollowsTheCallback) {
     builder.AddBox({-8, -64, 0}, {8, 64, 64}, kWall);
     EXPECT_TRUE(builder.Build().visibility.empty());
     const auto row = [&](const Bsp &bsp, float x) {
-        return bsp.visibility[8 + std::size_t(LeafAt(bsp, {x, 0, 30}).cluster) * 8];
+        return bsp.visibility[8 + std::size_t(LeafOf(bsp, {x, 0, 30}).cluster) * 8];
     };
     builder.SetVisibility({.writeLump = true});
     Bsp bsp = builder.Build();
@@ -240,11 +240,11 @@ TEST(SceneBuilder, VisibilityFollowsTheCallback) {
     builder.SetVisibility(
         {.writeLump = true, .sees = [](const Boundsf &, const Boundsf &to) { return to.mins.x > 0; }});
     bsp = builder.Build();
-    const int east = LeafAt(bsp, {60, 0, 30}).cluster;
+    const int east = LeafOf(bsp, {60, 0, 30}).cluster;
     EXPECT_EQ(row(bsp, -60), 3);
     EXPECT_EQ(row(bsp, 60), 1 << east);
     builder.SetVisibility({.clusterPerLeaf = false});
-    EXPECT_EQ(LeafAt(builder.Build(), {-60, 0, 30}).cluster, LeafAt(builder.Build(), {60, 0, 30}).cluster);
+    EXPECT_EQ(LeafOf(builder.Build(), {-60, 0, 30}).cluster, LeafOf(builder.Build(), {60, 0, 30}).cluster);
 }
 
 TEST(SceneBuilder, InlineModelsFollowTheWorld) {
@@ -260,7 +260,7 @@ TEST(SceneBuilder, InlineModelsFollowTheWorld) {
     const auto entities = ParseEntities(bsp.entities, "scene");
     ASSERT_EQ(entities.size(), 3u);
     EXPECT_EQ(entities[2].Value("model"), "*2");
-    EXPECT_GE(LeafAt(bsp, {16, 16, 16}).cluster, -1);
+    EXPECT_GE(LeafOf(bsp, {16, 16, 16}).cluster, -1);
     std::set<std::int32_t> listed(bsp.leafSurfaces.begin(), bsp.leafSurfaces.end());
     EXPECT_EQ(listed.count(bsp.models[2].firstBSPSurface), 1u);
 }
@@ -309,15 +309,15 @@ TEST(DemoScene, IsAValidMapWithItsLightsInTheSource) {
     for (const Entity &entity : ParseMapEntities(demo.mapText, "demo.map")) {
         const auto origin = entity.Vector({"origin"});
         if (origin) {
-            EXPECT_GE(LeafAt(demo.bsp, *origin).cluster, 0) << entity.Value("origin");
+            EXPECT_GE(LeafOf(demo.bsp, *origin).cluster, 0) << entity.Value("origin");
         }
         lights += entity.ClassName() == "light";
     }
     EXPECT_GE(lights, 3);
     for (const bspShader_t &shader : demo.bsp.shaders)
         EXPECT_NE(demo.shaderText.find(std::string(FieldName(shader.shader)) + "\n{"), std::string::npos);
-    EXPECT_LT(LeafAt(demo.bsp, {200, 128, 100}).cluster, 0) << "the thin wall";
-    EXPECT_GE(LeafAt(demo.bsp, {256, -128, 310}).cluster, 0) << "the opening in the ceiling";
+    EXPECT_LT(LeafOf(demo.bsp, {200, 128, 100}).cluster, 0) << "the thin wall";
+    EXPECT_GE(LeafOf(demo.bsp, {256, -128, 310}).cluster, 0) << "the opening in the ceiling";
 }
 
 } // namespace

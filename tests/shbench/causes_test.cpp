@@ -136,7 +136,7 @@ TEST_F(CausesTest, UnshadowedLightIsTheReferenceWhereNothingHides) {
                          "textures/test/lamp\n{\n\tq3map_surfacelight 100\n\tq3map_lightRGB 1 1 1\n"
                          "\tq3map_backsplash 0 0\n}\n");
     const Vec3f p{20, -30, 70};
-    ShVector sum{};
+    SHVector sum{};
     for (const Light &light : map->lights)
         for (std::size_t k = 0; k < 9; ++k)
             sum[k] += UnshadowedLight(light, Vec3d(p))[k] / 255;

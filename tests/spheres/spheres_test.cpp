@@ -38,7 +38,7 @@ EngineLight EvenLight(const Vec3f &color, int shift, std::vector<std::byte> &fil
     bsp.gridSH->points[0].coeffs[0] = (color * kCoeff0OfLight1).Array();
     bsp.gridSHContainer = GridSHContainer::Bspx;
     file = WriteBsp(bsp, {});
-    return ShGridLight(file, bsp, shift);
+    return SHGridLight(file, bsp, shift);
 }
 
 void ExpectNear(const Vec3f &a, const Vec3f &b) {
@@ -114,7 +114,7 @@ TEST(EngineLight, OnlyRenderer1LeavesOutPointsWithoutAmbientLight) {
     ExpectNear(Legacy(directedOnly, Renderer::OpenGL2, 0, kUp), {92, 132, 52});
 }
 
-TEST(EngineLight, ShGridIsShiftedKeepingTheHue) {
+TEST(EngineLight, SHGridIsShiftedKeepingTheHue) {
     std::vector<std::byte> file;
     ExpectNear(EvenLight({0.2f, 0.1f, 0}, 0, file)({5, 5, 5})(kUp), {51, 25.5f, 0});
     ExpectNear(EvenLight({0.2f, 0.1f, 0}, 2, file)({5, 5, 5})(kDown), {204, 102, 0});

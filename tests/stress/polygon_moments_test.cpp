@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Moments of polygons: random ones against quadrature, and those with known values.
 #include "libs/math/winding.h"
-#include "q3map2/light/transfer/moment_lanes.h"
+#include "q3map2/light/transfer/area_sampler.h"
 #include "tests/stress/polygon_reference.h"
 
 #include <gtest/gtest.h>

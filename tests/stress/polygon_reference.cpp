@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Moments of polygons by adaptive quadrature, and random polygons.
 #include "tests/stress/polygon_reference.h"
 
-#include "libs/math/low_discrepancy.h"
+#include "libs/math/sampling.h"
 #include "libs/math/winding.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Rooms: counts known by hand, leaks, areas, clusters, the portal file.
 #include "common/error.h"
 #include "q3map2/bspfile/prtfile.h"
-#include "q3map2/tree/areas.h"
+#include "q3map2/tree/flood.h"
 #include "tests/tree/tree_fixture.h"
 
 #include <filesystem>

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Which sides split the tree, which are hidden, and what of them lies in the open.
-#include "q3map2/tree/hidden_sides.h"
-#include "q3map2/tree/tree_faces.h"
-#include "q3map2/tree/visible_hulls.h"
+#include "q3map2/tree/tree.h"
+#include "q3map2/tree/visible_sides.h"
 #include "tests/tree/tree_fixture.h"
 
 #include <gmock/gmock.h>

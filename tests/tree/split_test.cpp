@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. The tree as a partition of space, against slow code that follows the definitions.
 #include "q3map2/tree/portals.h"
-#include "q3map2/tree/tree_faces.h"
+#include "q3map2/tree/tree.h"
 #include "tests/tree/tree_fixture.h"
 
 #include <cmath>

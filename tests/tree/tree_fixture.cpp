@@ -1,14 +1,11 @@
 // GPL-2.0-or-later. Worlds of boxes, and what the tree makes of them.
 #include "tests/tree/tree_fixture.h"
-#include "q3map2/map/map_bevels.h"
 #include "q3map2/map/map_brush.h"
-#include "q3map2/tree/areas.h"
 #include "q3map2/tree/brush_filter.h"
-#include "q3map2/tree/hidden_sides.h"
-#include "q3map2/tree/portal_file.h"
+#include "q3map2/tree/flood.h"
 #include "q3map2/tree/portals.h"
-#include "q3map2/tree/tree_faces.h"
-#include "q3map2/tree/visible_hulls.h"
+#include "q3map2/tree/tree.h"
+#include "q3map2/tree/visible_sides.h"
 
 #include <algorithm>
 #include <cstdio>

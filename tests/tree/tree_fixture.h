@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Worlds of boxes, and what the tree makes of them.
 #pragma once
 
-#include "q3map2/map/side_parts.h"
+#include "q3map2/map/map.h"
 #include "q3map2/tree/flood.h"
 
 #include <deque>

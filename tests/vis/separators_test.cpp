@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Planes between two windings, and the order in which portals are followed.
-#include "q3map2/vis/separators.h"
 #include "q3map2/vis/vis_map.h"
+#include "q3map2/vis/vis_winding.h"
 #include "tests/vis/portal_maps.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Bakes of a map, to compare with the reference.
 #include "tools/bounce_error/map_bakes.h"
 
-#include "common/cpu_time.h"
 #include "common/error.h"
-#include "q3map2/lightmap/light_world.h"
+#include "common/platform/platform.h"
+#include "q3map2/lightmap/light_stage.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "tools/directional_error/luxel_bake.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/files/vfs.h"
-#include "q3map2/light/light.h"
+#include "q3map2/light/light_setup.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "tools/shbench/lightmap_passes.h"
 

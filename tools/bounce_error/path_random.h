@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Random numbers and random directions for paths.
 #pragma once
 
-#include "libs/math/low_discrepancy.h"
+#include "libs/math/sampling.h"
 #include "libs/math/vec.h"
 
 #include <cmath>

@@ -3,6 +3,7 @@
 
 #include "q3map2/light/scene/light_embree.h"
 #include "q3map2/lightmap/bounce/bounce_scene.h"
+#include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Reference: path traced light at luxels and positions of a map, kept in a cache.
 #include "tools/bounce_error/reference.h"
 
-#include "common/cpu_time.h"
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/platform/platform.h"
 #include "q3map2/lightmap/bounce/bounce_scene.h"
 #include "tools/shbench/map_hash.h"
 

@@ -43,8 +43,8 @@ float SkyShare(const Vec3f &normal) {
 /// A sky of radiance `color` over the whole hemisphere.
 L1Light SkyL1(const Vec3f &color) {
     L1Light light;
-    light.c[0] = color * float(2 * std::numbers::pi * kShC0);
-    light.c[2] = color * float(std::numbers::pi * kShC1);
+    light.c[0] = color * float(2 * std::numbers::pi * kSHC0);
+    light.c[2] = color * float(std::numbers::pi * kSHC1);
     return light;
 }
 

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. The light of luxels in every encoding, and decoded between them.
 #pragma once
 
-#include "q3map2/lightmap/encode/l1_light.h"
 #include "q3map2/lightmap/encode/lightmass.h"
 #include "q3map2/lightmap/encode/rnm.h"
 

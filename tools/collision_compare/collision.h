@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Moving boxes against the brushes of a compiled map, as games move players.
 #pragma once
 
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile.h"
 
 #include <cstdint>

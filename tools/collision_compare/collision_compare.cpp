@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. collision_compare: do players meet the same solids in two files of one map?
 #include "common/arguments.h"
 #include "common/tool_main.h"
-#include "libs/math/low_discrepancy.h"
-#include "q3map2/bspfile/bsp_tree.h"
+#include "libs/math/sampling.h"
+#include "q3map2/bspfile/bsp.h"
 #include "tools/collision_compare/collision.h"
 
 #include <algorithm>

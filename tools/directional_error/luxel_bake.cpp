@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The passes of the light stage over the luxels of a map, kept for measuring.
 #include "tools/directional_error/luxel_bake.h"
 
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 
 #include <algorithm>
 

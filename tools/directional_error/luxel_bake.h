@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. The passes of the light stage over the luxels of a map, kept for measuring.
 #pragma once
 
-#include "common/cpu_time.h"
-#include "q3map2/lightmap/surface_passes.h"
+#include "common/platform/platform.h"
+#include "q3map2/lightmap/light_stage.h"
 
 #include <memory>
 #include <vector>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Errors of encodings over normals.
 #pragma once
 
-#include "q3map2/light/light.h"
+#include "q3map2/light/light_setup.h"
 #include "q3map2/lightmap/options/lightmap_options.h"
 
 #include <string>

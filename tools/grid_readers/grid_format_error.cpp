@@ -3,10 +3,10 @@
 #include "common/error.h"
 #include "common/tool_main.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "q3map2/bspfile/grid_reader.h"
-#include "q3map2/gridformats/ambient_directed.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/gridformats/grid_formats.h"
-#include "q3map2/gridformats/legacy_points.h"
+#include "q3map2/gridformats/grid_source.h"
+#include "q3map2/gridformats/legacy_encode.h"
 #include "tools/grid_readers/legacy_reader.h"
 #include "tools/grid_readers/octree_reader.h"
 

@@ -6,8 +6,8 @@
 #include "common/image/image.h"
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
-#include "libs/math/low_discrepancy.h"
-#include "q3map2/bspfile/bsp_tree.h"
+#include "libs/math/sampling.h"
+#include "q3map2/bspfile/bsp.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 
 #include <algorithm>

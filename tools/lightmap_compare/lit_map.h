@@ -4,7 +4,7 @@
 #include "common/log.h"
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "q3map2/shader/shader.h"
+#include "q3map2/shader/shader_library.h"
 
 #include <array>
 #include <cstdint>

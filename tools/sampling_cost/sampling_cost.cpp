@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. sampling_cost: CPU time of a sample of the uniform and of the sparse SH grid of a map.
 #include "common/arguments.h"
-#include "common/cpu_time.h"
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/platform/platform.h"
 #include "common/text/text.h"
 #include "common/tool_main.h"
 #include "libs/sh/sh.h"
@@ -61,7 +61,7 @@ struct SamplingCost {
 
     /// Mean light over positions, normals and channels, of 255.
     double Mean(std::size_t positions) const {
-        return 255 * kShC0 * (sums[0] + sums[1] + sums[2]) / (3 * double(positions));
+        return 255 * kSHC0 * (sums[0] + sums[1] + sums[2]) / (3 * double(positions));
     }
 
     void Measure(const shgrid_grid &grid, const std::vector<Vec3f> &positions) {

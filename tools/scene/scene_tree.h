@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The tree of a scene: space split by the planes of solid boxes. Internal to the folder.
 #pragma once
 
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 
 #include <array>
 #include <cstddef>

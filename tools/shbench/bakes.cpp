@@ -3,9 +3,9 @@
 
 #include "common/error.h"
 #include "libs/ambientcubes/ambient_cubes.h"
-#include "q3map2/bspfile/bsp_tree.h"
+#include "q3map2/bspfile/bsp.h"
 #include "q3map2/convert/preview/grid_preview_light.h"
-#include "q3map2/lightmap/light_world.h"
+#include "q3map2/lightmap/light_stage.h"
 
 #include <memory>
 
@@ -102,8 +102,8 @@ Baked Bake(const BenchMap &map, const LightOptions &given, BakedFormat format, S
 namespace {
 
 ShownLight ShownBySH(const Bsp &bsp) {
-    return [view = std::make_shared<const ShPreview>(bsp)](const Vec3f &position) {
-        ShSample sample = view->At(position);
+    return [view = std::make_shared<const SHPreview>(bsp)](const Vec3f &position) {
+        SHSample sample = view->At(position);
         sample.tone.reset(); // compared with exact light, which is linear
         NormalLight light;
         for (std::size_t i = 0; i < kNormals; ++i)

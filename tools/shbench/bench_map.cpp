@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "common/settings.h"
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 
 #include <algorithm>
 #include <cstdio>

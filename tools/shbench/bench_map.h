@@ -1,13 +1,13 @@
 // GPL-2.0-or-later. A map ready to be measured: its lights and what rays meet, without any shortcut.
 #pragma once
 
-#include "common/cpu_time.h"
-#include "q3map2/light/light.h"
+#include "common/platform/platform.h"
+#include "q3map2/light/light_setup.h"
 #include "q3map2/light/scene/light_scene.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/surface_table.h"
 #include "q3map2/light/sources/light_entities.h"
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 
 #include <vector>
 

@@ -28,13 +28,13 @@ using Change = std::array<Vec3d, 9>;
 struct Candidate {
     const Light *light;
     bool isNear = false;
-    ShVector here{};  ///< at the position without shadows, for color 1 1 1
+    SHVector here{};  ///< at the position without shadows, for color 1 1 1
     Vec3d color;      ///< with sign, times scale, 1.0 = byte 255
     double bytes = 0; ///< RMS over normals; of near lights the largest over position and corners
 };
 
 /// RMS over all directions of a sum over the basis.
-double RmsOf(const ShVector &c) {
+double RmsOf(const SHVector &c) {
     double sum = 0;
     for (const double value : c)
         sum += value * value;
@@ -97,7 +97,7 @@ void AddChanges(const Candidate &one, const CellSight &sight, CellChanges &chang
             changes.shadows[k] += missed * one.here[k];
         if (!one.isNear)
             continue;
-        const ShVector there = UnshadowedLight(*one.light, Vec3d(sight.Receivers()[corner]));
+        const SHVector there = UnshadowedLight(*one.light, Vec3d(sight.Receivers()[corner]));
         for (std::size_t k = 0; k < 9; ++k)
             changes.nearness[k] += seen * (there[k] - one.here[k]);
     }

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. What a position and the grid points around it see of each light.
 #include "tools/shbench/cell_sight.h"
 
-#include "libs/math/low_discrepancy.h"
+#include "libs/math/sampling.h"
 #include "libs/sh/polygon_moments.h"
 #include "tools/shbench/truth_lights.h"
 
@@ -17,8 +17,8 @@ namespace {
 /// No more rays are cast to an area light of which each receiver saw all or nothing by this many.
 constexpr int kFirstRays = 4;
 
-ShVector FromDirection(const Vec3d &d, double light) {
-    ShVector projection = ShBasis(d);
+SHVector FromDirection(const Vec3d &d, double light) {
+    SHVector projection = SHBasis(d);
     for (std::size_t k = 0; k < 9; ++k)
         projection[k] *= kCosineLobe[k] * light;
     return projection;
@@ -80,15 +80,15 @@ bool AllOrNothing(const CellSight::Shares &sums, int rays) {
 
 } // namespace
 
-ShVector UnshadowedLight(const Light &light, const Vec3d &p) {
+SHVector UnshadowedLight(const Light &light, const Vec3d &p) {
     if (light.type == LightType::Sun)
         return FromDirection(-Vec3d(light.normal), double(light.photons));
     if (light.type != LightType::Area) {
         const Vec3d way = Vec3d(light.origin) - p;
         const double add = PointLightAt(light, p);
-        return add > 0 && Length(way) > 0 ? FromDirection(Normalize(way), add) : ShVector{};
+        return add > 0 && Length(way) > 0 ? FromDirection(Normalize(way), add) : SHVector{};
     }
-    ShVector projection = MomentsOfPolygon(light.w, p).Projection();
+    SHVector projection = MomentsOfPolygon(light.w, p).Projection();
     if (light.twoSided && projection[0] == 0)
         projection = MomentsOfPolygon(light.shape.back, p).Projection();
     for (std::size_t k = 0; k < 9; ++k)

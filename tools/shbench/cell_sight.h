@@ -9,7 +9,7 @@
 namespace q3::bench {
 
 /// Light of a source of color 1 1 1 without shadows at p: its L2 projection, convolved with the cosine, byte scale.
-ShVector UnshadowedLight(const Light &light, const Vec3d &p);
+SHVector UnshadowedLight(const Light &light, const Vec3d &p);
 
 /// Whether p is lit if nothing shadows it: on an emitting side, in the cone, in range.
 bool Reaches(const Light &light, const Vec3f &p);

@@ -21,7 +21,7 @@ struct ErrorList {
 std::vector<double> ShownErrorsByPlace(const Truth &truth, const ShownLight &shown);
 
 /// {"format": "q3map2-sh errors", "version": 1, "map": "maps/NAME.bsp", "unit": "displayed bytes", "setting": ...,
-/// "options": ..., "positions": [[x, y, z, errorSh, errorLegacy], ...]}. Positions are rounded to 0.1 game units,
+/// "options": ..., "positions": [[x, y, z, errorSH, errorLegacy], ...]}. Positions are rounded to 0.1 game units,
 /// errors to 0.01 byte; errorLegacy is null if it was not measured.
 std::string ErrorListJson(std::string_view map, const Truth &truth, const ErrorList &errors);
 

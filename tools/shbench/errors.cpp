@@ -31,7 +31,7 @@ double MapMean(const Truth &truth) {
 NormalLight ProjectedLight(const TruthPoint &point) {
     NormalLight light;
     for (std::size_t i = 0; i < kNormals; ++i) {
-        const ShVector basis = ShBasis(Normals()[i]);
+        const SHVector basis = SHBasis(Normals()[i]);
         Vec3d sum;
         for (std::size_t k = 0; k < 9; ++k)
             sum += Vec3d(point.projection[k]) * basis[k];

@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "common/settings.h"
-#include "q3map2/lightmap/light_world.h"
+#include "q3map2/lightmap/light_stage.h"
 #include "tools/shbench/report.h"
 
 #include <nlohmann/json.hpp>

@@ -42,7 +42,7 @@ bspGridPointSH_t LightPoint(const BenchMap &map, const Vec3f &position, std::uin
     bspGridPointSH_t stored{};
     for (std::size_t channel = 0; channel < 3; ++channel)
         for (std::size_t k = 0; k < 9; ++k) {
-            const double ambient = k == 0 ? double(map.world.ambient[channel]) / kShC0 : 0;
+            const double ambient = k == 0 ? double(map.world.ambient[channel]) / kSHC0 : 0;
             stored.coeffs[k][channel] = float((sum.projection[channel][k] + ambient) * scale);
         }
     return stored;

@@ -3,7 +3,7 @@
 
 #include "q3map2/light/scene/light_embree.h"
 #include "q3map2/light/scene/shadow_casters.h"
-#include "q3map2/light/sources/light_envelope.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "tools/shbench/truth_lights.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "libs/sh/sh.h"
-#include "q3map2/light/grid/light_floodlight.h"
+#include "q3map2/light/grid/grid_bricks.h"
 #include "q3map2/light/grid/light_grid.h"
 
 #include <algorithm>
@@ -62,8 +62,8 @@ void AddFloodlight(const BenchMap &map, const Vec3f &position, DirectionSum &sum
             for (std::size_t i = 0; i < kNormals; ++i)
                 sum.light[channel][i] += light * (1 + Normals()[i].z * double(up)) / 2;
             // The mean over all normals is light / 2. A hemisphere has a linear term and no band 2.
-            sum.projection[channel][0] += light / 2 / kShC0;
-            sum.projection[channel][2] += light / 2 / kShC1 * double(up);
+            sum.projection[channel][0] += light / 2 / kSHC0;
+            sum.projection[channel][2] += light / 2 / kSHC1 * double(up);
         }
     }
 }
@@ -74,15 +74,15 @@ TruthPoint Finish(const BenchMap &map, const Vec3f &position, const DirectionSum
     point.position = position;
     const double scale = (map.options.gridScale > 0 ? double(map.options.gridScale) : 1) / 255;
     for (std::size_t channel = 0; channel < 3; ++channel) {
-        const double mean = sum.projection[channel][0] * kShC0 + double(map.world.ambient[channel]);
+        const double mean = sum.projection[channel][0] * kSHC0 + double(map.world.ambient[channel]);
         const double keep = mean < 0 ? 0 : 1; // negative lights cannot make the mean negative
         const double raised = std::max(keep * mean, double(map.world.minGrid[channel]));
-        const double extra = raised - keep * sum.projection[channel][0] * kShC0;
+        const double extra = raised - keep * sum.projection[channel][0] * kSHC0;
         for (std::size_t i = 0; i < kNormals; ++i)
             point.light[i][channel] = float((keep * sum.light[channel][i] + extra) * scale);
         for (std::size_t k = 0; k < 9; ++k)
             point.projection[k][channel] =
-                float((keep * sum.projection[channel][k] + (k == 0 ? extra / kShC0 : 0)) * scale);
+                float((keep * sum.projection[channel][k] + (k == 0 ? extra / kSHC0 : 0)) * scale);
     }
     return point;
 }

@@ -54,7 +54,7 @@ const std::array<Vec3d, kNormals> &Normals() {
 
 void DirectionSum::Add(const Vec3d &d, const Vec3d &color) {
     const bool everywhere = d == Vec3d{};
-    ShVector basis = everywhere ? ShVector{kShC0} : ShBasis(d);
+    SHVector basis = everywhere ? SHVector{kSHC0} : SHBasis(d);
     for (std::size_t k = 0; k < 9; ++k)
         basis[k] *= kCosineLobe[k];
     for (std::size_t channel = 0; channel < 3; ++channel)

@@ -4,8 +4,8 @@
 #include "common/error.h"
 #include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/light_keys.h"
-#include "q3map2/bspfile/written_keys.h"
 #include "tools/grid_readers/legacy_reader.h"
 
 #include <algorithm>
@@ -53,7 +53,7 @@ Vec3f LegacyColor(const LegacyLight &light, Renderer renderer, const Vec3f &norm
 
 } // namespace
 
-EngineLight ShGridLight(const std::vector<std::byte> &file, const Bsp &bsp, int shift) {
+EngineLight SHGridLight(const std::vector<std::byte> &file, const Bsp &bsp, int shift) {
     shgrid_grid grid;
     if (const auto result = shgrid_load(file.data(), file.size(), &grid); result != SHGRID_OK)
         throw Error("SH grid: {}", shgrid_message(result));

@@ -21,7 +21,7 @@ using EngineLight = std::function<NormalColor(const Vec3f &position)>;
 /// the factor 2^shift and the limit to 255 that keeps the hue, as for lightmaps. shift: r_mapOverBrightBits less
 /// r_overBrightBits. Errors: there is no valid grid or
 /// no valid tone.
-EngineLight ShGridLight(const std::vector<std::byte> &file, const Bsp &bsp, int shift);
+EngineLight SHGridLight(const std::vector<std::byte> &file, const Bsp &bsp, int shift);
 
 /// Light of the legacy grid with the engine's default settings: ambient light times 0.6, plus 32. Renderer 1 limits the
 /// ambient light and then the sum, by channel; renderer 2 limits ambient and directed light, keeping the hue of each.

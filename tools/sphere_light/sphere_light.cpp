@@ -76,7 +76,7 @@ Bsp ReadMap(const std::string &path) {
 EngineLight GridOf(const std::string &name, const std::vector<std::byte> &file, const Bsp &bsp, Renderer renderer,
                    int shift) {
     if (name == "sh")
-        return ShGridLight(file, bsp, shift);
+        return SHGridLight(file, bsp, shift);
     if (name == "legacy")
         return LegacyGridLight(bsp, renderer, shift);
     throw Error("--grid {}: expected sh or legacy", name);
@@ -100,7 +100,7 @@ int PrintPlaces(const Arguments &arguments) {
     const Bsp bsp = ReadMap(words[0]);
     const std::vector<std::byte> file = ReadFile(words[0]);
     const EngineLight light =
-        bsp.gridSH || bsp.sparseGridSH ? ShGridLight(file, bsp, 0) : LegacyGridLight(bsp, Renderer::OpenGL1, 0);
+        bsp.gridSH || bsp.sparseGridSH ? SHGridLight(file, bsp, 0) : LegacyGridLight(bsp, Renderer::OpenGL1, 0);
     const auto isLit = [&](const Vec3f &position) { return MeanLight(light(position)) >= kLeastLight; };
     for (const SpherePlace &place : FindSpherePlaces(bsp, count, isLit))
         fmt::print("{} {} {} {}\n", place.center.x, place.center.y, place.center.z, place.yaw);

@@ -2,9 +2,9 @@
 #include "tools/sphere_light/sphere_places.h"
 
 #include "common/error.h"
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/gridformats/legacy_points.h"
+#include "q3map2/gridformats/legacy_encode.h"
 
 #include <random>
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A compiled map to a JSON folder.
+// GPL-2.0-or-later. A compiled map as a folder of JSON files, and back. See docs/json.md.
 #pragma once
 
 #include "common/log.h"
@@ -6,10 +6,70 @@
 #include "q3map2/shader/games.h"
 
 #include <filesystem>
+#include <string_view>
 
 namespace q3 {
 
+/// Calls visit(file, member prefix, records) for every lump that is a plain list of records, in the order in which the
+/// files are written. All of them are required.
+template <typename AnyBsp, typename Visit> void ForEachJsonFile(AnyBsp &bsp, Visit &&visit) {
+    visit("shaders.json", "shader", bsp.shaders);
+    visit("models.json", "model", bsp.models);
+    visit("planes.json", "plane", bsp.planes);
+    visit("leafs.json", "leaf", bsp.leafs);
+    visit("nodes.json", "node", bsp.nodes);
+    visit("LeafSurfaces.json", "LeafSurface", bsp.leafSurfaces);
+    visit("LeafBrushes.json", "LeafBrush", bsp.leafBrushes);
+    visit("Brushes.json", "Brush", bsp.brushes);
+    visit("BrushSides.json", "BrushSide", bsp.brushSides);
+    visit("DrawVert.json", "DrawVert", bsp.drawVerts);
+    visit("DrawSurfaces.json", "DrawSurface", bsp.drawSurfaces);
+    visit("fogs.json", "fog", bsp.fogs);
+    visit("DrawIndexes.json", "DrawIndex", bsp.drawIndexes);
+    visit("VisBytes.json", "VisByte", bsp.visibility);
+    visit("LightBytes.json", "LightByte", bsp.lightmaps);
+    visit("GridPoints.json", "GridPoint", bsp.gridPoints);
+}
+
+inline constexpr std::string_view kJsonEntities = "entities.json";
+
+// Optional files, unknown to other programs: written only if the map has such data.
+inline constexpr std::string_view kJsonEntityText =
+    "entities.ent"; ///< written if the pairs in entities.json do not reproduce the text
+inline constexpr std::string_view kJsonAdvertisements = "Advertisements.json";
+inline constexpr std::string_view kJsonGridSH = "GridPointsSH.json";
+inline constexpr std::string_view kJsonBspx = "bspx.json";
+
+// Files that entries of bspx.json name.
+inline constexpr std::string_view kJsonLightmapsE5bgr9 = "LightTexelsE5BGR9.json";
+inline constexpr std::string_view kJsonVertexE5bgr9 = "DrawVertE5BGR9.json";
+inline constexpr std::string_view kJsonRnm = "LightTexelsRNM.json";
+inline constexpr std::string_view kJsonSparseGrid = "GridPointsSHSparse.json";
+inline constexpr std::string_view kJsonCubes = "AmbientCubes.json";
+inline constexpr std::string_view kJsonPropLight = "PropLight.json";
+
+// Members of files.
+inline constexpr std::string_view kJsonCodes = "colors";
+inline constexpr std::string_view kJsonRnmStorage = "storage", kJsonRnmSide = "side", kJsonRnmPages = "lightmapNums";
+inline constexpr std::string_view kJsonRnmRaw = "raw", kJsonRnmRescaled = "rescaled";
+
+inline constexpr std::string_view kJsonCubeLeafs = "leafs", kJsonCubeSamples = "samples";
+inline constexpr std::string_view kJsonProps = "props";
+inline constexpr std::string_view kJsonGridSHHeader = "header", kJsonGridSHPoints = "points";
+inline constexpr std::string_view kJsonSparseNodes = "nodes";
+
 /// Writes every lump as a JSON file into `folder` (made if missing). Streams: memory use does not grow with the lumps.
 void UnpackJson(const Bsp &bsp, const Game &game, const std::filesystem::path &folder, Log &log);
+
+// ---- A JSON folder to a compiled map ----
+
+struct PackJsonOptions {
+    bool useFlagNames = false;     ///< bits come from the names in the game's table
+    bool dropUnknownFlags = false; ///< with useFlagNames: unknown names are ignored
+};
+
+/// Reads what UnpackJson (or the established program's -json -unpack) wrote. The result is validated. Errors: Error
+/// with file, member and what was expected.
+Bsp PackJson(const std::filesystem::path &folder, const Game &game, const PackJsonOptions &options, Log &log);
 
 } // namespace q3

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Writes a record to JSON and reads it back; Describe() lists the members for both.
 #pragma once
 
-#include "q3map2/convert/json/convert_json_flags.h"
-#include "q3map2/convert/json/convert_json_pack.h"
+#include "q3map2/convert/game/game_flags.h"
+#include "q3map2/convert/json/convert_json.h"
 #include "q3map2/convert/json/convert_json_read.h"
 #include "q3map2/convert/json/convert_json_write.h"
 

@@ -2,7 +2,7 @@
 #include "q3map2/convert/json/convert_json_hdr.h"
 
 #include "common/error.h"
-#include "q3map2/convert/json/convert_json_files.h"
+#include "q3map2/convert/json/convert_json.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <algorithm>

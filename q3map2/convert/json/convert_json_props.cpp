@@ -2,8 +2,8 @@
 #include "q3map2/convert/json/convert_json_props.h"
 
 #include "common/error.h"
+#include "q3map2/convert/json/convert_json.h"
 #include "q3map2/convert/json/convert_json_archive.h"
-#include "q3map2/convert/json/convert_json_files.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <charconv>

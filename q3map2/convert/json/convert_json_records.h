@@ -3,7 +3,7 @@
 
 #include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/convert/json/convert_json_flags.h"
+#include "q3map2/convert/game/game_flags.h"
 
 #include <algorithm>
 #include <array>

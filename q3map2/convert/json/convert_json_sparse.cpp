@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bspfile_sparse.h"
-#include "q3map2/convert/json/convert_json_files.h"
+#include "q3map2/convert/json/convert_json.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <algorithm>

@@ -1,9 +1,10 @@
-// GPL-2.0-or-later. Light of the SH grid and the legacy grid at a position. Internal to the grid preview.
+// GPL-2.0-or-later. What the light grids of a map show at a position.
 #pragma once
 
 #include "libs/math/vec.h"
 #include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 
 #include <optional>
 #include <span>
@@ -11,24 +12,36 @@
 
 namespace q3 {
 
+/// A cell: its lower corner and log2 of its edge, both in smallest cells.
+struct SparseCell {
+    Int3 low{};
+    int size = 0;
+    bool operator==(const SparseCell &) const = default;
+};
+
+/// The cell that contains a position; nothing outside the grid, which must be valid.
+std::optional<SparseCell> SparseCellAt(const SparseGridSH &grid, const Vec3f &position);
+/// Color of cells of that SparseCell::size: red for the smallest, then along the hues; repeats after six.
+Vec3f SparseCellColor(int size);
+
 /// What an engine keeps of the SH grid for one object.
-struct ShSample {
+struct SHSample {
     shgrid_coeffs coeffs;
     std::optional<shgrid_tone> tone; ///< tone of lightmaps and legacy grid; nothing if it is plain
 };
 /// Light on a surface with this unit normal; 1.0 is lightmap byte 255. With a tone: as a lightmap stores it. Without:
 /// linear and unclamped.
-Vec3f LightOn(const ShSample &sample, const Vec3f &normal);
+Vec3f LightOn(const SHSample &sample, const Vec3f &normal);
 
 /// The SH grid through the engine-side reader, the sparse one if the map has it. Reads the points of the Bsp in place:
 /// the Bsp must outlive this.
-class ShPreview {
+class SHPreview {
   public:
     /// Errors: no SH grid.
-    explicit ShPreview(const Bsp &bsp);
-    ShPreview(const ShPreview &) = delete; // the grid points into the lump
-    ShPreview &operator=(const ShPreview &) = delete;
-    ShSample At(const Vec3f &position) const;
+    explicit SHPreview(const Bsp &bsp);
+    SHPreview(const SHPreview &) = delete; // the grid points into the lump
+    SHPreview &operator=(const SHPreview &) = delete;
+    SHSample At(const Vec3f &position) const;
     const shgrid_grid &Grid() const { return grid_; }
     bool HasTone() const { return tone_.has_value(); }
 

@@ -2,7 +2,7 @@
 #include "q3map2/convert/preview/grid_preview_map.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_tree.h"
+#include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <algorithm>

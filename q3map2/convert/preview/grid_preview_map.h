@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Open space of a map, and sample positions in it. Internal to the grid preview.
 #pragma once
 
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 #include "q3map2/bspfile/bsp.h"
 
 #include <functional>

@@ -1,16 +1,223 @@
-// GPL-2.0-or-later. Decompiles a .bsp to a map source.
+// GPL-2.0-or-later. Decompiles a .bsp to a map source: its brushes as convex solids, their planes, entities and
+// textures.
 #include "q3map2/convert/source/source_from_bsp.h"
 
-#include "q3map2/convert/source/bsp_brushes.h"
-#include "q3map2/convert/source/plane_points.h"
+#include "common/text/text.h"
+#include "libs/math/winding.h"
+#include "q3map2/bspfile/bsp.h"
 #include "q3map2/convert/source/source_writer.h"
+#include "q3map2/convert/source/texture_form.h"
 #include "q3map2/convert/source/texture_samples.h"
 #include "q3map2/map/map_texture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 namespace q3 {
+
+// ---- Brushes of a .bsp as convex solids, and planes as the three points of map text ----
+
+// ---- Finds three points that define a plane in map text ----
+
+namespace {
+
+constexpr double kSameDistance = 1e-7; ///< difference of equal plane distances, game units
+constexpr double kSpacing = 256;       ///< between points that are not corners, game units
+
+using ThreePoints = std::array<Vec3d, 3>;
+
+/// Corners that span a large triangle.
+ThreePoints SpreadCorners(std::span<const Vec3d> winding) {
+    const Vec3d &first = winding.front();
+    const auto nearer = [&](const Vec3d &a, const Vec3d &b) { return Length(a - first) < Length(b - first); };
+    const Vec3d &second = *std::ranges::max_element(winding, nearer);
+    const auto offLine = [&](const Vec3d &p) { return Length(Cross(p - first, second - first)); };
+    const Vec3d &third = *std::ranges::max_element(winding, {}, offLine);
+    return {first, second, third};
+}
+
+/// The projection of `near` onto the plane, and two points of the plane kSpacing from it.
+ThreePoints PointsApart(const Plane &plane, const Vec3d &near) {
+    const Vec3d &n = plane.normal;
+    const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
+    const Vec3d axis = x <= y && x <= z ? Vec3d{1, 0, 0} : y <= z ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
+    const Vec3d u = Normalize(Cross(axis, n)), v = Cross(n, u);
+    const Vec3d base = near - n * plane.Distance(near);
+    return {base, base + u * kSpacing, base + v * kSpacing};
+}
+
+/// The points rounded to `decimals`, in the order that makes the plane face along `front`.
+PlanePoints Printed(ThreePoints points, int decimals, const Vec3d &front) {
+    PlanePoints printed;
+    for (Vec3d &p : points)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            p[axis] = NumberFromText(FixedText(p[axis], decimals));
+    printed.plane = PlaneThrough(points);
+    if (Dot(printed.plane.normal, front) < 0) {
+        std::swap(points[1], points[2]);
+        printed.plane = PlaneThrough(points);
+    }
+    for (std::size_t i = 0; i < 3; ++i)
+        printed.points[i] = fmt::format("( {} {} {} )", FixedText(points[i].x, decimals),
+                                        FixedText(points[i].y, decimals), FixedText(points[i].z, decimals));
+    return printed;
+}
+
+/// Half the spacing of floats from `value` upward if it is a power of two; otherwise up to twice that.
+double HalfStep(double value) {
+    return std::abs(value) * double(std::numeric_limits<float>::epsilon()) / 2;
+}
+
+/// A unit vector that rounds to `normal`, whose length differs from 1 as its components were rounded to float. If there
+/// is none, the normalized normal.
+Vec3d UnitStoredAs(const Vec3d &normal) {
+    Vec3d slack;
+    double reach = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (normal[axis] == 0)
+            continue;
+        // All floats of a binade are equally far apart; below its first one they are twice as dense.
+        const double first = std::exp2(std::floor(std::log2(std::abs(normal[axis]))));
+        const bool isFirst = std::abs(normal[axis]) == first;
+        slack[axis] = std::copysign(HalfStep(first) * (isFirst ? 0.5 : 1), normal[axis]);
+        reach += std::abs(slack[axis] * normal[axis]);
+    }
+    const double excess = (Dot(normal, normal) - 1) / 2;
+    const Vec3d moved = normal - slack * (excess / reach);
+    return std::abs(excess) <= reach ? Normalize(moved) : Normalize(normal);
+}
+
+/// Whether the planes are the same once they are stored as float.
+bool Agrees(const Plane &a, const Plane &b) {
+    return Vec3f(a.normal) == Vec3f(b.normal) &&
+           std::abs(a.dist - b.dist) <= std::max(kSameDistance, HalfStep(b.dist) / 2);
+}
+
+} // namespace
+
+std::string PointText(const Vec3d &p) {
+    return fmt::format("( {} {} {} )", ExactText(p.x), ExactText(p.y), ExactText(p.z));
+}
+
+Plane PlaneThrough(const ThreePoints &points) {
+    const Vec3d normal = Normalize(Cross(points[2] - points[0], points[1] - points[0]));
+    return {normal, Dot(normal, points[0])};
+}
+
+PlanePoints PointsOfPlane(const Plane &plane, std::span<const Vec3d> winding) {
+    const Plane wanted{UnitStoredAs(Vec3d(Vec3f(plane.normal))), plane.dist};
+    if (winding.size() >= 3)
+        for (const int decimals : {3, 6}) {
+            const PlanePoints points = Printed(SpreadCorners(winding), decimals, wanted.normal);
+            if (Agrees(points.plane, wanted))
+                return points;
+        }
+    Vec3d center;
+    for (const Vec3d &p : winding)
+        center += p / double(winding.size());
+    const ThreePoints apart = PointsApart(wanted, center);
+    constexpr int kMostDecimals = 12;
+    for (int decimals = 3; decimals < kMostDecimals; decimals += 3) {
+        const PlanePoints points = Printed(apart, decimals, wanted.normal);
+        if (Agrees(points.plane, wanted))
+            return points;
+    }
+    return Printed(apart, kMostDecimals, wanted.normal);
+}
+
+// ---- Rebuilds the brushes of a .bsp as convex polyhedra ----
+
+namespace {
+
+constexpr double kClipEpsilon = 1e-6; ///< game units
+constexpr std::size_t kFewestSides = 4;
+
+bool IsInWorld(const Winding<double> &winding) {
+    return std::ranges::all_of(winding, [](const Vec3d &p) {
+        return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxWorldCoord;
+    });
+}
+
+/// Numbers of the named sides, in an order that compiles to the stored one. For each axial direction, 0 to 5, a
+/// compiler appends a bevel if no side has it, then swaps the side that has it with the one at that place. This undoes
+/// it for bevels.
+std::vector<std::size_t> SourceOrderOfSides(const Bsp &bsp, const bspBrush_t &brush) {
+    constexpr std::size_t kAxialSides = 6;
+    std::vector<std::size_t> order(std::size_t(brush.numSides));
+    std::iota(order.begin(), order.end(), std::size_t(brush.firstSide));
+    const auto isBevel = [&](std::size_t side) { return IsUnnamed(SideShader(bsp, side)); };
+    while (order.size() > kAxialSides && isBevel(order.back()))
+        order.pop_back();
+    for (std::size_t place = std::min(kAxialSides, order.size()); place-- > 0;)
+        if (isBevel(order[place])) {
+            std::swap(order[place], order.back());
+            order.pop_back();
+        }
+    std::erase_if(order, isBevel);
+    return order;
+}
+
+bool AreOpposite(const Plane &a, const Plane &b) {
+    return a.normal == -b.normal && a.dist == -b.dist;
+}
+
+} // namespace
+
+bool IsUnnamed(std::string_view shader) {
+    return shader.empty() || EqualNoCase(shader, "noshader") || EqualNoCase(shader, "default");
+}
+
+std::string_view SideShader(const Bsp &bsp, std::size_t i) {
+    return FieldName(bsp.shaders[std::size_t(bsp.brushSides[i].shaderNum)].shader);
+}
+
+bool IsModelClip(const Bsp &bsp, const bspBrush_t &brush) {
+    int named = 0;
+    for (std::int32_t i = 0; i < brush.numSides; ++i)
+        named += !IsUnnamed(SideShader(bsp, std::size_t(brush.firstSide + i)));
+    return named <= 1;
+}
+
+std::vector<RebuiltSide> RebuildBrush(const Bsp &bsp, const bspBrush_t &brush) {
+    std::vector<std::size_t> numbers = SourceOrderOfSides(bsp, brush);
+    if (IsModelClip(bsp, brush)) {
+        numbers.resize(std::size_t(brush.numSides));
+        std::iota(numbers.begin(), numbers.end(), std::size_t(brush.firstSide));
+    }
+    std::vector<RebuiltSide> sides;
+    for (const std::size_t i : numbers) {
+        const bspPlane_t &plane = bsp.planes[std::size_t(bsp.brushSides[i].planeNum)];
+        sides.push_back({SideShader(bsp, i), {Vec3d(plane.normal), double(plane.dist)}, {}});
+    }
+    for (RebuiltSide &side : sides) {
+        side.winding = BaseWinding(side.plane);
+        for (const RebuiltSide &other : sides)
+            if (&other != &side && !side.winding.empty() && !AreOpposite(other.plane, side.plane))
+                ChopPolygon(side.winding, {-other.plane.normal, -other.plane.dist}, kClipEpsilon);
+        if (!IsInWorld(side.winding))
+            return {};
+    }
+    std::erase_if(sides, [](const RebuiltSide &side) { return side.winding.size() < 3; });
+    if (sides.size() < kFewestSides)
+        sides.clear();
+    return sides;
+}
+
+std::vector<bool> BrushesInTheOpen(const Bsp &bsp) {
+    std::vector<bool> open(bsp.brushes.size());
+    for (const bspLeaf_t &leaf : bsp.leafs)
+        for (std::int32_t i = 0; i < leaf.numBSPLeafBrushes && leaf.cluster != kSolidCluster; ++i)
+            open[std::size_t(bsp.leafBrushes[std::size_t(leaf.firstBSPLeafBrush + i)])] = true;
+    return open;
+}
+
+// ---- Decompiles a .bsp to a map source ----
 
 namespace {
 

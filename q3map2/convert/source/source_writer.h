@@ -1,7 +1,8 @@
-// GPL-2.0-or-later. Writes the text of map sources.
+// GPL-2.0-or-later. Writes the text of map sources, and rewrites sources in another form of texture axes.
 #pragma once
 
 #include "q3map2/convert/source/texture_form.h"
+#include "q3map2/map/bsp_options.h"
 #include "q3map2/map/map.h"
 
 #include <array>
@@ -52,5 +53,10 @@ class SourceWriter {
 
 /// The name without a leading "textures/", which readers of map text add.
 std::string_view WithoutTextures(std::string_view shader);
+
+/// The text of a map with the texture axes of all sides in one form. Everything else stays: entities, keys, the order
+/// and the points of brushes, flags, patches, groups, origin brushes. Warns of textures that the form cannot hold.
+/// Errors: those of ReadMap.
+std::string ConvertedSource(std::string_view text, std::string_view name, MapForm form, const BspContext &context);
 
 } // namespace q3

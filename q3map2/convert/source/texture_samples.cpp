@@ -2,7 +2,7 @@
 #include "q3map2/convert/source/texture_samples.h"
 
 #include "common/text/text.h"
-#include "libs/math/winding_clip.h"
+#include "libs/math/winding.h"
 #include "q3map2/map/map_texture.h"
 #include "q3map2/shader/shader_library.h"
 

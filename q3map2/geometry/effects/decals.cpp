@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Decals: patches of _decal entities projected onto surfaces.
 #include "q3map2/geometry/effects/decals.h"
 
-#include "q3map2/bspfile/object_keys.h"
+#include "q3map2/bspfile/map_keys.h"
+#include "q3map2/map/map_parse.h"
 #include "q3map2/map/map_patch.h"
-#include "q3map2/map/map_settings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -272,7 +272,7 @@ std::vector<DecalProjector> CollectDecals(Map &map, const BspContext &context) {
         entity.brushes.clear();
         entity.patches.clear();
     }
-    context.log.VerboseCount((long long)(projectors.size()), "decal projectors");
+    context.log.VerboseCount(projectors.size(), "decal projectors");
     return projectors;
 }
 

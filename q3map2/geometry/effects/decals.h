@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Decals: patches of _decal entities projected onto surfaces.
 #pragma once
 
-#include "q3map2/geometry/surface/draw_surface.h"
-#include "q3map2/map/bsp_context.h"
+#include "q3map2/geometry/faces/draw_surface.h"
+#include "q3map2/map/bsp_options.h"
 
 #include <array>
 #include <cstddef>

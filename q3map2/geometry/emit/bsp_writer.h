@@ -1,9 +1,10 @@
-// GPL-2.0-or-later. Writing the .bsp: models, brushes, surfaces, the tree.
+// GPL-2.0-or-later. Writes the .bsp and the .srf: models, brushes, surfaces, the tree.
 #pragma once
 
 #include "q3map2/bspfile/bsp.h"
-#include "q3map2/geometry/effects/skybox.h"
-#include "q3map2/geometry/emit/index_runs.h"
+#include "q3map2/geometry/effects/surface_effects.h"
+#include "q3map2/geometry/emit/emit_surfaces.h"
+#include "q3map2/geometry/faces/draw_surface.h"
 #include "q3map2/tree/tree.h"
 
 #include <cstdint>
@@ -67,5 +68,11 @@ class BspWriter {
     std::optional<SkyBoxTransform> skyBox_;
     std::vector<DrawSurface> skyBoxCopies_;
 };
+
+/// The block with the defaults of all surfaces. `sampleSize` in game units.
+std::string DefaultSurfaceBlock(const SurfaceSettings &world, int sampleSize);
+/// The block of surface `number` of the .bsp: its shader, and what differs from the defaults.
+std::string SurfaceBlock(const DrawSurface &surface, int number, std::string_view shader, const SurfaceSettings &world,
+                         int sampleSize);
 
 } // namespace q3

@@ -3,15 +3,10 @@
 
 #include "common/debug_color.h"
 #include "common/error.h"
-#include "q3map2/geometry/effects/flares.h"
 #include "q3map2/geometry/effects/fog.h"
-#include "q3map2/geometry/effects/foliage.h"
-#include "q3map2/geometry/effects/fur.h"
-#include "q3map2/geometry/emit/emit_filter.h"
-#include "q3map2/geometry/emit/emit_indexes.h"
-#include "q3map2/geometry/emit/emit_modify.h"
-#include "q3map2/geometry/emit/emit_srf.h"
-#include "q3map2/geometry/faces/triangulate.h"
+#include "q3map2/geometry/effects/surface_effects.h"
+#include "q3map2/geometry/emit/emit_surfaces.h"
+#include "q3map2/geometry/faces/brush_faces.h"
 
 #include <algorithm>
 
@@ -204,7 +199,7 @@ void BspWriter::EmitSurfaces(MapEntity &entity, Tree &tree, Geometry &geometry, 
     }
     EmitSkyBoxCopies(tree, geometry);
     FixSideShaders(entity, geometry);
-    context_.log.VerboseCount((long long)(bsp.drawSurfaces.size() - written), "draw surfaces written");
+    context_.log.VerboseCount(bsp.drawSurfaces.size() - written, "draw surfaces written");
 }
 
 void BspWriter::EmitSkyImages() {

@@ -1,10 +1,96 @@
-// GPL-2.0-or-later. Draw surfaces of brush sides.
+// GPL-2.0-or-later. Draw surfaces of brush sides: cut by a grid, and triangulated.
 #include "q3map2/geometry/faces/brush_faces.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 namespace q3 {
+
+// ---- Faces cut by a world-aligned grid (tessSize) ----
+
+namespace {
+
+constexpr double kOnEpsilon = 0.1;
+
+/// The lowest grid plane that cuts the polygon, with more than kOnEpsilon of it on both sides.
+std::optional<Plane> GridPlane(const Polygon &w, double size) {
+    const Boundsf bounds = WindingBounds(w);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double lo = std::floor((double(bounds.mins[axis]) + kOnEpsilon) / size) * size;
+        const double hi = std::ceil((double(bounds.maxs[axis]) - kOnEpsilon) / size) * size;
+        if (hi - lo > size) {
+            Plane plane;
+            plane.normal[axis] = 1;
+            plane.dist = lo + size;
+            return plane;
+        }
+    }
+    return {};
+}
+
+/// Pieces of w, none larger than a cell of the grid.
+std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surface, const BspContext &context) {
+    const int limit = context.options.maxDrawSurfaces;
+    std::vector<Polygon> pieces, open{std::move(w)};
+    while (!open.empty()) {
+        const Polygon piece = std::move(open.back());
+        open.pop_back();
+        const std::optional<Plane> plane = GridPlane(piece, size);
+        if (!plane) {
+            pieces.push_back(piece);
+            if (int(pieces.size()) > limit)
+                context.FailAt(surface.settings.entity, surface.primitive,
+                               fmt::format("shader {}: tessSize {} cuts a face into more than {} pieces, expected a "
+                                           "larger size or -maxmapdrawsurfs",
+                                           surface.shader->name, int(size), limit));
+            continue;
+        }
+        Polygon front, back;
+        ClipPolygonKeepOn(piece, *plane, kOnEpsilon, front, back);
+        if (back.size() >= 3)
+            open.push_back(std::move(back));
+        if (front.size() >= 3)
+            open.push_back(std::move(front));
+    }
+    return pieces;
+}
+
+bool IsSubdivided(const DrawSurface &surface) {
+    return surface.kind == SurfaceKind::Face && !surface.Empty() && surface.brush >= 0 &&
+           surface.shader->geometry.tessSize >= 1 && (surface.shader->compileFlags & C_SKY) == 0;
+}
+
+} // namespace
+
+void SubdivideFaces(MapEntity &entity, Geometry &geometry, std::size_t first, const PlaneTable &planes,
+                    const BspContext &context) {
+    if (context.options.noSubdivide)
+        return;
+    const std::size_t last = geometry.surfaces.size();
+    for (std::size_t i = first; i < last; ++i) {
+        if (!IsSubdivided(geometry.surfaces[i]))
+            continue;
+        const DrawSurface surface = geometry.surfaces[i];
+        Polygon w;
+        for (const DrawVert &v : surface.verts)
+            w.push_back(v.xyz);
+        const std::vector<Polygon> pieces = GridPieces(w, double(surface.shader->geometry.tessSize), surface, context);
+        if (pieces.size() < 2)
+            continue;
+        geometry.surfaces[i].verts.clear();
+        for (const Polygon &piece : pieces) {
+            const int number = MakeFaceSurface(entity, surface.brush, surface.side, piece, geometry, planes, context);
+            geometry.surfaces[std::size_t(number)].fogNum = surface.fogNum;
+            entity.brushes[std::size_t(surface.brush)].sides[std::size_t(surface.side)].surface = number;
+        }
+    }
+}
+
+// ---- Draw surfaces of brush sides ----
+
 namespace {
 
 float Snapped(float coordinate, bool snap) {
@@ -84,6 +170,181 @@ void MakeFaceSurfaces(MapEntity &entity, Geometry &geometry, const PlaneTable &p
             if ((side.shader->compileFlags & C_FOG) != 0)
                 side.surface = MakeFaceSurface(entity, int(b), int(s), Reversed(w), geometry, planes, context);
         }
+}
+
+// ---- Triangulation of polygons ----
+
+namespace {
+
+constexpr double kMinSine2 = 1e-5;  ///< squared sine of the smallest angle
+constexpr double kMinTwiceArea = 1; ///< square units
+/// The search for triangles of greatest area grows with the cube of the number of corners.
+constexpr std::size_t kMaxAreaCorners = 340;
+constexpr int kMaxAreaTries = 8;
+
+using Verts = std::vector<DrawVert>;
+using Indexes = std::vector<int>;
+
+const DrawVert &At(const Verts &verts, int i) {
+    const int n = int(verts.size());
+    return verts[std::size_t((i % n + n) % n)];
+}
+
+Vec3d Position(const Verts &verts, int i) {
+    return Vec3d(At(verts, i).xyz);
+}
+
+double TwiceArea(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
+    return Length(Cross(b - a, c - a));
+}
+
+/// Whether the triangle is neither a sliver nor tiny. Those show cracks when drawn.
+bool IsSound(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
+    const double twice = TwiceArea(a, b, c);
+    std::array<double, 3> squares{Dot(b - a, b - a), Dot(c - b, c - b), Dot(a - c, a - c)};
+    std::ranges::sort(squares);
+    // The smallest angle lies between the two longest edges: sine = 2 area / (their product).
+    return twice > kMinTwiceArea && twice * twice > kMinSine2 * squares[1] * squares[2];
+}
+
+/// A triangle strip that alternates between the two sides of a start vertex, but prefers the side whose next vertex was
+/// inserted by T-junction repair. Empty if a triangle is not sound.
+std::optional<Indexes> StripFrom(const Verts &verts, int start) {
+    const int n = int(verts.size());
+    const auto wrap = [n](int i) { return (i % n + n) % n; };
+    Indexes indexes;
+    int i = start % n, j = wrap(start - 1);
+    bool back = false;
+    while (true) {
+        const bool here = At(verts, back ? i + 1 : j - 1).inserted, other = At(verts, back ? j - 1 : i + 1).inserted;
+        if (here >= other)
+            back = !back;
+        const int k = back ? j : i;
+        (back ? j : i) = wrap(back ? j - 1 : i + 1);
+        if (i == j)
+            return indexes;
+        if (!IsSound(Position(verts, i), Position(verts, j), Position(verts, k)))
+            return {};
+        indexes.insert(indexes.end(), {i, j, k});
+    }
+}
+
+std::optional<Indexes> Strip(const DrawSurface &surface) {
+    const auto order = [](const DrawVert &v) { return std::tuple(v.xyz.x, v.xyz.y, v.xyz.z); };
+    const int n = int(surface.verts.size());
+    const int least = surface.shader->autosprite
+                          ? 0
+                          : int(std::ranges::min_element(surface.verts, {}, order) - surface.verts.begin());
+    for (int r = 0; r < n; ++r)
+        if (std::optional<Indexes> indexes = StripFrom(surface.verts, least + r))
+            return indexes;
+    return {};
+}
+
+/// Inserts a vertex in the middle and a fan of triangles around it.
+void Fan(DrawSurface &surface) {
+    const int n = int(surface.verts.size());
+    Vec3d xyz, normal;
+    std::array<double, 2> st{};
+    std::array<double, 4> color{};
+    for (const DrawVert &v : surface.verts) {
+        xyz += Vec3d(v.xyz), normal += Vec3d(v.normal);
+        for (std::size_t i = 0; i < 2; ++i)
+            st[i] += double(v.st[i]);
+        for (std::size_t i = 0; i < 4; ++i)
+            color[i] += v.color[i];
+    }
+    DrawVert middle;
+    middle.xyz = Vec3f(xyz / n), middle.normal = Vec3f(Normalize(normal));
+    for (std::size_t i = 0; i < 2; ++i)
+        middle.st[i] = float(st[i] / n);
+    for (std::size_t i = 0; i < 4; ++i)
+        middle.color[i] = std::uint8_t(color[i] / n);
+    surface.verts.insert(surface.verts.begin(), middle);
+    surface.indexes.clear();
+    for (int i = 0; i < n; ++i)
+        surface.indexes.insert(surface.indexes.end(), {0, i == 0 ? n : i, i + 1});
+}
+
+/// Splits the polygon of the vertices first..last: appends the best triangle on the edge first-last, then splits the
+/// rest on either side of it. Best: greatest area - perimeterWeight * perimeter. False if no sound triangle is left.
+bool LargestTriangles(const Verts &verts, int first, int last, double perimeterWeight, Indexes &indexes) {
+    if (last - first < 2)
+        return true;
+    std::array<int, 3> best{};
+    double bestValue = 0;
+    bool found = false;
+    // The third corner k divides the rest of the polygon in two.
+    for (int k = first + 1; k < last; ++k) {
+        const Vec3d a = Position(verts, first), b = Position(verts, k), c = Position(verts, last);
+        if (!IsSound(a, b, c))
+            continue;
+        const double value = TwiceArea(a, b, c) / 2 - perimeterWeight * (Length(b - a) + Length(c - b) + Length(a - c));
+        if (!found || value > bestValue)
+            best = {first, k, last}, bestValue = value, found = true;
+    }
+    if (!found)
+        return false;
+    indexes.insert(indexes.end(), best.begin(), best.end());
+    return LargestTriangles(verts, first, best[1], perimeterWeight, indexes) &&
+           LargestTriangles(verts, best[1], last, perimeterWeight, indexes);
+}
+
+/// Splits off the best triangle of the polygon (see LargestTriangles), then those of the three remaining parts.
+/// Repeated with half the weight of the perimeter until all triangles are sound; empty if that fails.
+std::optional<Indexes> MaxArea(const Verts &verts) {
+    const int n = int(verts.size());
+    double perimeterWeight = 2;
+    for (int attempt = 0; attempt < kMaxAreaTries; ++attempt, perimeterWeight /= 2) {
+        std::array<int, 3> best{};
+        double bestValue = 0;
+        for (int i = 0; i < n; ++i)
+            for (int j = i + 1; j < n; ++j)
+                for (int k = j + 1; k < n; ++k) {
+                    const Vec3d a = Position(verts, i), b = Position(verts, j), c = Position(verts, k);
+                    const double value =
+                        TwiceArea(a, b, c) / 2 - perimeterWeight * (Length(b - a) + Length(c - b) + Length(a - c));
+                    if (IsSound(a, b, c) && (best[2] == 0 || value > bestValue))
+                        best = {i, j, k}, bestValue = value;
+                }
+        if (best[2] == 0)
+            return {};
+        Indexes indexes(best.begin(), best.end());
+        if (LargestTriangles(verts, best[0], best[1], perimeterWeight, indexes) &&
+            LargestTriangles(verts, best[1], best[2], perimeterWeight, indexes) &&
+            LargestTriangles(verts, best[2], best[0] + n, perimeterWeight, indexes)) {
+            for (int &i : indexes)
+                i %= n;
+            return indexes;
+        }
+    }
+    return {};
+}
+
+} // namespace
+
+void TriangulateFace(DrawSurface &surface, const BspContext &context) {
+    surface.indexes.clear();
+    const std::size_t n = surface.verts.size();
+    if (n < 3)
+        return;
+    if (surface.shader->autosprite && n > std::size_t(context.options.maxVertexLitVerts))
+        context.FailAt(surface.settings.entity, surface.primitive,
+                       fmt::format("a face of the sprite shader {} has {} corners, expected at most {}",
+                                   surface.shader->name, n, context.options.maxVertexLitVerts));
+    if (n == 3) {
+        surface.indexes = {0, 1, 2};
+        return;
+    }
+    std::optional<Indexes> indexes;
+    if (context.options.maxArea && n <= kMaxAreaCorners)
+        indexes = MaxArea(surface.verts);
+    if (!indexes)
+        indexes = Strip(surface);
+    if (indexes)
+        surface.indexes = std::move(*indexes);
+    else
+        Fan(surface);
 }
 
 } // namespace q3

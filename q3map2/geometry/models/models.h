@@ -1,11 +1,80 @@
-// GPL-2.0-or-later. Models among the surfaces of an entity.
+// GPL-2.0-or-later. Models in the map: placed by entities, and scattered by shaders over their surfaces.
 #pragma once
 
-#include "q3map2/geometry/models/model_placement.h"
-#include "q3map2/geometry/surface/draw_surface.h"
-#include "q3map2/map/bsp_context.h"
+#include "q3map2/geometry/faces/draw_surface.h"
+#include "q3map2/map/bsp_options.h"
+#include "q3map2/map/map.h"
+#include "q3map2/model/model_load.h"
+#include "q3map2/model/model_skin.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
 
 namespace q3 {
+
+/// Spawnflags of misc_model.
+enum ModelFlags : unsigned {
+    kModelRenameRmg = 1,
+    kModelClip = 2,
+    kModelForceMeta = 4,
+    kModelClipFaceNormals = 8,
+    kModelClipTerrain = 16,
+    kModelColorToAlpha = 32,
+    kModelClipVertexNormals = 128,
+    kModelClipPyramid = 256,
+    kModelClipDown = 512,
+    kModelClipUp = 1024,
+    kModelClipFull = 2048,
+    kModelClipAxialBack = 4096
+};
+/// Flags that select the shape of clip brushes.
+inline constexpr unsigned kModelClipShapes = kModelClipFaceNormals | kModelClipTerrain | kModelClipVertexNormals |
+                                             kModelClipPyramid | kModelClipDown | kModelClipUp | kModelClipFull |
+                                             kModelClipAxialBack;
+
+/// A model with its transform and settings.
+struct ModelPlacement {
+    std::string name;
+    std::string who; ///< MapEntity::MessagePrefix of its entity, for messages
+    int frame = 0;
+    ModelTransform transform;
+    SurfaceSettings settings;
+    unsigned flags = 0;
+    double clipDepth = 2;
+    ShaderRemap shaders;
+    int fogNum = -1;
+};
+
+// ---- Models scattered over surfaces by q3map_surfaceModel, with triangles and random numbers,
+// which foliage uses too.
+
+using SurfaceTriangle = std::array<DrawVert, 3>;
+
+/// Triangles of a surface: faces and decals as a fan around their centroid, patches tessellated. Clockwise.
+std::vector<SurfaceTriangle> TrianglesOf(const DrawSurface &surface, const BspContext &context);
+/// Bisects triangles at their longest edge until no edge is longer than `density` game units. False if it stopped
+/// early, at 2^18 triangles.
+bool Bisect(std::vector<SurfaceTriangle> &triangles, float density);
+
+/// Uniform random numbers in 0..1, the same on every machine.
+class ScatterRandom {
+  public:
+    explicit ScatterRandom(std::uint32_t seed) : engine_(seed) {}
+    double Next() { return double(engine_()) / 4294967296.0; }
+    double Between(double low, double high) { return low + (high - low) * Next(); }
+
+  private:
+    std::mt19937 engine_;
+};
+
+/// Places the models that q3map_surfaceModel scatters over the surfaces from `first` on. Throws Error for more
+/// surfaces than -maxmapdrawsurfs allows.
+void AddShaderModels(MapEntity &entity, Geometry &geometry, std::size_t first, PlaneTable &planes,
+                     const BspContext &context);
 
 /// Appends the surfaces of a model, and clip brushes where flags or shaders ask for them. The brushes go to the end of
 /// `target`, so indexes of its other brushes stay valid. False: the model cannot be read; a warning names it and the

@@ -1,7 +1,12 @@
-// GPL-2.0-or-later. Form factors of one polygon for the receivers of a batch.
+// GPL-2.0-or-later. Form factors of polygons, and directions in rings over a hemisphere.
 #include "q3map2/light/batch/form_factor.h"
 
+#include <cmath>
+#include <numbers>
+
 namespace q3 {
+
+// ---- Form factors of one polygon for the receivers of a batch ----
 
 namespace {
 
@@ -59,6 +64,22 @@ Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon
         }
     }
     v = sum;
+}
+
+// ---- Directions in rings over a hemisphere ----
+
+std::vector<Vec3f> HemisphereRings(int elevations, int azimuths) {
+    std::vector<Vec3f> directions;
+    const double step = kConeDegrees / elevations, radiansPerDegree = std::numbers::pi / 180;
+    const auto component = [](double c) { return std::abs(c) < 1e-12 ? 0.0f : float(c); };
+    for (int e = 0; e < elevations; ++e)
+        for (int a = 0; a < azimuths; ++a) {
+            const double polarAngle = (e + 0.5) * step * radiansPerDegree,
+                         azimuth = a * 2 * std::numbers::pi / azimuths;
+            directions.emplace_back(component(std::sin(polarAngle) * std::cos(azimuth)),
+                                    component(std::sin(polarAngle) * std::sin(azimuth)), float(std::cos(polarAngle)));
+        }
+    return directions;
 }
 
 } // namespace q3

@@ -1,12 +1,14 @@
-// GPL-2.0-or-later. Form factor between a point of a surface and a polygon.
+// GPL-2.0-or-later. Form factors of polygons, and directions in rings over a hemisphere.
 #pragma once
 
 #include "libs/math/lane_functions.h"
+#include "libs/math/vec.h"
 #include "q3map2/light/batch/lanes.h"
 
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <vector>
 
 namespace q3 {
 
@@ -44,5 +46,15 @@ void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygo
 /// The vectors v with FormFactor(p, n, polygon) = v . n for every n: the irradiance vectors of a polygon of radiance
 /// 1 / pi, for sixteen receivers.
 void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon, Lanes3 &v);
+
+/// Directions per ring for floodlight and dirt, and number of rings for floodlight.
+inline constexpr int kRingAzimuths = 16, kFloodElevations = 4;
+/// Half angle of the cone that floodlight and dirt rays fill. Degrees.
+inline constexpr int kConeDegrees = 88;
+
+/// Unit directions around +z in rings: ring e is (e + 1/2) floor(kConeDegrees / elevations) degrees from the axis, with
+/// `azimuths` even steps that start at +x. Components below rounding error are set to 0, so that rays in the plane of a
+/// wall stay in it.
+std::vector<Vec3f> HemisphereRings(int elevations, int azimuths);
 
 } // namespace q3

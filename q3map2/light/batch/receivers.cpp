@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Neighboring receivers that are lit together.
+// GPL-2.0-or-later. Neighboring receivers that are lit together, and the light that arrives at them.
 #include "q3map2/light/batch/receivers.h"
 
 namespace q3 {

@@ -3,9 +3,9 @@
 
 #include "libs/sh/polygon_moments.h"
 #include "libs/sh/sh.h"
-#include "q3map2/bspfile/grid_reader.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/light/batch/form_factor.h"
-#include "q3map2/light/grid/light_floodlight.h"
+#include "q3map2/light/grid/grid_bricks.h"
 
 #include <algorithm>
 #include <bit>
@@ -36,9 +36,9 @@ struct TwoSides {
 
 /// TwoSides::plus + minus, from bands 0 and 2 of radiance coefficients: odd bands cancel out in the sum, bands from 4
 /// on are left out.
-double SumOfBothWays(const ShVector &c, std::size_t axis) {
+double SumOfBothWays(const SHVector &c, std::size_t axis) {
     const Vec3d n = Axis(axis);
-    const ShVector basis = ShBasis(n);
+    const SHVector basis = SHBasis(n);
     double sum = 0;
     for (const std::size_t k : {0, 4, 5, 6, 7, 8})
         sum += 2 * kCosineLobe[k] * basis[k] * c[k];
@@ -59,7 +59,7 @@ struct PointLightField {
     const Light &light;
     float weight; ///< of the light
     Vec3f position;
-    ShVector radiance; ///< SH projection; light of strength 1 from direction w projects to Y(w)
+    SHVector radiance; ///< SH projection; light of strength 1 from direction w projects to Y(w)
     Vec3d vector;      ///< irradiance vector
     double fluence;    ///< sum over directions of the light on a surface that faces it
 
@@ -68,8 +68,8 @@ struct PointLightField {
         : light(source), weight(sourceWeight), position(at) {
         for (std::size_t k = 0; k < 9; ++k)
             radiance[k] = double(incident.shCoeffs[k][lane]);
-        vector = Vec3d{radiance[3], radiance[1], radiance[2]} / kShC1;
-        fluence = radiance[0] / kShC0;
+        vector = Vec3d{radiance[3], radiance[1], radiance[2]} / kSHC1;
+        fluence = radiance[0] / kSHC0;
     }
     /// Whether an area light is partly in front of and partly behind a surface that faces along the axis.
     bool Straddles(std::size_t axis) const {
@@ -105,7 +105,7 @@ TwoSides PointLightField::Cut(std::size_t axis) const {
     const bool same = difference * FormFactor(p, normal, std::span<const Vec3f>(part)) >= 0;
     const double behind = std::max(0.0, inFront - (same ? std::abs(difference) : -std::abs(difference)));
     const bool fromBehind = Dot(light.shape.normal, p) < light.shape.dist;
-    ShVector whole = MomentsOfPolygon(fromBehind ? light.shape.back : light.w, p).Projection();
+    SHVector whole = MomentsOfPolygon(fromBehind ? light.shape.back : light.w, p).Projection();
     for (double &coefficient : whole)
         coefficient *= double(light.add) * double(weight) / std::numbers::pi;
     const double share = whole[0] > 0 ? std::min(1.0, radiance[0] / whole[0]) : 1;

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Light on the six sides of ambient cubes.
 #pragma once
 
-#include "q3map2/light/cubes/cube_sample.h"
-#include "q3map2/light/grid/brick_lighting.h"
+#include "q3map2/light/cubes/ambient_cubes.h"
+#include "q3map2/light/grid/grid_bricks.h"
 
 #include <vector>
 

@@ -1,9 +1,11 @@
-// GPL-2.0-or-later. Divides light grids into bricks.
+// GPL-2.0-or-later. Passes over light grids by bricks: neighboring points share a list of lights and packets of rays.
 #include "q3map2/light/grid/grid_bricks.h"
 
-#include "common/progress.h"
-#include "libs/math/low_discrepancy.h"
-#include "q3map2/light/transfer/faint_lights.h"
+#include "common/log.h"
+#include "libs/math/sampling.h"
+#include "q3map2/light/batch/form_factor.h"
+#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/transfer/light_contribution.h"
 
 #include <algorithm>
 #include <atomic>
@@ -11,6 +13,67 @@
 #include <optional>
 
 namespace q3 {
+
+// ---- Floodlight: cheap light from wherever the surroundings are open ----
+
+namespace {
+
+constexpr float kIgnoreNear = 1.5f; ///< surfaces nearer than this do not count. Game units
+
+} // namespace
+
+std::vector<Vec3f> FloodDirections(bool lowQuality) {
+    return HemisphereRings(kFloodElevations, lowQuality ? kRingAzimuths / 2 : kRingAzimuths);
+}
+
+float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, std::span<const Vec3f> directions,
+                 RayCounts &counts) {
+    double sum = 0;
+    auto rays = MakeRayBatcher<char>([&](RayPacket &packet, std::span<const char> tags) {
+        scene.TraceDistance(packet, kIgnoreNear, counts);
+        for (std::size_t i = 0; i < tags.size(); ++i)
+            sum += double(std::min(1.0f, packet.distance[i] / distance));
+    });
+    for (const Vec3f &d : directions) // up = -1: half a turn about the y axis
+        rays.Add({}, p, {d.x * up, d.y, d.z * up}, distance);
+    rays.Flush();
+    return float(sum / double(directions.size()));
+}
+
+// ---- Statistics of a pass over a light grid ----
+
+void GridStats::Add(const GridStats &o) {
+    open += o.open, moved += o.moved, filled += o.filled;
+    skippedFaint += o.skippedFaint, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
+    skippedSmooth += o.skippedSmooth;
+    counts += o.counts;
+}
+
+void GridStats::Print(Log &log) const {
+    log.Count(open, "points in the open");
+    if (moved > 0)
+        log.Count(moved, "points in solids lit from the nearest open position");
+    if (filled > 0)
+        log.Count(filled, "points in solids filled from neighbors");
+    log.Count(counts.rays, "rays");
+    const auto count = [&](std::uint64_t number, const char *what) { log.VerboseCount(number, what); };
+    count(skippedPvs, "pairs of brick and light hidden by visibility data, skipped (-noskippvs)");
+    count(skippedReach, "pairs of brick and light out of reach, skipped (-noskipreach)");
+    count(skippedFaint, "pairs of brick and light too faint, represented by others (-noskipfaint)");
+    count(skippedSmooth, "points and samples with weak light interpolated (-noskipsmooth)");
+    count(counts.pairs, "pairs of point and light");
+    count(counts.skippedPvs, "hidden by visibility data, skipped (-noskippvs)");
+    count(counts.skippedFacing, "out of reach, cone or side");
+    count(counts.skippedFaint, "too faint, represented by others (-noskipfaint)");
+    count(counts.skippedProbes, "with a faint area light, judged by one ray (-noskipprobes)");
+    count(counts.skippedMoments, "with a far area light, approximated by points (-noskipmoments)");
+    count(counts.skippedCoarse, "with visibility taken from neighbors that agree (-noskipcoarse)");
+    count(counts.refined, "with an area light partly hidden, refined");
+    if (seconds > 0)
+        log.Verbose("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);
+}
+
+// ---- Divides light grids into bricks ----
 
 namespace {
 

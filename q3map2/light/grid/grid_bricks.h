@@ -1,15 +1,79 @@
-// GPL-2.0-or-later. Divides light grids into bricks: neighboring points share a list of lights and packets of rays.
+// GPL-2.0-or-later. Passes over light grids by bricks: neighboring points share a list of lights and packets of rays.
 #pragma once
 
+#include "common/jobs.h"
+#include "common/log.h"
+#include "libs/math/vec.h"
+#include "q3map2/bspfile/bspfile.h"
 #include "q3map2/light/batch/receivers.h"
-#include "q3map2/light/grid/grid_pass.h"
-#include "q3map2/light/sources/lights_by_cluster.h"
+#include "q3map2/light/scene/light_scene.h"
+#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/light_entities.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/transfer/light_contribution.h"
+#include "q3map2/light/transfer/light_kernel.h"
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
 namespace q3 {
+
+/// Bounced light that arrives at a point from one direction.
+struct IndirectRay {
+    Vec3f direction; ///< unit, to the surface that reflects it
+    Vec3f light;     ///< on a surface with normal `direction`, byte scale
+};
+
+/// Bounced light at points in the open. Const after construction; safe from several threads.
+class IndirectLight {
+  public:
+    virtual ~IndirectLight() = default;
+    /// Number of rays that gather light at a point, without shadow rays to bright emitters.
+    virtual int RaysPerPoint() const = 0;
+    /// Sets `rays` to directional lights that together give the bounced light at the point; `seed` rotates the pattern
+    /// of directions.
+    virtual void Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const = 0;
+};
+
+/// Directions of the rays of FloodShare in the hemisphere around +z, at four elevations; half as many if lowQuality.
+std::vector<Vec3f> FloodDirections(bool lowQuality);
+/// Share of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean over rays of
+/// min(1, free length / distance).
+float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, std::span<const Vec3f> directions,
+                 RayCounts &counts);
+
+/// Everything that a grid pass reads.
+struct GridInputs {
+    const BspSpace &space;
+    const LightScene &scene;
+    const LightOptions &options;
+    const WorldLight &world;
+    const JobPool &jobs;
+    Log &log;
+    const IndirectLight *indirect = nullptr; ///< bounced light, or null
+    /// For FloodShare.
+    std::vector<Vec3f> floodDirections = FloodDirections(options.lowQuality);
+};
+
+/// Counts of points and of the work to light them.
+struct GridStats {
+    std::int64_t points = 0;
+    std::int64_t open = 0;           ///< lit in place or a small step beside; legacy grid: all points that are lit
+    std::int64_t moved = 0;          ///< in a solid, lit from the nearest point in the open
+    std::int64_t filled = 0;         ///< in a solid, interpolated from lit neighbors
+    std::uint64_t skippedFaint = 0;  ///< brick and light pairs left out: too faint to matter
+    std::uint64_t skippedReach = 0;  ///< brick and light pairs out of reach
+    std::uint64_t skippedPvs = 0;    ///< brick and light pairs hidden by visibility data
+    std::uint64_t skippedSmooth = 0; ///< points and samples whose weak light is interpolated
+    ContributionCounts counts;
+    double seconds = 0;
+    void Add(const GridStats &o);
+    void Print(Log &log) const;
+};
+
+// ---- Divides light grids into bricks: neighboring points share a list of lights and packets of rays ----
 
 struct BrickPoint {
     Vec3f position;
@@ -96,5 +160,56 @@ enum class ShowProgress { No, Yes };
 /// of `work` to `stats`. Here a brick is any set of receivers that share a list of lights.
 void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
                const std::function<void(std::int64_t, GridStats &)> &trace, ShowProgress show = ShowProgress::Yes);
+
+/// Iterates over the lights that may reach a brick, by the rules of the SH grid. Const after construction; safe from
+/// several threads. Keeps references.
+class BrickLighting {
+  public:
+    /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance. split: lights have a weak and
+    /// a strong part, which can be traced apart.
+    BrickLighting(const GridInputs &in, const std::vector<Light> &lights, bool radiance, bool split)
+        : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
+                                              .sunOnly = in.options.sunOnly,
+                                              .radiance = radiance,
+                                              .samples = in.options.shSamples,
+                                              .skip = in.options.skip},
+          faint_(kFaint / in.options.shSamples) {
+        if (split)
+            settings_.weakBelow =
+                std::max(kWeakBelow / (in.options.gridScale > 0 ? in.options.gridScale : 1), 2 * faint_);
+    }
+    /// Calls use(light, incident) for each light that may reach the blocks of a brick. incident: its light at the
+    /// receivers, by block. seed: of the random choice among faint lights, which is the same for all blocks. part:
+    /// other than Whole only if lights are split.
+    template <typename Use>
+    void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part, GridStats &work,
+               const Use &use) const {
+        StartFaintResiduals(blocks, faint_);
+        std::vector<ProbeIncidentLight> incident(blocks.size());
+        const float least = part == LightPart::Strong ? settings_.weakBelow / 2 : -1;
+        const BrickLights candidates(lights_, BrickView(blocks), {seed, faint_, least}, in_.options.skip, work);
+        LightSettings pass = settings_;
+        pass.faint = candidates.Many() ? faint_ : 0;
+        pass.part = part;
+        for (const BrickLight &one : candidates.List()) {
+            LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
+            use(one, incident);
+        }
+    }
+
+  private:
+    /// Lights that give less than this at every point of a brick, and area lights that give less at every point of a
+    /// block, are represented by a random few. Byte scale: a quarter of the smallest step that a screen can show.
+    static constexpr float kFaint = 1.0f / 4;
+
+    /// LightSettings::weakBelow before grid scale. Higher, more light is interpolated; lower, the weak light is smooth
+    /// at more points. Byte scale.
+    static constexpr float kWeakBelow = 8;
+
+    const GridInputs &in_;
+    BrickCandidates lights_;
+    LightSettings settings_;
+    float faint_; ///< see SelectFaintLight
+};
 
 } // namespace q3

@@ -1,12 +1,10 @@
-// GPL-2.0-or-later. Error of the SH grid against exact light.
+// GPL-2.0-or-later. Error of the SH grid against exact light, where players can be.
 #include "q3map2/light/grid/gridsh_error.h"
 
-#include "libs/math/low_discrepancy.h"
-#include "q3map2/bspfile/grid_reader.h"
-#include "q3map2/light/grid/gridsh_dering.h"
-#include "q3map2/light/grid/gridsh_display.h"
+#include "libs/math/sampling.h"
+#include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/light/grid/light_gridsh.h"
 #include "q3map2/light/grid/probe_integrator.h"
-#include "q3map2/light/grid/sh_floats.h"
 
 #include <algorithm>
 #include <cmath>
@@ -243,7 +241,7 @@ bool PrintReceivers(const GridSHError &error, Log &log) {
         log.Print("No position is {} units clear of solids: nothing to check\n", kPlayerHalfSize);
         return false;
     }
-    log.Count((long long)(error.receivers), "receivers that a player can be in, 26 directions each");
+    log.Count(error.receivers, "receivers that a player can be in, 26 directions each");
     log.Print("{:9.2f} of 255 is the error of displayed light (RMS)\n", error.rms);
     return true;
 }

@@ -3,7 +3,8 @@
 
 #include "q3map2/light/grid/grid_bricks.h"
 #include "q3map2/light/grid/light_grid.h"
-#include "q3map2/light/grid/sh_floats.h"
+#include "q3map2/light/grid/probe_integrator.h"
+#include "q3map2/light/sources/light_sources.h"
 
 #include <array>
 #include <cstdint>
@@ -73,5 +74,27 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
 /// is sorted by index. Changes Solid to Filled or Exterior in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
                 const VisibilityGroups &groups, std::vector<PointState> &states, LightGridSH &grid);
+
+/// The state of each point of a grid, and the position that it is lit from. Keeps a reference to the layout.
+class LitGridPoints {
+  public:
+    LitGridPoints(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks);
+    /// Changes the state of points in the open that lie on the polygon of an area light to OnEmitter.
+    void FindOnEmitters(const std::vector<Light> &lights);
+
+    bool IsLit(std::uint32_t index) const { return litFrom_[index] >= 0; }
+    /// Appends a receiver for a point for which IsLit holds.
+    void AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const;
+    std::vector<PointState> &States() { return states_; }
+    /// Points that are lit from another position than their own, in the order of their index.
+    const std::vector<DisplacedPoint> &Displaced() const { return displaced_; }
+
+  private:
+    const GridLayout &layout_;
+    std::vector<PointState> states_;
+    std::vector<int> clusters_; ///< by point: of the point itself, see PlaceInOpen
+    std::vector<int> litFrom_;  ///< by point: cluster of the position that it is lit from; kSolidCluster: not lit
+    std::vector<DisplacedPoint> displaced_;
+};
 
 } // namespace q3

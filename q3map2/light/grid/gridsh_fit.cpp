@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. SH grid points fitted to the light between them.
 #include "q3map2/light/grid/gridsh_fit.h"
 
-#include "libs/math/low_discrepancy.h"
+#include "libs/math/sampling.h"
 #include "libs/sh/sh.h"
-#include "q3map2/light/batch/ray_batcher.h"
+#include "q3map2/light/batch/ray_packet.h"
 
 #include <algorithm>
 #include <bit>
@@ -56,7 +56,7 @@ std::int64_t OffsetOf(std::size_t s, std::int64_t width, std::int64_t slice) {
 bool IsSteep(std::span<const FitSample> samples) {
     float least = 1, most = 0;
     for (const FitSample &sample : samples) {
-        const float shown = std::min(1.0f, MeanLight(std::bit_cast<ShFloats>(sample.value)));
+        const float shown = std::min(1.0f, MeanLight(std::bit_cast<SHFloats>(sample.value)));
         least = std::min(least, shown), most = std::max(most, shown);
     }
     return most - least > kSteep;
@@ -69,15 +69,15 @@ Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
 
 /// Limits each channel to about what light that is nowhere negative can have: coefficient 0 at least 0, the norm of the
 /// others at most maxBands times that. Coefficient k of a channel is at 3 k + channel.
-void LimitToLight(ShFloats &point, float maxBands) {
+void LimitToLight(SHFloats &point, float maxBands) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
         float bands = 0;
-        for (std::size_t i = channel + 3; i < kShFloats; i += 3)
+        for (std::size_t i = channel + 3; i < kSHFloats; i += 3)
             bands += point[i] * point[i];
         bands = std::sqrt(bands);
         point[channel] = std::max(0.0f, point[channel]);
         const float most = maxBands * point[channel];
-        for (std::size_t i = channel + 3; i < kShFloats && bands > most; i += 3)
+        for (std::size_t i = channel + 3; i < kSHFloats && bands > most; i += 3)
             point[i] *= most / bands;
     }
 }
@@ -269,16 +269,16 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 
 void GridFit::Accumulate(const FitSample &sample) {
     const float weight =
-        FitWeight(sample.weight, MeanLight(std::bit_cast<ShFloats>(sample.value)), in_.options.shFit > 0);
+        FitWeight(sample.weight, MeanLight(std::bit_cast<SHFloats>(sample.value)), in_.options.shFit > 0);
     const auto corners = CornersAt(sample.position);
-    const auto coefficients = std::bit_cast<ShFloats>(sample.value);
+    const auto coefficients = std::bit_cast<SHFloats>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
         const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
         if (number < 0 || (sample.sees >> a & 1) == 0)
             continue;
         Row &row = rows_[std::size_t(number)];
         const float share = weight * corners[a].weight;
-        for (std::size_t i = 0; i < kShFloats; ++i)
+        for (std::size_t i = 0; i < kSHFloats; ++i)
             row.rhs[i] += share * coefficients[i];
         for (std::size_t b = 0; b < 8; ++b) {
             // Offset of corner b from corner a on an axis, plus 1: coordinate 0 to 2 in the 3 x 3 x 3 stencil.
@@ -291,14 +291,14 @@ void GridFit::Accumulate(const FitSample &sample) {
 /// One Gauss-Seidel step: value = (rhs - sum of stencil * neighbors) / stencil in the center. Then
 /// LimitToLight. Returns the largest change of a coefficient, divided by the largest coefficient 0 if that is above 1.
 Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
-    ShFloats value = row.rhs;
+    SHFloats value = row.rhs;
     const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
     for (std::size_t s = 0; s < kStencil; ++s) {
         const float factor = row.stencil[s];
         if (s == kCenter || factor == 0)
             continue;
         const float *neighbor = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
-        for (std::size_t i = 0; i < kShFloats; ++i)
+        for (std::size_t i = 0; i < kSHFloats; ++i)
             value[i] -= factor * neighbor[i];
     }
     const float inverse = 1 / row.stencil[kCenter];
@@ -306,9 +306,9 @@ Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
         coefficient *= inverse;
     LimitToLight(value, maxBands_);
     bspGridPointSH_t &stored = grid.points[row.index];
-    const auto old = std::bit_cast<ShFloats>(stored);
+    const auto old = std::bit_cast<SHFloats>(stored);
     float most = 0;
-    for (std::size_t i = 0; i < kShFloats; ++i)
+    for (std::size_t i = 0; i < kSHFloats; ++i)
         most = std::max(most, std::abs(value[i] - old[i]));
     stored = std::bit_cast<bspGridPointSH_t>(value);
     return most / std::max({1.0f, value[0], value[1], value[2]});
@@ -320,8 +320,8 @@ bool GridFit::AddPull(const bspGridPointSH_t &present, Row &row) const {
     if (!(total > kMinWeight))
         return false;
     const float pull = pull_ * total;
-    const auto before = std::bit_cast<ShFloats>(present);
-    for (std::size_t i = 0; i < kShFloats; ++i)
+    const auto before = std::bit_cast<SHFloats>(present);
+    for (std::size_t i = 0; i < kSHFloats; ++i)
         row.rhs[i] += pull * before[i];
     row.stencil[kCenter] += pull;
     return true;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/light/grid/gridsh_fill.h"
-#include "q3map2/light/grid/smooth_light.h"
+#include "q3map2/light/grid/weak_field.h"
 
 #include <map>
 #include <mutex>
@@ -52,7 +52,7 @@ class GridFit {
     struct Row {
         std::uint32_t index = 0;
         std::array<float, kStencil> stencil{};
-        std::array<float, kShFloats> rhs{};
+        std::array<float, kSHFloats> rhs{};
     };
     struct Corner {
         std::int64_t index;

@@ -3,8 +3,7 @@
 
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/light/grid/grid_bricks.h"
-#include "q3map2/light/grid/light_floodlight.h"
-#include "q3map2/light/tone/light_tone.h"
+#include "q3map2/light/options/light_tone.h"
 #include "q3map2/light/transfer/light_contribution.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The legacy light grid.
 #pragma once
 
-#include "q3map2/light/grid/grid_pass.h"
+#include "q3map2/light/grid/grid_bricks.h"
 
 #include <vector>
 

@@ -1,13 +1,30 @@
-// GPL-2.0-or-later. The SH light grid: where its points are lit from, and their light.
+// GPL-2.0-or-later. The SH light grid: the light of its points, and its form without negative lobes.
 #pragma once
 
-#include "q3map2/light/grid/grid_pass.h"
-#include "q3map2/light/grid/lit_points.h"
-#include "q3map2/light/grid/smooth_light.h"
+#include "common/jobs.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/light/grid/grid_bricks.h"
+#include "q3map2/light/grid/gridsh_fill.h"
+#include "q3map2/light/grid/weak_field.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace q3 {
+
+/// Result of deringing.
+struct DeringStats {
+    std::int64_t points = 0;  ///< number of points changed
+    double largestChange = 0; ///< of displayed light in 26 directions, in 255ths
+};
+
+/// Makes the smallest change to each channel that leaves no direction below zero; see RemoveNegativeLobes. Channels
+/// without negative directions keep their bits. radiance: coefficients are not convolved with the cosine.
+DeringStats DeringPoint(bspGridPointSH_t &point, bool radiance);
+
+/// DeringPoint for all points. Since games blend points with weights that are not negative, nothing between them is
+/// below zero either.
+DeringStats DeringGridSH(LightGridSH &grid, bool radiance, const JobPool &jobs);
 
 /// Layout of an SH grid of that cell size, which is enlarged by kMinCell until the lump has less than 2^31 bytes.
 GridLayout LayoutGridSH(const Bsp &bsp, Float3 size);

@@ -1,8 +1,8 @@
-// GPL-2.0-or-later. SH coefficients at points in the open.
+// GPL-2.0-or-later. SH coefficients at points in the open, and their arithmetic.
 #include "q3map2/light/grid/probe_integrator.h"
 
 #include "libs/sh/sh.h"
-#include "q3map2/light/grid/light_floodlight.h"
+#include "q3map2/light/grid/grid_bricks.h"
 
 #include <algorithm>
 #include <numbers>
@@ -56,8 +56,8 @@ void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t 
         const double convolve0 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[0] / std::numbers::pi;
         const double convolve1 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[2] / std::numbers::pi;
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            sum[channel][0][i] += light[channel] * convolve0 * kShC0 * 2 * std::numbers::pi;
-            sum[channel][2][i] += light[channel] * convolve1 * kShC1 * std::numbers::pi * up;
+            sum[channel][0][i] += light[channel] * convolve0 * kSHC0 * 2 * std::numbers::pi;
+            sum[channel][2][i] += light[channel] * convolve1 * kSHC1 * std::numbers::pi * up;
         }
     }
 }
@@ -69,7 +69,7 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
     in.indirect->Gather(receivers.rayOrigin[i], receivers.index[i], rays);
     counts.rays += rays.size();
     for (const IndirectRay &ray : rays) {
-        const ShVector basis = ShBasis(Vec3d(ray.direction));
+        const SHVector basis = SHBasis(Vec3d(ray.direction));
         for (std::size_t k = 0; k < 9; ++k) {
             const double weight = basis[k] * (in.options.shRadiance ? 1 : kCosineLobe[k]) / 255;
             for (std::size_t channel = 0; channel < 3; ++channel)
@@ -101,7 +101,7 @@ Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, 
 void StoreBlock(const GridInputs &in, const ChannelSums &sum, std::size_t count,
                 std::vector<bspGridPointSH_t> &values) {
     // Coefficient 0 of uniform ambient light 1.
-    const double uniform = 1 / kShC0 / (in.options.shRadiance ? std::numbers::pi : 1);
+    const double uniform = 1 / kSHC0 / (in.options.shRadiance ? std::numbers::pi : 1);
     std::array<StoredChannel, 3> stored;
     for (std::size_t channel = 0; channel < 3; ++channel)
         StoreChannel(sum[channel],

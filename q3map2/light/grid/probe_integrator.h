@@ -1,13 +1,39 @@
-// GPL-2.0-or-later. SH coefficients at points in the open.
+// GPL-2.0-or-later. SH coefficients at points in the open, and their arithmetic.
 #pragma once
 
-#include "q3map2/light/grid/brick_lighting.h"
+#include "libs/sh/sh.h"
+#include "q3map2/bspfile/bsp_records.h"
+#include "q3map2/light/grid/grid_bricks.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 namespace q3 {
+
+/// Floats per point: nine coefficients for each of three channels.
+inline constexpr std::size_t kSHFloats = 27;
+static_assert(sizeof(bspGridPointSH_t) == kSHFloats * sizeof(float));
+/// Coefficients of a point: coefficient k of a channel is at 3 k + channel. 1 = byte 255.
+using SHFloats = std::array<float, kSHFloats>;
+
+/// Mean over all directions, of the brightest channel. 1 = byte 255.
+inline float MeanLight(const SHFloats &light) {
+    return float(kSHC0) * std::max({light[0], light[1], light[2]});
+}
+
+/// sum += factor * value.
+inline void AddScaled(float factor, const SHFloats &value, SHFloats &sum) {
+    for (std::size_t i = 0; i < kSHFloats; ++i)
+        sum[i] += factor * value[i];
+}
+inline void AddScaled(float factor, const bspGridPointSH_t &value, bspGridPointSH_t &sum) {
+    for (std::size_t k = 0; k < value.coeffs.size(); ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            sum.coeffs[k][channel] += factor * value.coeffs[k][channel];
+}
 
 /// Sums of one channel at the receivers of a block, by coefficient; 1 = byte 255.
 using ChannelSum = std::array<DoubleLanes, 9>;

@@ -1,12 +1,17 @@
-// GPL-2.0-or-later. The weak part of the light at points of the SH grid, predicted by interpolation where it is smooth.
+// GPL-2.0-or-later. The weak part of the light at points of the SH grid: traced where it is not smooth, else
+// interpolated; light between the points.
 #include "q3map2/light/grid/weak_field.h"
 
+#include "libs/math/sampling.h"
 #include "libs/sh/sh.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace q3 {
+
+// ---- The weak part of the light at points of the SH grid, predicted by interpolation where it is smooth ----
 
 namespace {
 
@@ -75,7 +80,7 @@ Q3_VECTOR float LargestOf(const std::array<Lanes, 9> &basis, const float *change
 DisplayedChange::DisplayedChange(bool radiance, float scale) : basis_{} {
     for (int i = 0; i < int(kAxes); ++i) {
         const Vec3d n = Normalize(Vec3d{double(i % 3 - 1), double(i / 3 % 3 - 1), double(i / 9 - 1)});
-        const ShVector basis = ShBasis(n);
+        const SHVector basis = SHBasis(n);
         for (std::size_t k = 0; k < 9; ++k)
             basis_[k][std::size_t(i)] = float(basis[k] * (radiance ? kCosineLobe[k] : 1) * double(scale));
     }
@@ -255,6 +260,155 @@ std::optional<WeakLight> WeakField::OffsetAt(const Vec3f &position, const WeakLi
     if (change_.Of(offset) > kMaxInterpolationError)
         return std::nullopt;
     return offset;
+}
+
+// ---- Fills the weak light of the SH grid: traced where it is not smooth, else interpolated ----
+
+namespace {
+
+/// Size of bricks in grid points: of levels below kFirstFine, which have few points, and of the others.
+constexpr Int3 kCoarseBrick = {16, 16, 8}, kFineBrick = {16, 16, 4};
+constexpr int kFirstFine = 4;
+/// By level: log2 of the distance of its points in columns, about.
+constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 2, 1, 0};
+
+/// If less than a share of kMinPredicted of the points of kTestedLevel is predicted well, light is not split: to trace
+/// weak and strong light apart takes longer than both at once.
+constexpr int kTestedLevel = 3;
+constexpr double kMinPredicted = 0.3;
+
+/// A point of the level that is being filled.
+struct LevelPoint {
+    BrickPoint point;
+    WeakField::Prediction prediction;
+    std::uint32_t mortonCode; ///< orders points so that neighbors are traced together
+};
+
+/// Morton code of the lowest 5 bits.
+std::uint32_t MortonOf(int x, int y, int z) {
+    std::uint32_t code = 0;
+    for (unsigned bit = 0; bit < 5; ++bit)
+        code |= (unsigned(x) >> bit & 1) << 3 * bit | (unsigned(y) >> bit & 1) << (3 * bit + 1) |
+                (unsigned(z) >> bit & 1) << (3 * bit + 2);
+    return code;
+}
+
+} // namespace
+
+bool WeakFieldTracer::Fill(WeakField &weak, GridStats &stats) const {
+    for (int level = 0; level < WeakField::kLevels; ++level) {
+        if (level == kTestedLevel && !IsSmooth(weak))
+            return false;
+        const GridBricks bricks(layout_, level < kFirstFine ? kCoarseBrick : kFineBrick);
+        const auto trace = [&](std::int64_t brick, GridStats &work) {
+            TraceBrick(level, brick, bricks.Points(brick), weak, work);
+        };
+        RunBricks(in_, bricks.Count(), stats, trace, ShowProgress::No);
+    }
+    return true;
+}
+
+/// Whether enough points of kTestedLevel are predicted well.
+bool WeakFieldTracer::IsSmooth(const WeakField &weak) const {
+    std::vector<std::int64_t> lit(std::size_t(layout_.bounds[2])), good(lit.size());
+    in_.jobs.For(layout_.bounds[2], [&](std::int64_t z, int) {
+        for (int y = 0; y < layout_.bounds[1]; ++y)
+            for (int x = 0; x < layout_.bounds[0]; ++x) {
+                const auto index = std::uint32_t(layout_.Index(x, y, z));
+                if (WeakField::LevelOf(x, y, int(z)) != kTestedLevel || !points_.IsLit(index))
+                    continue;
+                ++lit[std::size_t(z)];
+                good[std::size_t(z)] += weak.IsOpen(index) && weak.Predict(x, y, int(z)).Good();
+            }
+    });
+    const auto sum = [](const std::vector<std::int64_t> &counts) {
+        return double(std::accumulate(counts.begin(), counts.end(), std::int64_t(0)));
+    };
+    return sum(good) >= kMinPredicted * sum(lit);
+}
+
+void WeakFieldTracer::TraceBrick(int level, std::int64_t brick, const std::vector<BrickPoint> &points, WeakField &weak,
+                                 GridStats &work) const {
+    std::vector<LevelPoint> traced;
+    for (const BrickPoint &point : points) {
+        const auto [x, y, z] = layout_.Coordinates(point.index);
+        if (WeakField::LevelOf(x, y, z) != level || !points_.IsLit(point.index))
+            continue;
+        LevelPoint here{point, {}, MortonOf(x >> kShift[level], y >> kShift[level], z)};
+        if (weak.IsOpen(point.index))
+            here.prediction = weak.Predict(x, y, z);
+        if (here.prediction.Good())
+            weak.Accept(point.index, here.prediction), ++work.skippedSmooth;
+        else
+            traced.push_back(here);
+    }
+    if (traced.empty())
+        return;
+    std::stable_sort(traced.begin(), traced.end(),
+                     [](const LevelPoint &a, const LevelPoint &b) { return a.mortonCode < b.mortonCode; });
+    std::vector<ReceiverBatch> blocks;
+    for (const LevelPoint &one : traced)
+        points_.AddReceiver(one.point, blocks);
+    integrator_.TraceWeak(blocks, HashIndex(std::uint64_t(brick * WeakField::kLevels + level)), work,
+                          [&](std::size_t i, const WeakLight &light) {
+                              weak.SetTraced(traced[i].point.index, light, traced[i].prediction);
+                          });
+}
+
+// ---- Light at any position in the open ----
+
+namespace {
+
+void AddProbe(const ProbeReceiver &one, std::vector<ReceiverBatch> &blocks) {
+    BatchWithRoom(blocks).Add(one.position, one.position, one.cluster, one.seed);
+}
+
+} // namespace
+
+std::vector<bspGridPointSH_t> SmoothLight::At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                              GridStats &work) const {
+    if (weak_) {
+        std::vector<std::optional<WeakLight>> weak;
+        for (const ProbeReceiver &one : receivers) {
+            weak.push_back(weak_->Interpolate(one.position, {}));
+            work.skippedSmooth += weak.back() ? 1 : 0;
+        }
+        AddWeak(receivers, seed, weak, work);
+        return AddStrong(receivers, seed, weak, work);
+    }
+    std::vector<ReceiverBatch> blocks;
+    for (const ProbeReceiver &one : receivers)
+        AddProbe(one, blocks);
+    std::vector<bspGridPointSH_t> values(receivers.size());
+    if (!blocks.empty())
+        integrator_.Trace(blocks, seed, work, [&](std::size_t i, const bspGridPointSH_t &value) { values[i] = value; });
+    return values;
+}
+
+void SmoothLight::AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                          std::span<std::optional<WeakLight>> weak, GridStats &work) const {
+    std::vector<ReceiverBatch> blocks;
+    std::vector<std::size_t> numbers;
+    for (std::size_t i = 0; i < receivers.size(); ++i)
+        if (!weak[i])
+            numbers.push_back(i), AddProbe(receivers[i], blocks);
+    if (!blocks.empty())
+        integrator_.TraceWeak(blocks, seed, work,
+                              [&](std::size_t i, const WeakLight &light) { weak[numbers[i]] = light; });
+}
+
+std::vector<bspGridPointSH_t> SmoothLight::AddStrong(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                                     std::span<const std::optional<WeakLight>> weak,
+                                                     GridStats &work) const {
+    std::vector<ReceiverBatch> blocks;
+    for (const ProbeReceiver &one : receivers)
+        AddProbe(one, blocks);
+    std::vector<bspGridPointSH_t> values(receivers.size());
+    if (!blocks.empty())
+        integrator_.TraceStrong(
+            blocks, seed, work, [&](std::size_t i) -> const WeakLight & { return *weak[i]; },
+            [&](std::size_t i, const bspGridPointSH_t &value) { values[i] = value; });
+    return values;
 }
 
 } // namespace q3

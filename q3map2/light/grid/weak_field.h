@@ -1,8 +1,10 @@
-// GPL-2.0-or-later. The weak part of the light at points of the SH grid, predicted by interpolation where it is smooth.
+// GPL-2.0-or-later. The weak part of the light at points of the SH grid: traced where it is not smooth, else
+// interpolated; light between the points.
 #pragma once
 
 #include "q3map2/light/batch/lanes.h"
 #include "q3map2/light/grid/gridsh_fill.h"
+#include "q3map2/light/grid/probe_integrator.h"
 #include "q3map2/light/scene/light_space.h"
 
 #include <array>
@@ -100,6 +102,59 @@ class WeakField {
     DisplayedChange change_;
     std::vector<WeakLight> light_;
     std::vector<float> error_; ///< by point: of its prediction, byte scale, or kUntested
+};
+
+/// Fills a WeakField level by level: points that lower levels do not predict well are traced. Keeps references.
+class WeakFieldTracer {
+  public:
+    WeakFieldTracer(const GridInputs &in, const GridLayout &layout, const LitGridPoints &points,
+                    const ProbeIntegrator &integrator)
+        : in_(in), layout_(layout), points_(points), integrator_(integrator) {}
+
+    /// Sets `weak` at all lit points. The result does not depend on the number of threads. False: the first levels
+    /// predict too few points, so that tracing all light at once is faster; `weak` is not complete.
+    bool Fill(WeakField &weak, GridStats &stats) const;
+
+  private:
+    bool IsSmooth(const WeakField &weak) const;
+    void TraceBrick(int level, std::int64_t brick, const std::vector<BrickPoint> &points, WeakField &weak,
+                    GridStats &work) const;
+
+    const GridInputs &in_;
+    const GridLayout &layout_;
+    const LitGridPoints &points_;
+    const ProbeIntegrator &integrator_;
+};
+
+/// A position in the open whose light is wanted.
+struct ProbeReceiver {
+    Vec3f position;
+    int cluster = 0;
+    std::uint32_t seed = 0; ///< of its sample patterns
+};
+
+/// Computes light at positions: strong light is traced, weak light interpolated in a WeakField, or traced where that
+/// has none. Const after construction; safe from several threads. Keeps references.
+class SmoothLight {
+  public:
+    /// weak: of a grid around the positions, complete; null: all light is traced.
+    SmoothLight(const ProbeIntegrator &integrator, const WeakField *weak) : integrator_(integrator), weak_(weak) {}
+
+    /// Light at receivers that are near to each other, as in a brick. seed: see ProbeIntegrator::Trace.
+    std::vector<bspGridPointSH_t> At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                     GridStats &work) const;
+    /// The two steps of At, for callers that know some of the weak light. The first traces the weak light of receivers
+    /// for which `weak` has nothing. Only with weak light.
+    void AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed, std::span<std::optional<WeakLight>> weak,
+                 GridStats &work) const;
+    /// The second traces the strong light and adds the weak light, which must be there for all receivers.
+    std::vector<bspGridPointSH_t> AddStrong(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                            std::span<const std::optional<WeakLight>> weak, GridStats &work) const;
+    const WeakField *Weak() const { return weak_; }
+
+  private:
+    const ProbeIntegrator &integrator_;
+    const WeakField *weak_;
 };
 
 } // namespace q3

@@ -1,24 +1,60 @@
-// GPL-2.0-or-later. Settings of the light stage. Const after parsing.
+// GPL-2.0-or-later. Settings of the light stage, declared once. Const after parsing.
 #pragma once
 
 #include "common/arguments.h"
 #include "common/log.h"
+#include "common/settings.h"
 #include "libs/math/vec.h"
-#include "q3map2/light/options/sparse_goal.h"
 #include "q3map2/shader/games.h"
-#include "q3map2/shader/shader.h"
+#include "q3map2/shader/shader_library.h"
 
 #include <optional>
 #include <string>
 
 namespace q3 {
 
+/// The sparse grid is the smallest that meets the error, or the most accurate within the budget if there is one.
+struct SparseGoal {
+    float error = 1.5f;           ///< displayed error, measured or, where no light is traced, expected: RMS, bytes
+    std::optional<double> budget; ///< size of the lump in bytes, in place of the error
+};
+
+/// The option -sherrortarget. goal(options) returns the goal to set; it is called once for each time the option is
+/// given.
+template <typename Options, typename GoalOf>
+Setting<Options> ErrorTargetSetting(std::string_view help, std::string_view details, GoalOf goal) {
+    return {{.name = "-sherrortarget",
+             .values = "BYTES",
+             .kind = SettingKind::Number,
+             .unit = "255ths",
+             .initial = "1.5",
+             .range = {0.05, 64},
+             .help = help,
+             .details = details},
+            Do<Options>([goal](Options &o, const SettingValues &v) { goal(o).error = float(v.numbers[0]); })};
+}
+
+/// The option -shbudget, likewise.
+template <typename Options, typename GoalOf>
+Setting<Options> BudgetSetting(std::string_view help, std::string_view details, GoalOf goal) {
+    return {{.name = "-shbudget",
+             .values = "MB",
+             .kind = SettingKind::Number,
+             .unit = "million bytes",
+             .initial = "none",
+             .range = {0.01, 2000},
+             .help = help,
+             .details = details},
+            Do<Options>([goal](Options &o, const SettingValues &v) { goal(o).budget = v.numbers[0] * 1e6; })};
+}
+
 /// Edge of the SH grid's cells that -shsmall chooses, game units.
 inline constexpr float kSmallCellSH = 64;
 /// Smallest cell of either light grid, on each axis. Game units.
 inline constexpr float kMinCell = 8;
 
-/// Tone mapping: how light becomes bytes. ToneMapper (light/tone/light_tone.h) applies the settings, in its own order.
+/// Tone mapping: how light becomes bytes. ToneMapper (light/options/light_tone.h) applies the settings, in its own
+/// order.
 struct ToneOptions {
     float gamma = 1, exposure = 0, compensate = 1, saturation = 1;
     float contrast = 1; ///< the factor, not the option's -255..255
@@ -37,7 +73,7 @@ struct SkipOptions {
     bool coarse = false; ///< dim lights: trace a few receivers of a batch, the rest if they differ; only with fastGrid
 };
 
-/// Settings of the light stage. Options with units, ranges and help: light_settings.cpp.
+/// Settings of the light stage. Options with units, ranges and help: light_options.cpp.
 struct LightOptions {
     // Intensities: the product of the option's factors and the default.
     float pointScale = 7500, spotScale = 7500, areaScale = 0.25f, skyScale = 1;
@@ -83,7 +119,7 @@ struct LightOptions {
     int shFit = 0;       ///< samples per cell to which all points are fitted; 0: fit points in solids only
     bool shFill = true;  ///< fit points in solids; else fill from neighbors alone
     float shSamples = 1; ///< factor of the number of rays: -shsamples or its default
-    std::optional<float> givenShSamples; ///< -shsamples, if given
+    std::optional<float> givenSHSamples; ///< -shsamples, if given
     SkipOptions skip;
 
     // Ambient cubes.
@@ -100,5 +136,8 @@ struct LightOptions {
 /// Removes the options of the grids, and those that grids share with lightmaps, from `arguments`; leaves all others.
 /// Errors: Error, for values out of range.
 LightOptions ParseLightOptions(Arguments &arguments, const Game &game, Log &log);
+
+/// The options of the light stage that concern light sources and the grids. Those of lightmaps: LightmapSettings.
+std::vector<SettingGroup<LightOptions>> LightOptionSettings();
 
 } // namespace q3

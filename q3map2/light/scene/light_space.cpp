@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Where a point is in the map.
 #include "q3map2/light/scene/light_space.h"
 
-#include "q3map2/light/scene/tree_walk.h"
+#include "q3map2/light/scene/open_parts.h"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Where a point is in the map: leafs, clusters, solids, and what sees what.
 #pragma once
 
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 #include "libs/math/winding.h"
-#include "q3map2/bspfile/bsp_tree.h"
+#include "q3map2/bspfile/bsp.h"
 
 #include <array>
 #include <span>

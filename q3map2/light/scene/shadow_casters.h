@@ -1,16 +1,60 @@
-// GPL-2.0-or-later. Shadow casters as triangles by kind.
+// GPL-2.0-or-later. Shadow casters as triangles by kind: the closed surface of everything solid, surfaces, static
+// props.
 #pragma once
 
+#include "libs/math/vec.h"
+#include "libs/math/winding.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/light/options/light_options.h"
-#include "q3map2/light/scene/light_hull.h"
-#include "q3map2/light/scene/prop_casters.h"
+#include "q3map2/light/scene/open_parts.h"
 #include "q3map2/light/scene/surface_table.h"
+#include "q3map2/shader/shader_info.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace q3 {
+
+/// Corners of a triangle. Game units.
+using TriangleCorners = std::array<Vec3d, 3>;
+
+/// By leaf: whether it is solid.
+std::vector<bool> SolidLeafs(const Bsp &bsp);
+
+/// Polygons between solid and open leafs: everything that blocks light as a volume, as a closed surface. They overlap
+/// slightly, so that no ray slips through where they meet.
+struct SolidHull {
+    std::vector<bool> solidLeafs; ///< by leaf: whether it counts as solid
+    std::vector<Winding<double>> faces;
+};
+/// Sets the faces of several hulls of one map. Iterative; time grows with nodes times depth.
+void SolidHulls(const Bsp &bsp, std::span<SolidHull> hulls);
+
+/// Cuts the triangle by the tree and adds to each leaf's count the number of triangles that its piece there makes. A
+/// triangle within epsilon (game units) of a node's plane goes to the side that it faces.
+void CountTriangles(TreeWalk<double> &tree, const TriangleCorners &triangle, double epsilon, std::vector<int> &counts);
+/// Whether all leafs right behind the triangle are solid. solidInSecond: whether they are so in secondSolidLeafs too;
+/// valid if the result is true.
+bool SolidBehind(TreeWalk<double> &tree, const TriangleCorners &triangle, const std::vector<bool> &solidLeafs,
+                 const std::vector<bool> &secondSolidLeafs, bool &solidInSecond);
+
+/// Triangles of a static prop with one shader, in the world. Its surface number among shadow casters is the number of
+/// draw surfaces plus its index in PropShadows::casters.
+struct PropCaster {
+    int prop = 0; ///< number of the prop, for RayPacket::ignoredProp
+    const ShaderInfo *shader = nullptr;
+    bool seeThrough = false; ///< by the texels of the shader's image
+    int castShadows = 1;     ///< shadow group
+    std::vector<std::array<Vec3f, 3>> corners;
+    std::vector<std::array<float, 6>> st; ///< of corners
+};
+
+/// What static props mean for shadows.
+struct PropShadows {
+    std::vector<PropCaster> casters;
+    std::vector<int> receiveShadows; ///< shadow groups of the props that are lit
+};
 
 /// Kinds of shadow casters: rays of different passes meet different ones.
 enum GeometryId : unsigned {

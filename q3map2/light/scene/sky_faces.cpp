@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Skies as a few convex polygons.
 #include "q3map2/light/scene/sky_faces.h"
 
-#include "libs/math/convex_hull.h"
+#include "libs/math/winding.h"
 
 #include <algorithm>
 #include <map>

@@ -1,10 +1,11 @@
-// GPL-2.0-or-later. Properties of draw surfaces that lighting needs beyond their .bsp records.
+// GPL-2.0-or-later. Properties of draw surfaces that lighting needs beyond their .bsp records, and patches as meshes.
 #pragma once
 
 #include "common/log.h"
+#include "libs/math/patch_mesh.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/shader/shader.h"
+#include "q3map2/shader/shader_library.h"
 
 #include <memory>
 #include <optional>
@@ -13,6 +14,12 @@
 #include <vector>
 
 namespace q3 {
+
+/// The mesh of a patch; longestCurve (game units) determines how finely it is tessellated.
+Mesh TessellatePatch(const Bsp &bsp, const bspDrawSurface_t &surface, float longestCurve);
+
+/// Longest curve of the patch from its control points, for a map without a .srf file.
+float LongestCurve(const Bsp &bsp, const bspDrawSurface_t &surface);
 
 /// The normal map of a surface's shader.
 struct NormalImage {

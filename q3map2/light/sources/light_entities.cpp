@@ -2,13 +2,12 @@
 #include "q3map2/light/sources/light_entities.h"
 
 #include "common/error.h"
-#include "libs/math/low_discrepancy.h"
-#include "q3map2/bspfile/light_curve_keys.h"
-#include "q3map2/bspfile/light_style_keys.h"
-#include "q3map2/light/sources/light_curves.h"
-#include "q3map2/light/sources/light_environment.h"
-#include "q3map2/light/sources/light_quad.h"
+#include "libs/math/sampling.h"
+#include "q3map2/bspfile/light_keys.h"
+#include "q3map2/light/sources/falloff.h"
+#include "q3map2/light/sources/light_sources.h"
 #include "q3map2/light/sources/light_suns.h"
+#include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,14 +1,34 @@
-// GPL-2.0-or-later. Everything that shines, in the photometric model of the established program.
+// GPL-2.0-or-later. Everything that shines, in the photometric model of the established program, and how far it
+// reaches.
 #pragma once
 
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 #include "libs/math/winding.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/scene/surface_table.h"
 
 #include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace q3 {
+
+/// Red, green, blue and brightness, byte scale; colors are gamma-encoded.
+using LightQuad = std::array<double, 4>;
+
+/// The linear color of a quad, where byte 255 is 1: (c / 255)^2.2. The light of the quad is this times its brightness.
+inline Vec3d LinearColor(const LightQuad &quad) {
+    constexpr double kSourceGamma = 2.2;
+    Vec3d linear;
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        linear[channel] = std::pow(quad[channel] / 255, kSourceGamma);
+    return linear;
+}
 
 /// Distance of suns: "infinite". Game units, 8 times kMaxWorldCoord.
 inline constexpr float kSunDistance = 524288;
@@ -94,5 +114,54 @@ struct Light {
     bool SeenFrom(int cluster) const { return cluster >= 0 && (seenFrom.empty() || seenFrom[std::size_t(cluster)]); }
     void SetShape();
 };
+
+/// A row of bits per cluster, a bit per light. Keeps a reference to the lights.
+class LightsByCluster {
+  public:
+    /// sunsEverywhere: suns count as seen from every cluster, whatever the visibility data says.
+    LightsByCluster(const std::vector<Light> &lights, bool sunsEverywhere);
+
+    /// Calls use(number of the light) in order for every light that one of the clusters may see, and returns how many
+    /// it left out.
+    template <typename Use> std::size_t ForEach(std::span<const int> clusters, const Use &use) const {
+        std::vector<std::uint64_t> any = everywhere_;
+        for (const int cluster : clusters)
+            if (cluster >= 0 && std::size_t(cluster) < rows_.size())
+                for (std::size_t word = 0; word < any.size(); ++word)
+                    any[word] |= rows_[std::size_t(cluster)][word];
+        std::size_t used = 0;
+        for (std::size_t word = 0; word < any.size(); ++word)
+            for (std::uint64_t bits = any[word]; bits != 0; bits &= bits - 1, ++used)
+                use(word * 64 + std::size_t(std::countr_zero(bits)));
+        return lights_.size() - used;
+    }
+    const std::vector<Light> &Lights() const { return lights_; }
+
+  private:
+    const std::vector<Light> &lights_;
+    std::vector<std::uint64_t> everywhere_;        ///< lights that every cluster may see
+    std::vector<std::vector<std::uint64_t>> rows_; ///< by cluster: lights that it may see, without those of everywhere_
+};
+
+/// How SetupEnvelopes bounds the lights of a pass.
+enum class LightPass {
+    LegacyGrid, ///< as the established program: entity lights, under -fast all, end at their tolerance; one cluster per
+                ///< light
+    GridSH,     ///< no tolerance; all clusters that an area light touches
+    Surfaces ///< lightmaps and vertices: point lights and spots, under -fast all, end at their tolerance; one cluster
+             ///< per light
+};
+
+/// Prepares lights for a pass: sign of negative lights, clusters, envelope, bounds. Lights in solid are nudged out, or
+/// dropped. `culled`: number of all lights left out, also those not for this pass or without reach. Sorted by style.
+/// skySeenFrom: see SkySeenFrom. fastPoint: in the Surfaces pass, point lights and spots end at their tolerance; false
+/// under -nofastpoint.
+std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, const LightOptions &options,
+                                  const BspSpace &space, const std::vector<bool> &skySeenFrom, int &culled,
+                                  bool fastPoint = true);
+
+/// For each cluster, whether it sees a cluster with a sky surface. Empty, which means that all do, if any sky surface
+/// is in no leaf.
+std::vector<bool> SkySeenFrom(const BspSpace &space, const SurfaceTable &table);
 
 } // namespace q3

@@ -1,12 +1,65 @@
-// GPL-2.0-or-later. Least-squares fit of the stored corners to the light inside the cells.
+// GPL-2.0-or-later. Corners of the cells of an octree: which are stored, their fit to the light inside the cells, and
+// their values.
 #include "q3map2/light/sparse/corner_fit.h"
 
 #include "q3map2/light/grid/gridsh_fit.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <unordered_set>
 
 namespace q3 {
+
+// ---- Stored and hanging corners of the cells of an octree ----
+
+CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &light)
+    : tree_(tree), light_(light), storedOf_(light.Size(), LatticePoints::kUnknown), terms_(light.Size()) {
+    for (const std::size_t leaf : tree.OpenLeafs())
+        for (std::size_t c = 0; c < 8; ++c)
+            TermsOf(tree[leaf].Corner(c));
+}
+
+std::size_t CornerWeights::HangsOn(const LatticePoint &p) const {
+    std::size_t largest = Octree::kNone;
+    for (const std::size_t leaf : tree_.LeafsAround(p))
+        if (leaf != Octree::kNone && tree_[leaf].open > 0 && !tree_[leaf].HasCorner(p) &&
+            (largest == Octree::kNone || tree_[leaf].level > tree_[largest].level))
+            largest = leaf;
+    return largest;
+}
+
+const std::vector<CornerTerm> &CornerWeights::TermsOf(const LatticePoint &corner) {
+    const std::uint32_t number = light_.Find(corner);
+    if (!terms_[number].empty())
+        return terms_[number];
+    const std::size_t leaf = HangsOn(corner);
+    if (leaf != Octree::kNone)
+        return terms_[number] = TermsIn(tree_[leaf], corner);
+    storedOf_[number] = std::uint32_t(stored_.size());
+    stored_.push_back(number);
+    return terms_[number] = {{storedOf_[number], 1.0f}};
+}
+
+std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec3f &at) {
+    std::vector<CornerTerm> all;
+    for (std::size_t c = 0; c < 8; ++c) {
+        const float weight = leaf.Weight(c, at);
+        if (weight == 0)
+            continue;
+        for (const CornerTerm &term : TermsOf(leaf.Corner(c))) {
+            const auto same =
+                std::find_if(all.begin(), all.end(), [&](const CornerTerm &t) { return t.stored == term.stored; });
+            if (same == all.end())
+                all.push_back({term.stored, weight * term.weight});
+            else
+                same->weight += weight * term.weight;
+        }
+    }
+    return all;
+}
+
+// ---- Least-squares fit of the stored corners to the light inside the cells ----
 
 namespace {
 
@@ -21,7 +74,7 @@ class FitSystem {
   public:
     explicit FitSystem(std::size_t unknowns) : weights_(unknowns), diagonal_(unknowns) {}
     /// terms: the interpolated value at the sample.
-    void AddSample(const ShFloats &light, const std::vector<CornerTerm> &terms) {
+    void AddSample(const SHFloats &light, const std::vector<CornerTerm> &terms) {
         const float weight = FitWeight(1, std::max(0.0f, MeanLight(light)), true);
         samples_.push_back({light, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
         for (const CornerTerm &term : terms) {
@@ -31,12 +84,12 @@ class FitSystem {
         }
     }
     /// A few steps of preconditioned conjugate gradients from `values`, towards which each unknown is pulled.
-    void Solve(std::vector<ShFloats> &values) const;
+    void Solve(std::vector<SHFloats> &values) const;
 
   private:
-    using Vector = std::vector<ShFloats>;
+    using Vector = std::vector<SHFloats>;
     struct Sample {
-        ShFloats light;
+        SHFloats light;
         float weight;
         std::uint32_t first, count;
     };
@@ -44,14 +97,14 @@ class FitSystem {
     void Apply(const Vector &x, Vector &product) const;
     /// Right-hand side minus matrix times x, with the pull towards x itself.
     Vector Residual(const Vector &x) const;
-    ShFloats Interpolated(const Sample &sample, const Vector &x) const {
-        ShFloats sum{};
+    SHFloats Interpolated(const Sample &sample, const Vector &x) const {
+        SHFloats sum{};
         for (std::uint32_t t = sample.first; t < sample.first + sample.count; ++t)
             AddScaled(terms_[t].weight, x[terms_[t].stored], sum);
         return sum;
     }
     /// Adds the transpose of interpolation, times the weight of the sample, of a value at it.
-    void Scatter(const Sample &sample, const ShFloats &value, Vector &to) const {
+    void Scatter(const Sample &sample, const SHFloats &value, Vector &to) const {
         for (std::uint32_t t = sample.first; t < sample.first + sample.count; ++t)
             AddScaled(sample.weight * terms_[t].weight, value, to[terms_[t].stored]);
     }
@@ -59,7 +112,7 @@ class FitSystem {
         double sum = 0;
         for (std::size_t i = 0; i < a.size(); ++i) {
             float row = 0;
-            for (std::size_t k = 0; k < kShFloats; ++k)
+            for (std::size_t k = 0; k < kSHFloats; ++k)
                 row += a[i][k] * b[i][k];
             sum += double(row);
         }
@@ -92,8 +145,8 @@ void FitSystem::Apply(const Vector &x, Vector &product) const {
 FitSystem::Vector FitSystem::Residual(const Vector &x) const {
     Vector residual(x.size());
     for (const Sample &sample : samples_) {
-        ShFloats difference = Interpolated(sample, x);
-        for (std::size_t k = 0; k < kShFloats; ++k)
+        SHFloats difference = Interpolated(sample, x);
+        for (std::size_t k = 0; k < kSHFloats; ++k)
             difference[k] = sample.light[k] - difference[k];
         Scatter(sample, difference, residual);
     }
@@ -117,31 +170,31 @@ void FitSystem::Solve(Vector &values) const {
         const double next = Dot(r, z);
         const auto keep = float(next / rho);
         for (std::size_t i = 0; i < values.size(); ++i)
-            for (std::size_t k = 0; k < kShFloats; ++k)
+            for (std::size_t k = 0; k < kSHFloats; ++k)
                 direction[i][k] = z[i][k] + keep * direction[i][k];
         rho = next;
     }
 }
 
 /// Scales the change of a value down to kMaxChange times the norm of its coefficients 0.
-void LimitChange(const ShFloats &before, ShFloats &value) {
+void LimitChange(const SHFloats &before, SHFloats &value) {
     float change = 0, base = 0;
-    for (std::size_t k = 0; k < kShFloats; ++k)
+    for (std::size_t k = 0; k < kSHFloats; ++k)
         change += (value[k] - before[k]) * (value[k] - before[k]);
     for (std::size_t channel = 0; channel < 3; ++channel)
         base += before[channel] * before[channel];
     const float most = kMaxChange * std::sqrt(base);
     change = std::sqrt(change);
-    for (std::size_t k = 0; k < kShFloats && change > most; ++k)
+    for (std::size_t k = 0; k < kSHFloats && change > most; ++k)
         value[k] = before[k] + (value[k] - before[k]) * (most / change);
 }
 
 } // namespace
 
-std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
+std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
                                  std::span<const LampSample> lamps) {
-    std::vector<ShFloats> values;
+    std::vector<SHFloats> values;
     for (const std::uint32_t number : corners.Stored())
         values.push_back(light[number].value);
     std::vector<bool> clear(tree.Size()); // leafs without solids
@@ -172,6 +225,136 @@ std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light,
     for (std::size_t i = 0; i < values.size(); ++i)
         LimitChange(light[corners.Stored()[i]].value, values[i]);
     return values;
+}
+
+// ---- Converts the octree to the nodes and values of the sparse SH grid ----
+
+namespace {
+
+/// What the file says of the lower corner of a leaf.
+enum class Owned : std::uint8_t { Nothing, Stored, Hanging };
+
+/// Marks the lower corners of leafs, then writes the nodes breadth first.
+class TreeWriter {
+  public:
+    TreeWriter(Octree tree, const LatticePoints &light, const CornerWeights &corners)
+        : tree_(std::move(tree)), light_(light), corners_(corners) {
+        for (const std::uint32_t number : corners.Stored())
+            Place(light[number].at, Owned::Stored);
+        for (const std::size_t leaf : tree_.OpenLeafs())
+            for (std::size_t c = 0; c < 8; ++c)
+                if (const LatticePoint p = tree_[leaf].Corner(c); !corners.IsStored(light.Find(p)))
+                    PlaceHanging(p);
+    }
+
+    SparseGridTree Write(const std::vector<SHFloats> &values) const;
+
+  private:
+    /// Marks p, and splits the leaf that contains it until p is its lower corner. A leaf with open space is not split:
+    /// p lies on its boundary, and readers go on to the cube around by themselves.
+    void Place(const LatticePoint &p, Owned what) {
+        std::size_t leaf = tree_.LeafAt(p);
+        if (leaf == Octree::kNone)
+            return;
+        while (tree_[leaf].origin != p) {
+            if (tree_[leaf].open > 0)
+                return;
+            tree_.Split(leaf);
+            owned_.resize(tree_.Size(), Owned::Nothing);
+            std::swap(owned_[leaf], owned_[tree_[leaf].child]); // the lower corner is now that of the first child
+            leaf = tree_.LeafAt(p);
+        }
+        owned_.resize(tree_.Size(), Owned::Nothing);
+        if (owned_[leaf] == Owned::Nothing)
+            owned_[leaf] = what;
+    }
+    /// Places a hanging point and its parents, between which readers interpolate it: with 2^power the greatest power of
+    /// two that divides all its coordinates, the points 2^power away on both sides of each axis on which its coordinate
+    /// is an odd multiple of that.
+    void PlaceHanging(const LatticePoint &p) {
+        if (!hanging_.insert(KeyOf(p)).second)
+            return;
+        Place(p, Owned::Hanging);
+        const int power = std::countr_zero(std::uint32_t(p[0] | p[1] | p[2]));
+        std::vector<LatticePoint> parents{p};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if ((p[axis] >> power & 1) == 0)
+                continue;
+            const std::size_t count = parents.size();
+            for (std::size_t i = 0; i < count; ++i) {
+                parents.push_back(parents[i]);
+                parents[i][axis] -= 1 << power;
+                parents.back()[axis] += 1 << power;
+            }
+        }
+        for (const LatticePoint &parent : parents) {
+            const std::uint32_t number = light_.Find(parent);
+            if (number == LatticePoints::kUnknown || !corners_.IsStored(number))
+                PlaceHanging(parent);
+        }
+    }
+    /// By cell: whether it, or a leaf below it, owns a point.
+    std::vector<bool> FindUsed() const;
+
+    Octree tree_;
+    const LatticePoints &light_;
+    const CornerWeights &corners_;
+    std::vector<Owned> owned_;                  ///< by leaf; may be shorter than the tree
+    std::unordered_set<std::uint64_t> hanging_; ///< keys of the hanging points that are placed
+};
+
+std::vector<bool> TreeWriter::FindUsed() const {
+    std::vector<bool> used(tree_.Size());
+    for (std::size_t i = tree_.Size(); i-- > 0;) {
+        if (tree_[i].child == 0)
+            used[i] = i < owned_.size() && owned_[i] != Owned::Nothing;
+        for (std::size_t c = 0; c < 8 && tree_[i].child != 0; ++c)
+            used[i] = used[i] || used[tree_[i].child + c];
+    }
+    return used;
+}
+
+SparseGridTree TreeWriter::Write(const std::vector<SHFloats> &values) const {
+    SparseGridTree file;
+    const std::vector<bool> used = FindUsed();
+    std::vector<std::size_t> level(tree_.RootCount()), next;
+    for (std::size_t i = 0; i < level.size(); ++i)
+        level[i] = i;
+    std::vector<std::uint32_t> valueOf(light_.Size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        valueOf[corners_.Stored()[i]] = std::uint32_t(i);
+    for (; !level.empty(); level = std::move(next), next.clear())
+        for (const std::size_t at : level) {
+            SparseGridNode &node = file.nodes.emplace_back();
+            for (std::size_t c = 0; c < 8 && tree_[at].child != 0; ++c) {
+                const std::size_t child = tree_[at].child + c;
+                const auto bit = std::uint8_t(1u << c);
+                if (tree_[child].child != 0 && used[child]) {
+                    node.inner |= bit;
+                    next.push_back(child);
+                } else if (used[child] && owned_[child] == Owned::Hanging)
+                    node.hanging |= bit;
+                else if (used[child]) {
+                    node.stored |= bit;
+                    file.values.push_back(
+                        std::bit_cast<bspGridPointSH_t>(values[valueOf[light_.Find(tree_[child].origin)]]));
+                }
+            }
+        }
+    return file;
+}
+
+} // namespace
+
+SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &light, const CornerWeights &corners,
+                              const SparseLattice &lattice, const std::vector<SHFloats> &values) {
+    SparseGridTree file = TreeWriter(std::move(tree), light, corners).Write(values);
+    const Vec3f &mins = lattice.Mins(), &cell = lattice.Cell();
+    file.mins = {mins.x, mins.y, mins.z};
+    file.cell = {cell.x, cell.y, cell.z};
+    file.roots = lattice.Roots();
+    file.levels = lattice.Levels();
+    return file;
 }
 
 } // namespace q3

@@ -1,17 +1,62 @@
-// GPL-2.0-or-later. Least-squares fit of the stored corners to the light inside the cells.
+// GPL-2.0-or-later. Corners of the cells of an octree: which are stored, their fit to the light inside the cells, and
+// their values.
 #pragma once
 
+#include "q3map2/bspfile/bspfile_sparse.h"
 #include "q3map2/light/scene/light_space.h"
-#include "q3map2/light/sparse/corner_weights.h"
+#include "q3map2/light/sparse/lattice.h"
+#include "q3map2/light/sparse/octree.h"
+
+#include <span>
+#include <vector>
 
 namespace q3 {
+
+/// A term of a linear combination of stored values.
+struct CornerTerm {
+    std::uint32_t stored = 0; ///< index in CornerWeights::Stored
+    float weight = 0;
+};
+
+/// The corners of the open leafs of a tree. A corner that lies on the boundary of a larger open leaf, but is not a
+/// corner of it, is *hanging*: its value is interpolated in the larger leaf, so that light is continuous. All other
+/// corners are stored. Keeps references.
+class CornerWeights {
+  public:
+    CornerWeights(const Octree &tree, const LatticePoints &light);
+    /// Numbers, in LatticePoints, of the stored points.
+    const std::vector<std::uint32_t> &Stored() const { return stored_; }
+    bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
+    /// The interpolated value at a point inside or on the boundary of an open leaf, as a combination of stored values.
+    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const LatticePoint &p) {
+        return TermsIn(leaf, LatticePosition(p));
+    }
+    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const Vec3f &at);
+    /// The largest open leaf that has p on its boundary, but not as a corner; Octree::kNone: p does not hang.
+    std::size_t HangsOn(const LatticePoint &p) const;
+
+  private:
+    /// The value of a corner, likewise. A corner that does not hang becomes a stored one when it is met first.
+    const std::vector<CornerTerm> &TermsOf(const LatticePoint &corner);
+
+    const Octree &tree_;
+    const LatticePoints &light_;
+    std::vector<std::uint32_t> stored_;
+    std::vector<std::uint32_t> storedOf_;        ///< by point: index in stored_, or kUnknown
+    std::vector<std::vector<CornerTerm>> terms_; ///< by point; empty: not yet known
+};
 
 /// Least-squares values of the stored corners, in the order of corners.Stored(). Minimizes the sum over all points s of
 /// `light` in the open, and over `lamps`, of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards
 /// its own light, by conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they are
 /// stored corners, so that no light is fitted through a wall.
-std::vector<ShFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
+std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
                                  std::span<const LampSample> lamps = {});
+
+/// The nodes and values that the file has. values: of the stored corners, in the order of corners.Stored(). A cell owns
+/// its lower corner alone, so cells without open space are split where a stored or hanging corner is not theirs.
+SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &light, const CornerWeights &corners,
+                              const SparseLattice &lattice, const std::vector<SHFloats> &values);
 
 } // namespace q3

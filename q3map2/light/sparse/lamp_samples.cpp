@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Positions before lamps.
 #include "q3map2/light/sparse/lamp_samples.h"
 
-#include "libs/math/low_discrepancy.h"
+#include "libs/math/sampling.h"
 #include "libs/sh/polygon_moments.h"
 #include "q3map2/light/sources/falloff.h"
 #include "q3map2/light/sparse/display_error.h"
@@ -144,8 +144,8 @@ std::vector<LampPlace> FindPlaces(const GridInputs &in, const Vec3f &origin, con
 }
 
 /// Light of a lamp as if nothing cast shadows, convolved with the cosine; spotlights count as point lights.
-ShFloats UnshadowedLight(const Light &light, const Vec3f &position) {
-    ShVector projection{};
+SHFloats UnshadowedLight(const Light &light, const Vec3f &position) {
+    SHVector projection{};
     double scale = light.negative ? -1.0 / 255 : 1.0 / 255;
     if (light.type == LightType::Area) {
         if (!light.twoSided && Dot(light.shape.normal, Vec3d(position)) <= light.shape.dist)
@@ -155,11 +155,11 @@ ShFloats UnshadowedLight(const Light &light, const Vec3f &position) {
     } else {
         const Vec3f to = light.origin - position;
         const float distance = Length(to);
-        projection = ShBasis(Vec3d(distance > 0 ? Normalize(to) : Vec3f{0, 0, 1}));
+        projection = SHBasis(Vec3d(distance > 0 ? Normalize(to) : Vec3f{0, 0, 1}));
         scale *= double(std::max(0.0f, Falloff(light).At(distance)));
     }
-    ShFloats shown;
-    for (std::size_t i = 0; i < kShFloats; ++i)
+    SHFloats shown;
+    for (std::size_t i = 0; i < kSHFloats; ++i)
         shown[i] = float(projection[i / 3] * kCosineLobe[i / 3] * scale) * light.color[i % 3];
     return shown;
 }
@@ -225,8 +225,8 @@ LampSamples::LampSamples(const GridInputs &in, const std::vector<Light> &lights,
 }
 
 /// Light of the lamps of a sample at any position, without shadows.
-ShFloats LampSamples::LampsAt(std::uint32_t sample, const Vec3f &position) const {
-    ShFloats sum{};
+SHFloats LampSamples::LampsAt(std::uint32_t sample, const Vec3f &position) const {
+    SHFloats sum{};
     for (std::size_t i = sample > 0 ? lampsEnd_[sample - 1] : 0; i < lampsEnd_[sample]; ++i)
         AddScaled(1, UnshadowedLight(lights_[lamps_[i]], position), sum);
     return sum;
@@ -241,8 +241,8 @@ float LampSamples::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t
     for (const std::uint32_t i : samples)
         traced += screen_.Squared(InterpolatedLight(cell, corners, samples_[i].at), samples_[i].light);
     for (const std::uint32_t i : samples) {
-        ShFloats shown = samples_[i].light;
-        const ShFloats exact = LampsAt(i, lattice_.PositionOf(samples_[i].at));
+        SHFloats shown = samples_[i].light;
+        const SHFloats exact = LampsAt(i, lattice_.PositionOf(samples_[i].at));
         if (MeanLight(exact) > kHiddenRatio * MeanLight(shown))
             continue; // hidden: it would give more than all light there
         for (std::size_t c = 0; c < 8; ++c)

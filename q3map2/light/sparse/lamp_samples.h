@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. Positions before lamps, where light changes faster than the points of the uniform grid show.
 #pragma once
 
-#include "q3map2/light/grid/smooth_light.h"
+#include "q3map2/light/grid/weak_field.h"
 #include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/sparse/display_error.h"
 #include "q3map2/light/sparse/octree_refine.h"
-#include "q3map2/light/sparse/screen_error.h"
 
 #include <span>
 #include <vector>
@@ -28,7 +28,7 @@ class LampSamples {
                   const BounceNoise &noise) const;
 
   private:
-    ShFloats LampsAt(std::uint32_t sample, const Vec3f &position) const;
+    SHFloats LampsAt(std::uint32_t sample, const Vec3f &position) const;
 
     const std::vector<Light> &lights_;
     const SparseLattice &lattice_;

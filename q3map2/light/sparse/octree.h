@@ -1,9 +1,10 @@
-// GPL-2.0-or-later. The octree of the sparse SH grid while it is built.
+// GPL-2.0-or-later. The octree of the sparse SH grid while it is built, and its optimal pruning.
 #pragma once
 
-#include "q3map2/light/sparse/sparse_lattice.h"
+#include "q3map2/light/sparse/lattice.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace q3 {
@@ -73,5 +74,18 @@ class Octree {
     std::size_t rootCount_;
     std::vector<OctreeCell> cells_; ///< the roots first, x fastest; parents before their children
 };
+
+/// Size and expected error of a pruned octree.
+struct PrunedOctree {
+    std::size_t leafs = 0; ///< with open space; about the number of stored points
+    double volume = 0;     ///< open volume in smallest cells
+    double error = 0;      ///< expected displayed error over the open volume: RMS, bytes
+};
+
+/// Turns inner nodes, except roots, into leafs so that the sum over all leafs of (squared error x open volume + price)
+/// is least: the pruning of Breiman et al. (1984) and of Chou, Lookabaugh and Gray (1989). price: the Lagrange
+/// multiplier of the number of leafs, bytes^2 times smallest cells. maxLamp: inner nodes with a larger OctreeCell::lamp
+/// stay inner nodes. Sets `open` of inner nodes from their children.
+PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp = std::numeric_limits<float>::infinity());
 
 } // namespace q3

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Refinement of the octree where the light is not smooth.
 #include "q3map2/light/sparse/octree_refine.h"
 
-#include "q3map2/light/batch/simd.h"
+#include "q3map2/light/batch/lanes.h"
 #include "q3map2/light/sparse/display_error.h"
 
 #include <array>
@@ -41,7 +41,7 @@ template <typename Use> void ForEach(const JobPool &jobs, std::size_t count, con
     });
 }
 
-ShFloats Interpolated(const OctreeCell &cell, const CornerLight &corners, const LatticePoint &p) {
+SHFloats Interpolated(const OctreeCell &cell, const CornerLight &corners, const LatticePoint &p) {
     return InterpolatedLight(cell, corners, LatticePosition(p));
 }
 
@@ -60,13 +60,13 @@ CornerLight CornersOf(const LatticePoints &light, const OctreeCell &cell) {
     return corners;
 }
 
-Q3_VECTOR ShFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at) {
-    ShFloats value{};
+Q3_VECTOR SHFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at) {
+    SHFloats value{};
     for (std::size_t c = 0; c < 8; ++c) {
         const float weight = cell.Weight(c, at);
         if (weight == 0)
             continue;
-        for (std::size_t i = 0; i < kShFloats; ++i)
+        for (std::size_t i = 0; i < kSHFloats; ++i)
             value[i] += weight * (*corners[c])[i];
     }
     return value;
@@ -132,8 +132,8 @@ float OctreeRefiner::SecondDifference(const LatticeSample &point) const {
         const std::uint32_t a = light_.Find(low), b = light_.Find(high);
         if (a == LatticePoints::kUnknown || b == LatticePoints::kUnknown || !light_[a].open || !light_[b].open)
             continue;
-        ShFloats mean;
-        for (std::size_t i = 0; i < kShFloats; ++i)
+        SHFloats mean;
+        for (std::size_t i = 0; i < kSHFloats; ++i)
             mean[i] = 0.5f * (light_[a].value[i] + light_[b].value[i]);
         sum += WithoutNoise(SquaredDisplayError(mean, point.value), kNoiseOfSecond * noise_.At(point.at));
     }
@@ -217,7 +217,7 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
         }
         if (!anySolid)
             continue;
-        std::array<ShFloats, 27> interpolated;
+        std::array<SHFloats, 27> interpolated;
         const CornerLight corners = CornersOf(light_, cell);
         for (std::size_t n = 0; n < 27; ++n)
             interpolated[n] = Interpolated(cell, corners, light_[numbers[n]].at);
@@ -225,7 +225,7 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
             LatticeSample &point = light_[numbers[n]];
             if (numbers[n] < firstNew || point.open)
                 continue;
-            ShFloats surplus{};
+            SHFloats surplus{};
             float total = 0;
             for (std::size_t m = 0; m < 27; ++m) {
                 const LatticeSample &other = light_[numbers[m]];
@@ -234,11 +234,11 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
                 const Vec3f away = (LatticePosition(other.at) - LatticePosition(point.at)) * shape;
                 const float weight = 1 / Dot(away, away);
                 total += weight;
-                for (std::size_t k = 0; k < kShFloats; ++k)
+                for (std::size_t k = 0; k < kSHFloats; ++k)
                     surplus[k] += weight * (other.value[k] - interpolated[m][k]);
             }
             float &count = fills[numbers[n] - firstNew];
-            for (std::size_t k = 0; k < kShFloats; ++k) {
+            for (std::size_t k = 0; k < kSHFloats; ++k) {
                 const float value = interpolated[n][k] + (total > 0 ? surplus[k] / total : 0);
                 point.value[k] = (point.value[k] * count + value) / (count + 1);
             }

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Refinement of the octree where the light is not smooth.
 #pragma once
 
-#include "q3map2/light/sparse/bounce_noise.h"
-#include "q3map2/light/sparse/lattice_tracer.h"
+#include "q3map2/light/sparse/display_error.h"
+#include "q3map2/light/sparse/lattice.h"
 #include "q3map2/light/sparse/octree.h"
 
 namespace q3 {
@@ -10,7 +10,7 @@ namespace q3 {
 /// Light at the corners of a cell.
 CornerLight CornersOf(const LatticePoints &light, const OctreeCell &cell);
 /// Trilinear interpolation between the corners of a cell, all known. at: in lattice units.
-ShFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at);
+SHFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at);
 
 /// Splits cells whose expected error is above a threshold, and traces the points that this adds. Keeps references.
 ///

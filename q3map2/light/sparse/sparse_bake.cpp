@@ -1,13 +1,12 @@
 // GPL-2.0-or-later. Bakes the sparse SH grid.
 #include "q3map2/light/sparse/sparse_bake.h"
 
-#include "q3map2/bspfile/grid_reader.h"
+#include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/light/sparse/corner_fit.h"
 #include "q3map2/light/sparse/display_error.h"
 #include "q3map2/light/sparse/lamp_samples.h"
-#include "q3map2/light/sparse/octree_prune.h"
+#include "q3map2/light/sparse/octree.h"
 #include "q3map2/light/sparse/octree_refine.h"
-#include "q3map2/light/sparse/sparse_tree.h"
 
 #include <cmath>
 
@@ -235,11 +234,11 @@ SparseGridSH SparseGridBuilder::Grid(float price, SparseStats &result) {
 
 SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &result) const {
     CornerWeights corners(pruned.first, light_);
-    const std::vector<ShFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, lamps_);
+    const std::vector<SHFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, lamps_);
     SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
     DeringStats dering;
     for (bspGridPointSH_t &value : tree.values) {
-        value = ToStored(std::bit_cast<ShFloats>(value), radiance_);
+        value = ToStored(std::bit_cast<SHFloats>(value), radiance_);
         if (dering_) {
             const DeringStats changed = DeringPoint(value, radiance_);
             dering.points += changed.points;
@@ -354,8 +353,8 @@ std::string_view WhyNotFiner(SparseEnd end) {
 } // namespace
 
 void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log) {
-    log.Count((long long)(stats.leafs), "cells with open space");
-    log.Count((long long)(stats.stored), "points");
+    log.Count(stats.leafs, "cells with open space");
+    log.Count(stats.stored, "points");
     log.Print("{:9.2f} MB\n", double(stats.bytes) / 1e6);
     double error = stats.error;
     if (stats.measured && stats.measured->receivers > 0) {

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "common/log.h"
-#include "q3map2/bspfile/sparse_grid.h"
-#include "q3map2/light/grid/gridsh_dering.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 #include "q3map2/light/grid/gridsh_error.h"
-#include "q3map2/light/grid/smooth_light.h"
-#include "q3map2/light/options/sparse_goal.h"
+#include "q3map2/light/grid/light_gridsh.h"
+#include "q3map2/light/grid/weak_field.h"
+#include "q3map2/light/options/light_options.h"
 
 #include <optional>
 

@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Area lights in the SH grid.
 #include "q3map2/light/transfer/light_area.h"
 
-#include "libs/math/low_discrepancy.h"
+#include "libs/math/sampling.h"
 #include "q3map2/light/transfer/area_sampler.h"
-#include "q3map2/light/transfer/faint_lights.h"
+#include "q3map2/light/transfer/light_contribution.h"
 
 #include <algorithm>
 #include <bit>
@@ -50,7 +50,7 @@ int RefinedRays(float facing, float samples) {
 /// Coefficient k of lane i: += weight * Y[k](x y z), or = with kAdd false.
 template <bool kAdd>
 inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, ProbeIncidentLight &incident) {
-    const auto basis = ShBasis(Vec3f{x, y, z});
+    const auto basis = SHBasis(Vec3f{x, y, z});
     auto &m = incident.shCoeffs;
     const auto put = [&](Lanes &row, float value) { row[i] = kAdd ? row[i] + value * weight : value * weight; };
     put(m[0], basis[0]), put(m[1], basis[1]), put(m[2], basis[2]), put(m[3], basis[3]), put(m[4], basis[4]);
@@ -79,7 +79,7 @@ struct SampleMoments {
 
 Q3_VECTOR void SampleMoments::Add(const AreaSamples &samples, const LaneMask &seen) {
     for (const std::size_t i : kEachLane) {
-        const auto basis = ShBasis(Vec3f{samples.direction.x[i], samples.direction.y[i], samples.direction.z[i]});
+        const auto basis = SHBasis(Vec3f{samples.direction.x[i], samples.direction.y[i], samples.direction.z[i]});
         const float weight = samples.weight[i], seenWeight = seen[i] != 0 ? weight : 0;
         const auto add = [&](std::size_t k) {
             whole[k][i] += basis[k] * weight;
@@ -346,7 +346,7 @@ Q3_VECTOR void AreaContribution::SetShares(float probes, const LaneMask &refine)
 }
 
 /// Coefficients of receiver i from the projection of the visible solid angle: times add / pi.
-void AreaContribution::SetProjection(std::size_t i, const ShVector &projection) {
+void AreaContribution::SetProjection(std::size_t i, const SHVector &projection) {
     const double scale = double(light_.add) / std::numbers::pi;
     for (std::size_t k = 0; k < 9; ++k)
         incident_->shCoeffs[k][i] = float(projection[k] * scale);
@@ -381,7 +381,7 @@ void AreaContribution::Refine(std::size_t i) {
         return;
     tint += Vec3d{1, 1, 1} * double(clear);
     const double share = double(clear) / n;
-    ShVector projection = moments_.Of(i).Projection();
+    SHVector projection = moments_.Of(i).Projection();
     for (std::size_t k = 0; k < 9; ++k) {
         const double visible = SampleMoments::Total(moments.visible[k]), whole = SampleMoments::Total(moments.whole[k]);
         projection[k] = share * projection[k] + (visible - share * whole) / n;
@@ -392,7 +392,7 @@ void AreaContribution::Refine(std::size_t i) {
 
 /// Applies share, weight and the cosine lobe; sets `add`.
 Q3_VECTOR void AreaContribution::Convolve() {
-    const float fromAll = float(4 * std::numbers::pi * kShC0);
+    const float fromAll = float(4 * std::numbers::pi * kSHC0);
     for (const std::size_t i : kEachLane)
         share_[i] *= partShare_[i];
     for (const std::size_t i : kEachLane)

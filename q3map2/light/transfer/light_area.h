@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Area lights in the SH grid: exact projection, sampled visibility.
 #pragma once
 
+#include "q3map2/light/transfer/area_sampler.h"
 #include "q3map2/light/transfer/light_contribution.h"
-#include "q3map2/light/transfer/moment_lanes.h"
 
 #include <array>
 #include <span>
@@ -50,7 +50,7 @@ class AreaContribution {
     void ProjectByQuadrature();
     void TakeClosedForms(bool all, const LaneMask &refine);
     void SetShares(float probes, const LaneMask &refine);
-    void SetProjection(std::size_t i, const ShVector &projection);
+    void SetProjection(std::size_t i, const SHVector &projection);
     void Refine(std::size_t i);
     void Convolve();
 

@@ -3,7 +3,7 @@
 
 #include "libs/sh/sh.h"
 #include "q3map2/light/batch/form_factor.h"
-#include "q3map2/light/batch/ray_batcher.h"
+#include "q3map2/light/batch/ray_packet.h"
 #include "q3map2/light/sources/falloff.h"
 #include "q3map2/light/transfer/light_area.h"
 #include "q3map2/light/transfer/light_kernel.h"
@@ -11,8 +11,40 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 namespace q3 {
+
+// ---- Many faint lights represented by a few of them ----
+
+bool SelectFaintLight(float faint, float bound, float &residual, float &weight) {
+    const float light = bound * weight;
+    if (light >= faint)
+        return true;
+    residual += light;
+    if (residual < faint)
+        return false;
+    residual -= faint;
+    weight = faint / bound;
+    return true;
+}
+
+float LightBound(const Light &light, const Boundsf &box) {
+    const float color = MaxComponent(Max(light.color, -light.color));
+    if (light.type == LightType::Sun)
+        return color * light.photons;
+    if (light.type != LightType::Area)
+        return color * std::max(0.0f, Falloff(light).At(box.Distance(light.origin)));
+    const AreaShape &shape = light.shape;
+    const float d = box.Distance(shape.center) - shape.radius;
+    const Vec3f n(shape.normal), half = (box.maxs - box.mins) * 0.5f;
+    const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
+    const float height = std::abs(Dot(n, box.Center()) - float(shape.dist)) + reach;
+    const float share = d > 0 ? shape.area * std::min(1.0f, height / d) / (std::numbers::pi_v<float> * d * d) : 1;
+    return color * light.add * std::min(1.0f, share);
+}
+
+// ---- Light of one source at points of the light grids ----
 
 namespace {
 
@@ -69,10 +101,10 @@ void Unshadowed(const Light &light, const LightSettings &settings, const Receive
 /// Projects light from one direction u on the SH basis: coefficient k is add * Y[k](u) times the convolution factor of
 /// its band. At the light's own position u is zero: light from all directions, band 0 alone.
 Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
-    const float s0 = float(kShC0) * (radiance ? 1 : float(kCosineLobe[0]));
-    const float s1 = float(kShC1) * (radiance ? 1 : float(kCosineLobe[1]));
+    const float s0 = float(kSHC0) * (radiance ? 1 : float(kCosineLobe[0]));
+    const float s1 = float(kSHC1) * (radiance ? 1 : float(kCosineLobe[1]));
     const float band2 = radiance ? 1 : float(kCosineLobe[4]);
-    const float s2 = float(kShC2) * band2, s3 = float(kShC3) * band2, s4 = float(kShC4) * band2;
+    const float s2 = float(kSHC2) * band2, s3 = float(kSHC3) * band2, s4 = float(kSHC4) * band2;
     auto &c = incident.shCoeffs;
     for (const std::size_t i : kEachLane) {
         const float x = incident.direction.x[i], y = incident.direction.y[i], z = incident.direction.z[i];

@@ -1,8 +1,8 @@
-// GPL-2.0-or-later. Steps from a light to receivers that grids, luxels and vertices share.
+// GPL-2.0-or-later. Steps from a light to receivers that grids, luxels and vertices share, and counts of that work.
 #include "q3map2/light/transfer/light_kernel.h"
 
 #include "q3map2/light/sources/falloff.h"
-#include "q3map2/light/transfer/faint_lights.h"
+#include "q3map2/light/transfer/light_contribution.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt, the sky visibility of floodlight, the open sky.
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
-#include "libs/math/color.h"
-#include "q3map2/light/batch/hemisphere_rings.h"
+#include "libs/math/vec.h"
+#include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/sources/light_sources.h"
-#include "q3map2/lightmap/raw/luxel_tiles.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Brute-force intersection of short rays with the few triangles around them.
 #pragma once
 
-#include "libs/math/bounds.h"
+#include "libs/math/vec.h"
 #include "q3map2/light/scene/light_scene.h"
 
 #include <array>

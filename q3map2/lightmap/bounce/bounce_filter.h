@@ -1,11 +1,25 @@
 // GPL-2.0-or-later. Noise filter for gathered light.
 #pragma once
 
-#include "q3map2/lightmap/bounce/bounce_estimate.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <span>
+#include <vector>
 
 namespace q3 {
+
+/// Light by luxel of the super grid, byte scale; zero where a luxel is not mapped.
+struct BounceEstimate {
+    std::vector<Vec3f> irradiance;
+    ChannelImages channels;
+    std::vector<Vec3f> directions; ///< for deluxe pages, see RawLightmap::directions; else empty
+
+    /// All zero.
+    BounceEstimate(const RawLightmap &raw, bool deluxe)
+        : irradiance(raw.luxelClusters.size()),
+          channels(raw.channels.Count(), std::vector<Vec3f>(raw.luxelClusters.size())),
+          directions(deluxe ? raw.luxelClusters.size() : 0) {}
+};
 
 /// Blends each luxel with the mean over its neighbors, as far as the difference between them is noise. Window weights
 /// give every set of GatherDirections equal weight in the mean, since sets repeat every 4 luxels. Neighbors that are

@@ -1,16 +1,19 @@
-// GPL-2.0-or-later. Final gathering of bounced light at luxels and vertices.
+// GPL-2.0-or-later. Final gathering of bounced light at luxels, vertices and points of the light grids.
 #include "q3map2/lightmap/bounce/bounce_gather.h"
 
-#include "libs/math/color.h"
-#include "libs/math/low_discrepancy.h"
-#include "q3map2/light/batch/ray_batcher.h"
-#include "q3map2/lightmap/bounce/ray_origin.h"
-#include "q3map2/lightmap/raw/deluxe.h"
+#include "libs/math/sampling.h"
+#include "libs/math/vec.h"
+#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/lightmap/bounce/gather_rays.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace q3 {
+
+// ---- Final gathering of bounced light at luxels and vertices ----
 
 namespace {
 
@@ -162,13 +165,13 @@ class BounceGather::ChannelSum {
     /// Adds the sums times `scale` to the channels. fluenceScale: as GatherDirections::FluenceScale.
     void AddTo(ChannelImages &channels, float scale, float fluenceScale) const {
         if (raw_.channels.sh) {
-            channels[0][luxel_] += fluence_ * (kDirectedSh0 * scale * fluenceScale);
+            channels[0][luxel_] += fluence_ * (kDirectedSH0 * scale * fluenceScale);
             for (std::size_t c = 0; c < 3; ++c) {
                 constexpr std::size_t kAxes[3] = {1, 2, 0};
                 const std::size_t axis = kAxes[c];
                 const Vec3f sum =
                     vector_[0] * frame_.right[axis] + vector_[1] * frame_.up[axis] + vector_[2] * frame_.normal[axis];
-                channels[1 + c][luxel_] += sum * (kDirectedSh1 * scale);
+                channels[1 + c][luxel_] += sum * (kDirectedSH1 * scale);
             }
         }
         for (std::size_t i = 0; raw_.channels.basis && i < onBasis_.size(); ++i)
@@ -276,6 +279,34 @@ Vec3f BounceGather::IrradianceAt(const Vec3f &position, const Vec3f &normal, boo
         if (Emits(hit))
             sum += emission[hit];
     return sum / float(vertexRays_);
+}
+
+// ---- Bounced light at points of the light grids ----
+
+namespace {
+
+/// Sum of IndirectRay::light over all rays at uniform radiance 1: light is the integral of radiance * cosine / pi, and
+/// a ray's light is that on a surface facing it (cosine 1), so the sum is 4 pi / pi.
+constexpr float kFacingSum = 4;
+
+} // namespace
+
+void PointGather::Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
+    rays.clear();
+    auto queue = MakeRayBatcher<Vec3f>([&](RayPacket &packet, std::span<const Vec3f> directions) {
+        const auto found = scene_.FirstEmitters(packet, false);
+        for (std::size_t i = 0; i < directions.size(); ++i)
+            if (Emits(found[i]))
+                rays.push_back({directions[i], emission_[found[i]] * (kFacingSum / float(rays_))});
+    });
+    for (std::uint32_t i = 0; i < std::uint32_t(rays_); ++i) {
+        const Sample2 s = PlasticSample(i, seed);
+        const double z = 1 - 2 * s.u, radius = std::sqrt(std::max(0.0, 1 - z * z)), angle = 2 * std::numbers::pi * s.v;
+        const Vec3f direction{float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(z)};
+        queue.Add(direction, position, direction, kRayLength);
+    }
+    queue.Flush();
+    bright_.Gather(position, seed, rays);
 }
 
 } // namespace q3

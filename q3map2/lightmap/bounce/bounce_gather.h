@@ -1,13 +1,40 @@
-// GPL-2.0-or-later. Final gathering of bounced light at luxels and vertices.
+// GPL-2.0-or-later. Final gathering of bounced light at luxels, vertices and points of the light grids.
 #pragma once
 
-#include "q3map2/lightmap/bounce/bounce_estimate.h"
+#include "q3map2/lightmap/bounce/bounce_filter.h"
+#include "q3map2/lightmap/bounce/bright_emitters.h"
 #include "q3map2/lightmap/bounce/faint_patches.h"
-#include "q3map2/lightmap/bounce/gather_directions.h"
+#include "q3map2/lightmap/bounce/gather_rays.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
+#include <algorithm>
 #include <map>
 
 namespace q3 {
+
+/// Vertices gather at points moved this far (at most a quarter of the way) toward the center of their surface, since
+/// the edge of a surface often lies in the plane of another. Not along the normal: the center of a closed model lies
+/// inside it. Game units.
+inline constexpr float kInward = 2;
+
+/// Whether the surface is lit at its vertices.
+inline bool IsLitAtVertices(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface) {
+    return surfaces.lightmapOf[surface] < 0 && !in.table[surface].shader->lightmap.noVertexLight;
+}
+
+/// Calls use(vertex, position to gather at) for the draw vertices of a surface.
+template <typename Use>
+void ForVertexReceivers(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t number, const Use &use) {
+    const bspDrawSurface_t &surface = in.bsp.drawSurfaces[number];
+    Vec3f center;
+    for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v)
+        center += surfaces.verts[std::size_t(v)].xyz / float(surface.numVerts);
+    for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {
+        const auto &[at, normal, st, luxel] = surfaces.verts[std::size_t(v)];
+        const Vec3f way = center - at, inward = way - normal * Dot(way, normal);
+        use(v, at + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward))));
+    }
+}
 
 /// Radiosity of each emitter, byte scale: light it received times its reflectance.
 using Emission = std::vector<Vec3f>;
@@ -85,6 +112,26 @@ class BounceGather {
     std::vector<std::vector<Vec3f>> origins_;    // by lightmap and luxel
     std::vector<HitRows> rows_;                  // by lightmap
     std::uint64_t rays_ = 0;
+};
+
+/// Bounced light of style 0 at points in the open: uniform rays gather radiosity summed over bounces, and shadow rays
+/// sample the brightest emitters. Const after construction; safe from several threads. Keeps references.
+class PointGather : public IndirectLight {
+  public:
+    /// Default number of rays from a point, not counting shadow rays to bright emitters.
+    static constexpr int kRays = 96;
+
+    /// emission: radiosity without the part that `bright` samples. rays: number of rays from a point.
+    PointGather(const BounceScene &scene, const std::vector<Vec3f> &emission, const BrightEmitters &bright, int rays)
+        : scene_(scene), emission_(emission), bright_(bright), rays_(rays) {}
+    int RaysPerPoint() const override { return rays_; }
+    void Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const override;
+
+  private:
+    const BounceScene &scene_;
+    const std::vector<Vec3f> &emission_;
+    const BrightEmitters &bright_;
+    const int rays_;
 };
 
 } // namespace q3

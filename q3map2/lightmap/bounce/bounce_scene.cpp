@@ -2,8 +2,9 @@
 #include "q3map2/lightmap/bounce/bounce_scene.h"
 
 #include "common/error.h"
-#include "q3map2/light/batch/ray_batcher.h"
+#include "q3map2/light/batch/ray_packet.h"
 #include "q3map2/light/scene/light_embree.h"
+#include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
 #include <cmath>

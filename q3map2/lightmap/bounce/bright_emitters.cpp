@@ -1,11 +1,11 @@
 // GPL-2.0-or-later. Next event estimation of the brightest emitters of a bounce.
 #include "q3map2/lightmap/bounce/bright_emitters.h"
 
-#include "libs/math/color.h"
-#include "libs/math/low_discrepancy.h"
-#include "q3map2/light/batch/ray_batcher.h"
-#include "q3map2/lightmap/bounce/bright_patches.h"
-#include "q3map2/lightmap/raw/deluxe.h"
+#include "libs/math/sampling.h"
+#include "libs/math/vec.h"
+#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/lightmap/bounce/bright_tree.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Next event estimation of the brightest emitters of a bounce.
 #pragma once
 
-#include "q3map2/light/grid/indirect_light.h"
-#include "q3map2/lightmap/bounce/bounce_estimate.h"
+#include "q3map2/light/grid/grid_bricks.h"
+#include "q3map2/lightmap/bounce/bounce_filter.h"
 #include "q3map2/lightmap/bounce/bright_tree.h"
 #include "q3map2/lightmap/bounce/faint_patches.h"
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A light tree: bounding volume hierarchy over small patches that emit light.
+// GPL-2.0-or-later. The brightest emitters as small patches in a light tree.
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_scene.h"
@@ -63,5 +63,11 @@ class BrightTree {
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> roots_; // one for each FacingOf patches, so that normals within a node are similar
 };
+
+/// Patches for the emitters with a nonzero radiosity `excess` (by emitter, byte scale): texels of raw lightmaps cut
+/// into 2 x 2 pieces and clipped to their surfaces; on surfaces lit at vertices, the part of each triangle nearest to
+/// the vertex.
+std::vector<BrightPatch> MakeBrightPatches(const SurfaceInputs &in, const SurfaceLight &surfaces,
+                                           const EmitterIndex &emitters, std::span<const Vec3f> excess);
 
 } // namespace q3

@@ -1,16 +1,49 @@
 // GPL-2.0-or-later. Radiosity: bounced light on surfaces.
 #include "q3map2/lightmap/bounce/light_bounce.h"
 
-#include "common/text/counted.h"
-#include "libs/math/color.h"
+#include "common/text/text.h"
+#include "libs/math/vec.h"
 #include "q3map2/lightmap/bounce/bounce_filter.h"
-#include "q3map2/lightmap/bounce/vertex_receivers.h"
+#include "q3map2/lightmap/bounce/bounce_gather.h"
 
 #include <algorithm>
 #include <functional>
 #include <optional>
 
 namespace q3 {
+
+// ---- Assigns style slots of surfaces to bounced light ----
+
+namespace {
+
+/// A style takes no slot of a surface where all its light is below this. Byte scale.
+constexpr float kLeastStyleLight = 1.0f / 16;
+
+} // namespace
+
+StyleEnergy EnergyOf(std::span<const Vec3f> light) {
+    StyleEnergy energy;
+    for (const Vec3f &one : light) {
+        energy.sum += double(Luminance(one));
+        energy.most = std::max(energy.most, MaxComponent(one));
+    }
+    return energy;
+}
+
+std::size_t ClaimSlot(std::uint8_t style, const StyleEnergy &energy, Styles &styles,
+                      std::vector<std::string> &dropped) {
+    const std::size_t known = FindStyleSlot(styles, style);
+    if (known < kStyles || energy.most < kLeastStyleLight)
+        return known;
+    const std::size_t slot = FindStyleSlot(styles, kNoStyle);
+    if (slot < kStyles)
+        styles[slot] = style;
+    else
+        dropped.push_back(fmt::format("light of style {}", style));
+    return slot;
+}
+
+// ---- Radiosity: bounced light on surfaces ----
 
 namespace {
 
@@ -130,7 +163,7 @@ bool Bounces::Solve(const SurfaceLight &surfaces) {
         StyleRadiosity &radiosity = byStyle_[style];
         radiosity.bright = std::make_unique<const BrightEmitters>(in_, surfaces, scene_, emitters_, patches_.get(),
                                                                   BrightLimit(emission), emission);
-        in_.log.Count((long long)(radiosity.bright->Patches()), "bright patches");
+        in_.log.Count(radiosity.bright->Patches(), "bright patches");
         radiosity.rest = std::move(emission);
     }
     return !byStyle_.empty();

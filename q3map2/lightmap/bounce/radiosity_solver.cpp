@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Solves for the radiosity of a map.
 #include "q3map2/lightmap/bounce/radiosity_solver.h"
 
-#include "libs/math/color.h"
-#include "q3map2/lightmap/bounce/vertex_receivers.h"
-#include "q3map2/lightmap/raw/luxel_means.h"
+#include "libs/math/vec.h"
+#include "q3map2/lightmap/bounce/bounce_gather.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
 #include <chrono>
@@ -21,7 +21,8 @@ constexpr float kShootShare = 0.25f;
 /// The first steps shoot everything, to measure how fast light decays from step to step.
 constexpr int kFirstJacobiSteps = 4;
 
-/// In dim maps the light that may be estimated instead of solved is this share of the mean radiosity of the first bounce.
+/// In dim maps the light that may be estimated instead of solved is this share of the mean radiosity of the first
+/// bounce.
 constexpr float kLeastShare = 1.0f / 32;
 
 /// Mean over the emitters with light.

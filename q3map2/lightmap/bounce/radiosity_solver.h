@@ -2,14 +2,14 @@
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_gather.h"
-#include "q3map2/lightmap/raw/luxel_masks.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 namespace q3 {
 
 /// When the solver stops.
 struct RadiosityLimits {
-    int bounces = 1;         ///< number of bounces; kEndlessBounces: no limit
-    double seconds = 0;      ///< wall time; 0: no limit
+    int bounces = 1;    ///< number of bounces; kEndlessBounces: no limit
+    double seconds = 0; ///< wall time; 0: no limit
     /// Stops when all later bounces together give less light than this anywhere, or, in dim maps, less than a small
     /// share of the mean light. Byte scale.
     float leastLight = 0.25;

@@ -1,9 +1,13 @@
-// GPL-2.0-or-later. Averages the light of super luxels into luxels.
+// GPL-2.0-or-later. The last steps of the passes over luxels: light of their own for all, and averages of super luxels.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 namespace q3 {
+
+/// Adds floodlight (direct pass only), multiplies by dirt, and then gives luxels that are not mapped (with
+/// q3map_splotchFix also luxels not above ambient light in every channel) the mean of their mapped neighbors.
+void FinishLuxels(const SurfaceInputs &in, const SurfacePass &pass, SurfaceLight &surfaces);
 
 /// Averages super luxels, adds the means to `result` (all passes) and sets `radiosity` (this pass). last: no bounce
 /// follows, so `radiosity` is left empty and data that only the passes need is freed.

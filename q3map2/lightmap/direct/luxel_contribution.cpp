@@ -1,11 +1,222 @@
-// GPL-2.0-or-later. The light of one source on a block of luxels, and sums of such light.
+// GPL-2.0-or-later. The light of one source on blocks of 16 luxels, its directional channels, and sums of such light.
 #include "q3map2/lightmap/direct/luxel_contribution.h"
 
-#include "q3map2/lightmap/raw/deluxe.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace q3 {
+
+// ---- Mapped luxels of a raw lightmap in blocks of 16 neighbors ----
+
+namespace {
+
+/// Luxels are visited in tiles of kTile x kTile, so that luxels of a block are near each other.
+constexpr int kTile = 4;
+/// For the form factor, receivers near the plane of an area light are moved along its normal by up to kPushReach, to
+/// the height kPushHeight over it: AreaHeights, kAreaPush. Game units.
+constexpr float kPushReach = 16, kPushHeight = 8;
+/// Added to bounds for rounding. Game units.
+constexpr float kSlack = 0.05f;
+
+/// What bounds the light of a source: its envelope, its lit side, and for area lights its strength.
+struct LightReach {
+    Vec3f origin, normal, center;
+    float dist = 0, envelope = 0;
+    bool area = false, oneSided = false, bounded = false;
+    float areaRadius = 0, strength = 0, least = 0;
+
+    LightReach(const Light &light, bool pointAreas)
+        : origin(light.origin), normal(light.normal), center(light.shape.center), dist(light.dist),
+          envelope(light.envelope), area(light.type == LightType::Area), oneSided(!light.twoSided),
+          bounded(area && light.fast && !pointAreas), areaRadius(light.shape.radius + kPushReach),
+          strength(light.add * light.shape.area / std::numbers::pi_v<float>), least(light.tolerance) {
+        // A two-sided light is also seen from 2 units behind.
+        envelope += area && light.twoSided ? 2 : 0;
+    }
+};
+
+struct BlockSpheres {
+    const float *x, *y, *z, *radius, *nx, *ny, *nz, *thickness;
+};
+
+/// keep[i]: -1 if a receiver in sphere i may get light: within the envelope, facing it, on its lit side, and for area
+/// lights not faint: strength * height / distance^3 >= tolerance, the form factor of a differential area.
+Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
+                          std::int32_t *__restrict keep) {
+    const float aside = twoSided ? 1e30f : 0, behind = light.area && light.oneSided ? 1 : 1e30f;
+    const float strong = light.bounded ? 0 : 1e30f;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float r = spheres.radius[i];
+        const float x = light.origin.x - spheres.x[i], y = light.origin.y - spheres.y[i],
+                    z = light.origin.z - spheres.z[i];
+        const float d = std::sqrt(x * x + y * y + z * z);
+        const float facing = x * spheres.nx[i] + y * spheres.ny[i] + z * spheres.nz[i];
+        const float s =
+            spheres.x[i] * light.normal.x + spheres.y[i] * light.normal.y + spheres.z[i] * light.normal.z - light.dist;
+        const float cx = light.center.x - spheres.x[i], cy = light.center.y - spheres.y[i],
+                    cz = light.center.z - spheres.z[i];
+        const float near = std::sqrt(cx * cx + cy * cy + cz * cz) - r - light.areaRadius;
+        const float height = std::max(std::abs(s) + r + 1, kPushHeight);
+        const float most = light.strength * std::min(height, std::max(near, 0.0f)) + strong;
+        const std::int32_t faint = SignBits(1 - near) & SignBits(most - light.least * near * near * near);
+        keep[i] = ~(SignBits(light.envelope - (d - r)) | SignBits(facing + spheres.thickness[i] + aside) |
+                    SignBits(s + r + behind) | faint) >>
+                  31;
+    }
+}
+
+} // namespace
+
+void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, std::size_t luxel) {
+    if (receivers_.empty() || receivers_.back().count == kPacketSize) {
+        FinishBlock();
+        receivers_.emplace_back();
+        receivers_.back().twoSided = lightmap.twoSided;
+        luxels_.emplace_back();
+        if (lightmap.channels.basis)
+            basis_.emplace_back();
+    }
+    SurfaceReceiverBatch &block = receivers_.back();
+    luxels_.back()[block.count] = std::uint32_t(luxel);
+    laneIndices_[luxel] = std::int32_t((receivers_.size() - 1) * kPacketSize + block.count);
+    if (lightmap.channels.basis)
+        SetLane(block.count, lightmap.BasisOf(luxel), basis_.back());
+    block.Add(lightmap.positions[luxel], lightmap.normals[luxel], lightmap.luxelClusters[luxel]);
+}
+
+void LuxelBlocks::FinishBlock() {
+    if (receivers_.empty())
+        return;
+    const SurfaceReceiverBatch &block = receivers_.back();
+    Boundsf box;
+    Vec3f normal = block.normal[0];
+    for (std::size_t i = 0; i < block.count; ++i) {
+        box.Add(block.position[i]);
+        if (!(block.normal[i] == block.normal[0]))
+            normal = {};
+    }
+    const Vec3f center = box.Center();
+    float radius2 = 0, thickness = 0;
+    for (std::size_t i = 0; i < block.count; ++i) {
+        const Vec3f out = block.position[i] - center;
+        radius2 = std::max(radius2, Dot(out, out));
+        thickness = std::max(thickness, std::abs(Dot(out, normal)));
+    }
+    x_.push_back(center.x), y_.push_back(center.y), z_.push_back(center.z);
+    radius_.push_back(std::sqrt(radius2) + kSlack), thickness_.push_back(thickness + kSlack);
+    nx_.push_back(normal.x), ny_.push_back(normal.y), nz_.push_back(normal.z);
+}
+
+void LuxelBlocks::Build(const RawLightmap &lightmap) {
+    receivers_.clear(), luxels_.clear(), basis_.clear();
+    laneIndices_.assign(lightmap.luxelClusters.size(), -1);
+    for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})
+        row->clear();
+    ForMappedLuxelsByTile(lightmap, kTile, [&](std::size_t luxel, int, int) { AddLuxel(lightmap, luxel); });
+    FinishBlock();
+    const std::size_t padded = (Count() + kPacketSize - 1) / kPacketSize * kPacketSize;
+    for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})
+        row->resize(padded);
+    keep_.resize(padded);
+}
+
+void LuxelBlocks::FindReached(const Light &light, const SurfaceLightSettings &settings,
+                              std::vector<std::uint32_t> &reached) {
+    if (light.type == LightType::Sun)
+        std::fill(keep_.begin(), keep_.end(), -1);
+    else
+        CullBlocks(
+            LightReach(light, settings.pointAreas), Count() > 0 && receivers_[0].twoSided,
+            {x_.data(), y_.data(), z_.data(), radius_.data(), nx_.data(), ny_.data(), nz_.data(), thickness_.data()},
+            keep_.size(), keep_.data());
+    for (std::size_t i = 0; i < Count(); ++i)
+        if (keep_[i] != 0)
+            reached.push_back(std::uint32_t(i));
+}
+
+// ---- Directional channels of the light of one source on a block of luxels ----
+
+namespace {
+
+/// amounts = SH channels for a light of color 1 1 1, before the tint.
+Q3_VECTOR void ProjectOnSH(const SurfaceIncidentLight &incident, std::array<Lanes, DirectionalChannels::kSH> &amounts) {
+    const LightDirections &from = incident.directions;
+    for (const std::size_t i : kEachLane) {
+        const float add = incident.add[i];
+        const float x = from.vector.x[i], y = from.vector.y[i], z = from.vector.z[i];
+        const float fluence = std::sqrt(x * x + y * y + z * z) * from.spread[i];
+        amounts[0][i] = add * (kDirectedSH0 * fluence + kUniformSH0 * from.uniform[i]);
+        amounts[1][i] = add * (kDirectedSH1 * y);
+        amounts[2][i] = add * (kDirectedSH1 * z);
+        amounts[3][i] = add * (kDirectedSH1 * x);
+    }
+}
+
+/// Irradiance from a sphere that crosses the horizon, divided by its irradiance on a receiver that faces it. sine2:
+/// squared sine of its angular radius; cosine: of the angle from the normal to its center, |cosine| < sqrt(sine2).
+/// Snyder, Area Light Sources for Real-Time Graphics, 1996.
+float SphereAtHorizon(float cosine, float sine2) {
+    const float sine = std::sqrt(std::max(1e-12f, 1 - cosine * cosine)), x = std::sqrt(1 / sine2 - 1);
+    const float y = std::clamp(-x * cosine / sine, -1.0f, 1.0f), root = sine * std::sqrt(1 - y * y);
+    const float sum = (cosine * std::acos(y) - x * root) * sine2 + std::atan2(root, x);
+    return std::max(0.0f, sum / (sine2 * std::numbers::pi_v<float>));
+}
+
+/// amount = light on receivers with the given normals for a light of color 1 1 1, before the tint; live lanes only. An
+/// area light that crosses the horizon of a receiver counts as a sphere.
+void LightOn(const Lanes3 &normal, const SurfaceIncidentLight &incident, Lanes &amount) {
+    constexpr float kPointlike = 1e-4f;
+    const LightDirections &from = incident.directions;
+    for (const std::size_t i : kEachLane) {
+        if (incident.live[i] == 0)
+            continue;
+        const float facing = Dot(from.vector[i], normal[i]);
+        const float cosineOfRadius = 2 / from.spread[i] - 1, sine2 = 1 - cosineOfRadius * cosineOfRadius;
+        const float length2 = Dot(from.vector[i], from.vector[i]);
+        float light = std::max(0.0f, facing);
+        if (sine2 > kPointlike && facing * facing < sine2 * length2) {
+            const float length = std::sqrt(length2);
+            light = length * SphereAtHorizon(facing / length, sine2);
+        }
+        amount[i] = incident.add[i] * (light + from.uniform[i]);
+    }
+}
+
+} // namespace
+
+Q3_VECTOR void SetIncidentColor(const Vec3f &color, const SurfaceIncidentLight &incident, const Lanes &amount,
+                                Lanes3 &out) {
+    const Vec3f c = color;
+    for (const std::size_t i : kEachLane) {
+        const float light = incident.live[i] != 0 ? amount[i] : 0;
+        out.x[i] = light * c.x, out.y[i] = light * c.y, out.z[i] = light * c.z;
+    }
+    if (!incident.tinted)
+        return;
+    for (const std::size_t i : kEachLane)
+        if (incident.live[i] != 0)
+            out.x[i] *= incident.tint.x[i], out.y[i] *= incident.tint.y[i], out.z[i] *= incident.tint.z[i];
+}
+
+void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const DirectionalChannels &channels,
+                 const BasisLanes *basis, ChannelLanes &out) {
+    if (channels.sh) {
+        std::array<Lanes, DirectionalChannels::kSH> amounts;
+        ProjectOnSH(incident, amounts);
+        for (std::size_t c = 0; c < amounts.size(); ++c)
+            SetIncidentColor(color, incident, amounts[c], out[c]);
+    }
+    for (std::size_t i = 0; basis && i < basis->size(); ++i) {
+        Lanes amount;
+        LightOn((*basis)[i], incident, amount);
+        SetIncidentColor(color, incident, amount, out[channels.FirstBasis() + i]);
+    }
+}
+
+// ---- The light of one source on a block of luxels, and sums of such light ----
 
 namespace {
 

@@ -1,7 +1,10 @@
-// GPL-2.0-or-later. -filter: blur of light over luxels.
+// GPL-2.0-or-later. -filter and filter radii: blurs light over luxels, across the borders of raw lightmaps.
 #pragma once
 
 #include "q3map2/lightmap/direct/luxel_surroundings.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
+
+#include <vector>
 
 namespace q3 {
 
@@ -19,5 +22,26 @@ class LuxelFilter {
     std::vector<float> rowWeight_;
     std::vector<Vec3f> rows_;
 };
+
+/// Light of the sources of one style and one filter radius on the luxels of a raw lightmap, before it is blurred.
+struct UnblurredLight {
+    int style = 0;
+    float filterRadius = 0; ///< Light::filterRadius, game units
+    std::vector<Vec3f> color, direction;
+    ChannelImages channels;
+};
+/// By raw lightmap.
+using UnblurredLights = std::vector<std::vector<UnblurredLight>>;
+
+/// Whether light is blurred on some surface even if its source has no filter radius.
+bool BlursAllLight(const SurfaceInputs &in, const SurfaceLight &surfaces);
+
+/// Sets mapped luxels of a style slot to `value` and their directional channels to light like that from everywhere.
+void ClearStyleSlot(RawLightmap &raw, std::size_t slot, const Vec3f &value);
+
+/// Blurs the light and adds it to the raw lightmaps. At its border the box of a luxel reaches over surfaces of other
+/// lightmaps that continue its own (LuxelSurroundings). Towards a neighbor with a wider blur the own one widens, so
+/// that both sides of the border are equally bright.
+void AddBlurredLight(const SurfaceInputs &in, const UnblurredLights &light, SurfaceLight &surfaces);
 
 } // namespace q3

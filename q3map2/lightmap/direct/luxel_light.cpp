@@ -1,12 +1,15 @@
-// GPL-2.0-or-later. Direct light on luxels.
+// GPL-2.0-or-later. Direct light on luxels: culling of lights, visibility of named lights, debug views.
 #include "q3map2/lightmap/direct/luxel_light.h"
 
-#include "common/progress.h"
-#include "libs/math/color.h"
-#include "q3map2/lightmap/direct/debug_view.h"
-#include "q3map2/lightmap/direct/luxel_blur.h"
-#include "q3map2/lightmap/direct/luxel_lists.h"
+#include "common/debug_color.h"
+#include "common/log.h"
+#include "libs/math/vec.h"
+#include "q3map2/light/sources/falloff.h"
+#include "q3map2/lightmap/direct/luxel_contribution.h"
+#include "q3map2/lightmap/direct/luxel_filter.h"
 #include "q3map2/lightmap/direct/luxel_samples.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/luxel_normal.h"
 #include "q3map2/lightmap/raw/style_choice.h"
 
 #include <algorithm>
@@ -14,6 +17,139 @@
 #include <numeric>
 
 namespace q3 {
+
+// ---- Culling of lights for a raw lightmap ----
+
+namespace {
+
+/// A one-sided light does not light a surface if the cosine between their normals is above this.
+constexpr float kSameFacing = 0.999f;
+/// Lights up to this far behind the plane of a surface count. Game units.
+constexpr float kBehindPlane = 1;
+
+/// Whether the light can reach the front side of a plane.
+bool OnLitSide(const Light &light, const Vec3f &center, const Vec3f &normal) {
+    if (!light.twoSided && Dot(light.normal, normal) > kSameFacing)
+        return false;
+    const Vec3f origin = light.type == LightType::Sun ? light.normal * -kSunDistance : light.origin;
+    return Dot(origin - center, normal) >= -kBehindPlane;
+}
+
+} // namespace
+
+void LuxelLightList::Build(const LightsByCluster &all, const RawLightmap &lightmap, bool sunOnly) {
+    list_.clear();
+    const Vec3f center = lightmap.bounds.Center();
+    const float radius = 0.5f * Length(lightmap.bounds.maxs - lightmap.bounds.mins);
+    const auto use = [&](std::size_t number) {
+        const Light &light = all.Lights()[number];
+        const bool sun = light.type == LightType::Sun;
+        if (!light.surfaces || light.envelope <= 0 || (sunOnly && !sun))
+            return;
+        if (!sun && (Length(light.origin - center) - light.envelope - radius > 0 || ConeMisses(light, center, radius)))
+            return;
+        if (lightmap.planar && !lightmap.twoSided && !OnLitSide(light, center, lightmap.planeNormal))
+            return;
+        list_.push_back(&light);
+    };
+    if (!lightmap.clusters.empty())
+        all.ForEach(lightmap.clusters, use);
+    else
+        for (std::size_t i = 0; i < all.Lights().size(); ++i)
+            use(i);
+}
+
+// ---- Shadow maps: the visibility of named lights at luxels ----
+
+namespace {
+
+/// Light of the named lights at the super luxels of one raw lightmap, with and without shadows.
+struct NamedLight {
+    std::vector<float> arriving, unshadowed;
+};
+
+void AddLight(const Light &light, bool shadows, const SurfaceInputs &in, const RawLightmap &raw, LuxelBlocks &blocks,
+              std::vector<float> &sums, ContributionCounts &counts) {
+    const SurfaceLightSettings settings{.pointAreas = in.lightmap.faster,
+                                        .halfLambert = in.lightmap.halfLambert,
+                                        .occlusion = shadows,
+                                        .receiveShadows = raw.receiveShadows};
+    std::vector<std::uint32_t> reached;
+    blocks.FindReached(light, settings, reached);
+    SurfaceIncidentLight incident;
+    for (const std::uint32_t block : reached) {
+        LightContributionToSample(light, settings, in.scene, blocks.Receivers(block), incident, counts);
+        for (std::size_t i = 0; i < blocks.Receivers(block).count; ++i)
+            if (incident.live[i] != 0)
+                sums[blocks.Luxels(block)[i]] +=
+                    incident.add[i] * (incident.tinted ? Luminance(incident.tint[i]) / Luminance({1, 1, 1}) : 1);
+    }
+}
+
+} // namespace
+
+void FindVisibility(const SurfaceInputs &in, const std::vector<Light> &lights, SurfaceLight &surfaces,
+                    ContributionCounts &counts) {
+    const std::vector<std::string> &names = in.lightmap.shadowMaps;
+    for (const std::string &name : names)
+        if (std::none_of(lights.begin(), lights.end(), [&](const Light &light) { return light.name == name; }))
+            in.log.Warn("shadow map", "-shadowmap {}: no light has this targetname", name);
+    std::vector<LuxelBlocks> blocks(std::size_t(in.jobs.Threads()));
+    std::vector<ContributionCounts> work(blocks.size());
+    in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int worker) {
+        RawLightmap &raw = surfaces.lightmaps[std::size_t(number)];
+        LuxelBlocks &own = blocks[std::size_t(worker)];
+        own.Build(raw);
+        raw.visibility.resize(names.size());
+        for (std::size_t n = 0; n < names.size(); ++n) {
+            NamedLight sums{std::vector<float>(raw.luxelClusters.size()), std::vector<float>(raw.luxelClusters.size())};
+            for (const Light &light : lights)
+                if (light.name == names[n]) {
+                    AddLight(light, true, in, raw, own, sums.arriving, work[std::size_t(worker)]);
+                    AddLight(light, false, in, raw, own, sums.unshadowed, work[std::size_t(worker)]);
+                }
+            raw.visibility[n] = LuxelMeans(raw, -1.0f, [&](std::size_t at) {
+                return sums.unshadowed[at] > 0 ? std::min(1.0f, sums.arriving[at] / sums.unshadowed[at]) : 0;
+            });
+        }
+    });
+    for (const ContributionCounts &one : work)
+        counts += one;
+}
+
+// ---- Debug views: luxels show something other than light ----
+
+void DrawDebugView(DebugView view, RawLightmap &lightmap) {
+    for (std::size_t i = 0; i < lightmap.luxelClusters.size(); ++i) {
+        if (!lightmap.Mapped(i))
+            continue;
+        Vec3f &color = lightmap.light[0][i];
+        switch (view) {
+        case DebugView::Light:
+            break;
+        case DebugView::Surfaces:
+            color = DebugColor(lightmap.surfaces.empty() ? 0 : lightmap.surfaces.front());
+            break;
+        case DebugView::Axis:
+            color = VectorColor(lightmap.axis);
+            break;
+        case DebugView::Cluster:
+            color = DebugColor(lightmap.luxelClusters[i]);
+            break;
+        case DebugView::Origin:
+            color = PositionColor(lightmap.positions[i], lightmap.bounds);
+            break;
+        case DebugView::Dirt: // FinishLuxels multiplies by it
+            color = {255, 255, 255};
+            break;
+        case DebugView::NormalMap:
+            color = VectorColor(lightmap.normals[i]);
+            break;
+        }
+    }
+}
+
+// ---- Direct light on luxels ----
 
 namespace {
 

@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. -samples: adaptive supersampling of luxels at shadow edges.
 #include "q3map2/lightmap/direct/luxel_samples.h"
 
-#include "q3map2/light/scene/light_way.h"
+#include "q3map2/light/scene/open_parts.h"
 
-#include "libs/math/low_discrepancy.h"
+#include "libs/math/sampling.h"
 
 #include <algorithm>
 #include <cmath>

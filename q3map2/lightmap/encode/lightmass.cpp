@@ -29,7 +29,7 @@ std::uint8_t UnitByte(float value) {
 }
 
 /// The axes of a normal in the order of the direction's coefficients.
-Vec3f ShOrder(const Vec3f &n) {
+Vec3f SHOrder(const Vec3f &n) {
     return {n.y, n.z, n.x};
 }
 
@@ -128,7 +128,7 @@ void QuantizeImages(std::span<const LuxelLight> luxels, std::span<const std::siz
     std::vector<float> luminance;
     for (std::size_t m = 0; m < mapped.size(); m++) {
         const LuxelLight &luxel = luxels[mapped[m]];
-        const Vec3f color = NotNegative(luxel.coefficients[image]), n = ShOrder(luxel.normal);
+        const Vec3f color = NotNegative(luxel.coefficients[image]), n = SHOrder(luxel.normal);
         const float l = DirectionalLuminance(color);
         roots.push_back(RootChromaticity(color, l));
         const float exact = kL1Flat + Dot(luxel.coefficients[image + 1], n), stored = kL1Flat + Dot(directions[m], n);

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Lightmaps in the layout of Unreal's Lightmass: log luminance, chromaticity, direction of luminance.
 #pragma once
 
-#include "q3map2/lightmap/encode/l1_light.h"
+#include "q3map2/lightmap/encode/rnm.h"
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Radiosity normal mapping: light on three basis normals.
+// GPL-2.0-or-later. Directional light as stored: L1 spherical harmonics, and radiosity normal mapping.
 #include "q3map2/lightmap/encode/rnm.h"
 
 #include <algorithm>

@@ -1,8 +1,9 @@
-// GPL-2.0-or-later. Settings of lightmaps, vertex light and bounces. Const after parsing.
+// GPL-2.0-or-later. Settings of lightmaps, vertex light and bounces, declared once. Const after parsing.
 #pragma once
 
 #include "common/arguments.h"
 #include "common/log.h"
+#include "common/settings.h"
 #include "libs/math/vec.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/shader/games.h"
@@ -32,7 +33,7 @@ enum class HdrFiles {
 /// What luxels show instead of light: the -debug... options.
 enum class DebugView { Light, Surfaces, Axis, Cluster, Origin, Dirt, NormalMap };
 
-/// Declared, with units, ranges and help, in lightmap_settings.cpp.
+/// Declared, with units, ranges and help, in lightmap_options.cpp.
 struct LightmapOptions {
     bool onlyGrid = false; ///< -onlygrid: lightmaps and vertex colors stay as they are
 
@@ -95,7 +96,7 @@ struct LightmapOptions {
     bool rnmRescaled = true;          ///< -rnmstorage
     bool lightmass = false, skyOcclusion = false;
     std::vector<std::string> shadowMaps; ///< -shadowmap: names of lights
-    bool NeedsSh() const { return lightmass; }
+    bool NeedsSH() const { return lightmass; }
 
     // Debug.
     bool debug = false, border = false, debugNormals = false, debugDeluxe = false, debugSampleSize = false;
@@ -106,5 +107,8 @@ struct LightmapOptions {
 /// concern the grids come from `light`, which is parsed first. Errors: Error, for values out of range; a page size that
 /// is no power of two is a warning, and the game's is used.
 LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &light, const Game &game, Log &log);
+
+/// The options of the light stage that LightSettings lacks: lightmaps, vertex light, bounces.
+std::vector<SettingGroup<LightmapOptions>> LightmapSettings();
 
 } // namespace q3

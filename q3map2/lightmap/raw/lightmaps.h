@@ -2,20 +2,86 @@
 #pragma once
 
 #include "common/jobs.h"
+#include "libs/math/vec.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/surface_table.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/transfer/light_contribution.h"
 #include "q3map2/light/transfer/light_sample.h"
 #include "q3map2/lightmap/options/lightmap_options.h"
-#include "q3map2/lightmap/raw/directional_channels.h"
-#include "q3map2/lightmap/raw/style_slots.h"
+#include "q3map2/lightmap/raw/style_choice.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 namespace q3 {
+
+/// Weight of the direction from which light of this color, byte scale, arrives: 1 for white.
+inline float DeluxeWeight(const Vec3f &color) {
+    return std::max(0.0f, Luminance(color)) / 255;
+}
+
+/// Bounced light counts by this share of its weight: it comes from the whole hemisphere, so its mean direction
+/// says little.
+inline constexpr float kDeluxeBounceShare = 0.25f;
+
+/// RGB values kept per luxel and style, byte scale like the light itself, and linear in it:
+///
+///     sh:    four channels, the bands 0 and 1 of the SH projection of incident light in the order 1, y, z, x of sh.h,
+///            world space. Light c from the unit vector w adds pi k0 c to the first and pi k1 c w to the others, so
+///            k0 c0 + 2/3 k1 (c1 . n) approximates the light on normal n
+///     basis: three channels, the light on the RNM basis normals: c max(0, b_i . w)
+///
+/// Uniform light c, the same on all normals, adds c / k0 to the first channel of sh and c to those of basis.
+struct DirectionalChannels {
+    bool sh = false, basis = false;
+
+    static constexpr std::size_t kSH = 4, kBasis = 3;
+    std::size_t Count() const { return (sh ? kSH : 0) + (basis ? kBasis : 0); }
+    std::size_t FirstBasis() const { return sh ? kSH : 0; }
+    bool Any() const { return sh || basis; }
+    bool IsSH(std::size_t channel) const { return sh && channel < kSH; }
+};
+inline constexpr std::size_t kMaxChannels = DirectionalChannels::kSH + DirectionalChannels::kBasis;
+
+/// Constants of the SH basis, k0 and k1.
+inline constexpr float kSH0 = 0.28209479f, kSH1 = 0.48860251f;
+/// Channel values per unit of light: the two bands of directed light, and uniform light.
+inline constexpr float kDirectedSH0 = std::numbers::pi_v<float> * kSH0, kDirectedSH1 = std::numbers::pi_v<float> * kSH1,
+                       kUniformSH0 = 1 / kSH0;
+
+/// A value per channel, SH channels first.
+using ChannelWeights = std::array<float, kMaxChannels>;
+/// [channel][luxel].
+using ChannelImages = std::vector<std::vector<Vec3f>>;
+
+/// The three RNM basis normals of a luxel in world space.
+using BasisNormals = std::array<Vec3f, DirectionalChannels::kBasis>;
+
+/// Tangent of a luxel: along growing texture coordinate s, not exactly perpendicular to its normal.
+struct LuxelTangent {
+    Vec3f s;
+    float side = 1; ///< 1, or -1 where the texture is mirrored: t grows against normal x s
+};
+
+/// kRnmBasis in the frame of s, t and the normal. A tangent along the normal gives an arbitrary frame.
+BasisNormals BasisNormalsOf(const Vec3f &normal, const LuxelTangent &tangent);
+
+/// Channel values per unit of light from the unit vector `w`. basis: null without basis channels.
+ChannelWeights WeightsOf(const Vec3f &w, const DirectionalChannels &channels, const BasisNormals *basis);
+/// Channel values per unit of uniform light.
+ChannelWeights UniformWeights(const DirectionalChannels &channels);
+
+/// A byte for each luxel of a lightmap, row by row; not 0: set.
+using LuxelMask = std::vector<std::uint8_t>;
+
+/// Dilation by 3 x 3: not 0 where the mask is set for the luxel or one of its up to 8 neighbors. `mask` has
+/// width * height bytes.
+LuxelMask Dilate(const LuxelMask &mask, int width, int height);
 
 /// lightmapNum of surfaces that are lit at their vertices.
 inline constexpr int kLightmapByVertex = -3;
@@ -69,10 +135,10 @@ struct RawLightmap {
     std::vector<Vec3f> positions, normals; ///< of the receiver that stands for the luxel
     std::vector<int> luxelClusters;        ///< cluster of the position, or NoCluster
     bool Mapped(std::size_t luxel) const { return luxelClusters[luxel] >= 0; }
-    std::vector<LuxelTangent> tangents; ///< luxel_tangents.cpp; empty unless channels.basis
+    std::vector<LuxelTangent> tangents; ///< luxel_normal.cpp; empty unless channels.basis
     BasisNormals BasisOf(std::size_t luxel) const { return BasisNormalsOf(normals[luxel], tangents[luxel]); }
 
-    // Super grid, once: luxel_dirt.cpp, luxel_flood.cpp. Empty when off.
+    // Super grid, once: luxel_occlusion.cpp, luxel_occlusion.cpp. Empty when off.
     std::vector<float> dirt;       ///< factor of the light, 0 to 1
     std::vector<Vec3f> floodlight; ///< byte scale
     ChannelImages floodChannels;
@@ -92,7 +158,7 @@ struct RawLightmap {
     std::vector<Vec3f> resultDirections;
     std::vector<Vec3f> tint; ///< factor of `result` and `resultChannels` by a macro texture; empty: none
 
-    // width x height, for -lightmass: luxel_occlusion.cpp, luxel_visibility.cpp. Empty when off.
+    // width x height, for -lightmass: luxel_occlusion.cpp, luxel_light.cpp. Empty when off.
     std::vector<float> unoccluded;              ///< factor of dirt, 1 in the open
     std::vector<Vec3f> skyOcclusion;            ///< mean direction of visible sky; its length is the visible share
     std::vector<std::vector<float>> visibility; ///< [LightmapOptions::shadowMaps][luxel], 0 to 1; -1: unknown
@@ -134,5 +200,63 @@ struct SurfaceInputs {
 struct SurfacePass {
     bool bounce = false; ///< bounced light only: no ambient, no floodlight, vertices without dirt
 };
+
+/// Calls use(luxel, x, y) for all mapped luxels of the super grid, in tiles of `side` x `side` luxels, row by row of
+/// tiles.
+template <typename Use> void ForMappedLuxelsByTile(const RawLightmap &raw, int side, const Use &use) {
+    const int width = raw.SuperWidth(), height = raw.SuperHeight();
+    for (int top = 0; top < height; top += side)
+        for (int left = 0; left < width; left += side)
+            for (int y = top; y < std::min(top + side, height); ++y)
+                for (int x = left; x < std::min(left + side, width); ++x)
+                    if (const std::size_t luxel = raw.SuperIndex(x, y); raw.Mapped(luxel))
+                        use(luxel, x, y);
+}
+
+/// Gives luxels next to known ones the mean of their known neighbors, ring by ring, until all are known. Without a
+/// known luxel nothing changes. values, known: width x height.
+template <typename T> void FillFromNeighbors(int width, int height, LuxelMask &known, std::vector<T> &values) {
+    const auto index = [&](int x, int y) { return std::size_t(y) * std::size_t(width) + std::size_t(x); };
+    const auto mean = [&](int x, int y) {
+        T sum{};
+        int count = 0;
+        for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
+            for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u)
+                if (known[index(u, v)] != 0)
+                    sum += values[index(u, v)], ++count;
+        return sum / float(count);
+    };
+    for (bool grown = true; grown;) {
+        const LuxelMask ring = Dilate(known, width, height);
+        grown = false;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                if (const std::size_t at = index(x, y); ring[at] != 0 && known[at] == 0)
+                    values[at] = mean(x, y), grown = true;
+        for (std::size_t at = 0; at < known.size(); ++at)
+            known[at] |= ring[at];
+    }
+}
+
+/// By luxel, width x height: the mean of value(super luxel) over its mapped super luxels. Luxels without mapped
+/// super luxels take the mean of their neighbors, as light does; `otherwise` if nothing is mapped.
+template <typename T, typename Value>
+std::vector<T> LuxelMeans(const RawLightmap &raw, const T &otherwise, const Value &value) {
+    std::vector<T> means(std::size_t(raw.width) * std::size_t(raw.height), otherwise);
+    LuxelMask known(means.size());
+    for (int y = 0; y < raw.height; ++y)
+        for (int x = 0; x < raw.width; ++x) {
+            T sum{};
+            int count = 0;
+            for (int sy = y * raw.super; sy < (y + 1) * raw.super; ++sy)
+                for (int sx = x * raw.super; sx < (x + 1) * raw.super; ++sx)
+                    if (const std::size_t at = raw.SuperIndex(sx, sy); raw.Mapped(at))
+                        sum += value(at), ++count;
+            if (count > 0)
+                means[raw.Index(x, y)] = sum / float(count), known[raw.Index(x, y)] = 1;
+        }
+    FillFromNeighbors(raw.width, raw.height, known, means);
+    return means;
+}
 
 } // namespace q3

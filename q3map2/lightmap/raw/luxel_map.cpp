@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The position, normal and cluster at which each luxel is lit.
 #include "q3map2/lightmap/raw/luxel_map.h"
 
-#include "q3map2/lightmap/raw/luxel_masks.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
 #include "q3map2/lightmap/raw/luxel_position.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
@@ -372,9 +372,9 @@ void Report(const SurfaceLight &surfaces, const std::vector<MapCounts> &counts, 
         for (std::size_t k = 0; k < sum.positions.nudges.size(); ++k)
             sum.positions.nudges[k] += counts[i].positions.nudges[k];
     }
-    log.Count((long long)(luxels), "luxels");
-    log.Count((long long)(sum.mapped), "luxels mapped");
-    log.Count((long long)(sum.occluded), "luxels occluded");
+    log.Count(luxels, "luxels");
+    log.Count(sum.mapped, "luxels mapped");
+    log.Count(sum.occluded, "luxels occluded");
     log.Verbose("{:9} luxels lit at their center, {} nudged, {} at a vertex; {} attempts failed\n",
                 sum.positions.nudges[0],
                 std::accumulate(sum.positions.nudges.begin() + 1, sum.positions.nudges.end(), std::uint64_t(0)),

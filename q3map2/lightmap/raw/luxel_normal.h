@@ -1,10 +1,50 @@
-// GPL-2.0-or-later. Normal mapping: q3map_normalImage, q3map_ssbumpImage.
+// GPL-2.0-or-later. Normals and tangents of luxels: normal maps, texture axes, debug colors.
 #pragma once
 
 #include "common/image/image.h"
+#include "libs/math/vec.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
 namespace q3 {
+
+/// Unit vectors along which s and t grow.
+struct TextureAxes {
+    Vec3f s, t;
+};
+
+/// The texture axes of a triangle; none if it has no area in texture space.
+inline std::optional<TextureAxes> TextureAxesOf(const SurfaceVertex &a, const SurfaceVertex &b,
+                                                const SurfaceVertex &c) {
+    constexpr float kLeastArea = 1e-8f; // in textures squared
+    const float s1 = b.st[0] - a.st[0], t1 = b.st[1] - a.st[1], s2 = c.st[0] - a.st[0], t2 = c.st[1] - a.st[1];
+    const float area = s1 * t2 - s2 * t1;
+    if (!(std::abs(area) >= kLeastArea))
+        return std::nullopt;
+    const Vec3f ab = b.xyz - a.xyz, ac = c.xyz - a.xyz;
+    const TextureAxes axes{Normalize((ab * t2 - ac * t1) / area), Normalize((ac * s1 - ab * s2) / area)};
+    if (!IsFinite(axes.s) || !IsFinite(axes.t))
+        return std::nullopt;
+    return axes;
+}
+
+/// A unit vector as a color: components -1 to 1 become 0 to 255.
+inline Vec3f VectorColor(const Vec3f &v) {
+    return (v + Vec3f{1, 1, 1}) * 127.5f;
+}
+
+/// A position as a color: its coordinates in the box, 0 to 255.
+inline Vec3f PositionColor(const Vec3f &position, const Boundsf &box) {
+    Vec3f color;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float size = box.maxs[axis] - box.mins[axis];
+        color[axis] = size > 0 ? 255 * std::clamp((position[axis] - box.mins[axis]) / size, 0.0f, 1.0f) : 0;
+    }
+    return color;
+}
 
 /// The normal map of one triangle.
 class NormalMap {
@@ -22,5 +62,9 @@ class NormalMap {
     bool ssbump_;
     Vec3f s_, t_; ///< unit vectors along which the texture coordinates s and t grow
 };
+
+/// Sets the tangents of the raw lightmaps that have basis channels: the mean texture axis of the triangles that pass
+/// through a luxel. Mapped luxels that no triangle covers take the mean of their neighbors. Call after MapLuxels.
+void FindTangents(const SurfaceInputs &in, SurfaceLight &surfaces);
 
 } // namespace q3

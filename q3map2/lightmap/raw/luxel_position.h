@@ -1,9 +1,9 @@
-// GPL-2.0-or-later. The position at which a luxel is lit: near its surface, clear of solids.
+// GPL-2.0-or-later. The position at which a luxel is lit: near its surface, clear of solids, and not in walls.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
-#include "q3map2/lightmap/raw/luxel_axes.h"
-#include "q3map2/lightmap/raw/visible_clusters.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
+#include "q3map2/lightmap/raw/surface_faces.h"
 
 #include <span>
 
@@ -109,5 +109,9 @@ class LuxelPositionFinder {
     const RawLightmap &raw_;
     LuxelAxes axes_;
 };
+
+/// Gives luxels of a planar lightmap whose center is in a wall, and which are shown on several sides of it, the least
+/// light of these sides: light from another side would come through the wall.
+void FillWallLuxels(const BspSpace &space, RawLightmap &raw);
 
 } // namespace q3

@@ -2,8 +2,8 @@
 #include "q3map2/lightmap/raw/macro_texture.h"
 
 #include "common/error.h"
-#include "q3map2/lightmap/raw/luxel_means.h"
-#include "q3map2/shader/shader_color.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
 #include <cmath>

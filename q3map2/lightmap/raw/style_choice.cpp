@@ -1,7 +1,5 @@
-// GPL-2.0-or-later. Chooses the light styles that a surface keeps if more reach it than it can hold.
+// GPL-2.0-or-later. The light styles of a surface: slots, and the choice if more reach it than it can hold.
 #include "q3map2/lightmap/raw/style_choice.h"
-
-#include "q3map2/lightmap/raw/style_slots.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,13 @@
-// GPL-2.0-or-later. Chooses the light styles that a surface keeps if more reach it than it can hold.
+// GPL-2.0-or-later. The light styles of a surface: slots, and the choice if more reach it than it can hold.
 #pragma once
 
 #include "common/log.h"
 #include "q3map2/light/sources/light_sources.h"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <span>
@@ -11,6 +15,25 @@
 #include <vector>
 
 namespace q3 {
+
+/// Light styles that one surface can hold.
+inline constexpr std::size_t kStyles = 4;
+/// Style by slot; slot 0 holds style 0, and free slots come last.
+using Styles = std::array<std::uint8_t, kStyles>;
+/// Marks a free slot.
+inline constexpr std::uint8_t kNoStyle = 255;
+inline constexpr Styles kOnlyStyle0{0, kNoStyle, kNoStyle, kNoStyle};
+
+/// The slot that holds the style; kStyles if none does.
+inline std::size_t FindStyleSlot(const Styles &styles, int style) {
+    return std::size_t(std::find(styles.begin(), styles.end(), style) - styles.begin());
+}
+
+/// The slot that holds the style, else the first free one; kStyles if other styles hold all.
+inline std::size_t StyleSlotFor(const Styles &styles, int style) {
+    const std::size_t known = FindStyleSlot(styles, style);
+    return known < kStyles ? known : FindStyleSlot(styles, kNoStyle);
+}
 
 /// Names of the lights that were left out, by surface.
 using DroppedLights = std::vector<std::vector<std::string>>;

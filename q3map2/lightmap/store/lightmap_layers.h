@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Lightmaps to be packed: copies of the results, one per style; similar ones share texels.
+// GPL-2.0-or-later. Lightmaps to be packed: one per style, those that vertex colors can replace left out, similar ones
+// in shared texels.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
@@ -50,5 +51,15 @@ void JoinTwins(std::vector<LightmapLayer> &layers);
 /// first).
 std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces,
                                       const LightmapLayers &stored);
+
+/// Whether vertex colors replace a lightmap.
+enum class VertexStandIn {
+    No,
+    Forced, ///< yes: the surfaces are at most 2 luxels large
+    Close   ///< yes: interpolated vertex colors are within -approx of the lightmap, in bytes
+};
+
+/// By raw lightmap. All No without -approx.
+std::vector<VertexStandIn> FindVertexStandIns(const SurfaceInputs &in, const SurfaceLight &surfaces);
 
 } // namespace q3

@@ -1,16 +1,104 @@
-// GPL-2.0-or-later. Lightmap pages and generated shaders as files beside the map.
+// GPL-2.0-or-later. Lightmap pages and generated shaders as files beside the map, and the options of -export and
+// -import.
 #include "q3map2/lightmap/store/lightmap_pages.h"
 
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
-#include "common/text/counted.h"
-#include "q3map2/lightmap/store/hdr_pages.h"
+#include "common/text/text.h"
+#include "libs/math/packed_color.h"
+#include "q3map2/lightmap/store/hdr_store.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <system_error>
 
 namespace q3 {
+
+// ---- Options of the stages -export and -import ----
+
+std::vector<SettingGroup<ExportOptions>> ExportSettings() {
+    return {{"HDR light",
+             "Of maps with the BSPX lumps `LIGHTING_E5BGR9` or `LIGHTING_RNM` ([bsp_format.md](bsp_format.md)).",
+             {{{.name = "-hdrformat",
+                .values = "exr|pfm|hdr|exp32|rend2|ioquake3",
+                .kind = SettingKind::Choice,
+                .initial = "-export: exr, or pfm if built without OpenEXR; -import: each that is there",
+                .help = "Format of the images of HDR lightmaps",
+                .details = "`exr` and `pfm` hold the values of a map exactly, `hdr` (Radiance) to 1/256 of the largest "
+                           "channel. `exp32` is JSON for tools of Source: `width`, `height` and `texels`, a "
+                           "`[r, g, b, exponent]` for each luxel, byte * 2^exponent, where 255 is full light; row 0 of "
+                           "the page comes first. In the others 1 is full light, and the picture is as upside down as "
+                           "that of the `.tga`. `rend2` and `ioquake3` are the files `lm_NNNN.hdr` and `vertlight.raw` "
+                           "that OpenJK and ioquake3 load."},
+               &ExportOptions::hdrFormat}}}};
+}
+
+ExportOptions ParseExportOptions(Arguments &arguments, Log &log) {
+    ExportOptions options;
+    TakeSettings(ExportSettings(), options, arguments, log);
+    return options;
+}
+
+// ---- Lightmaps as JSON of ColorRGBExp32 ----
+
+namespace {
+
+using nlohmann::json;
+
+/// The value as an integer in low..high; `what` names it in the error.
+int IntegerOf(const json &value, int low, int high, std::string_view what, std::string_view name) {
+    if (!value.is_number_integer() || value < low || value > high)
+        throw Error("{}: {}: expected an integer in {}..{}", name, what, low, high);
+    return value.get<int>();
+}
+
+const json &MemberOf(const json &object, const char *member, std::string_view name) {
+    if (!object.is_object() || !object.contains(member))
+        throw Error("{}: {}: missing", name, member);
+    return object.at(member);
+}
+
+} // namespace
+
+std::vector<std::byte> EncodeExp32Json(const FloatImage &image) {
+    std::string text =
+        fmt::format("{{\n    \"width\": {},\n    \"height\": {},\n    \"texels\": [\n", image.width, image.height);
+    for (std::size_t i = 0; i < image.texels.size(); ++i) {
+        const ColorRgbExp32 code = EncodeRgbExp32(image.texels[i]);
+        fmt::format_to(std::back_inserter(text), "        [{}, {}, {}, {}]{}\n", code.r, code.g, code.b,
+                       int(code.exponent), i + 1 < image.texels.size() ? "," : "");
+    }
+    text += "    ]\n}\n";
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+}
+
+FloatImage DecodeExp32Json(std::span<const std::byte> file, std::string_view name) {
+    const json all = json::parse(AsText(file), nullptr, false);
+    if (all.is_discarded())
+        throw Error("{}: not valid JSON", name);
+    constexpr int kMaxSide = 16384;
+    FloatImage image;
+    image.width = IntegerOf(MemberOf(all, "width", name), 1, kMaxSide, "width", name);
+    image.height = IntegerOf(MemberOf(all, "height", name), 1, kMaxSide, "height", name);
+    const json &texels = MemberOf(all, "texels", name);
+    const std::size_t count = std::size_t(image.width) * std::size_t(image.height);
+    if (!texels.is_array() || texels.size() != count)
+        throw Error("{}: texels: expected an array of {} x {}", name, image.width, image.height);
+    for (const json &texel : texels) {
+        if (!texel.is_array() || texel.size() != 4)
+            throw Error("{}: texels: expected [r, g, b, exponent] for each", name);
+        const auto byte = [&](std::size_t i) { return std::uint8_t(IntegerOf(texel[i], 0, 255, "texels", name)); };
+        image.texels.push_back(
+            DecodeRgbExp32({byte(0), byte(1), byte(2), std::int8_t(IntegerOf(texel[3], -128, 127, "texels", name))}));
+    }
+    return image;
+}
+
+// ---- Lightmap pages and generated shaders as files beside the map ----
 
 namespace {
 
@@ -51,7 +139,7 @@ void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stor
     }
     if (written == 0)
         return;
-    log.Print("Wrote {} to {}\n", Counted((long long)(written), "lightmaps"), folder.string());
+    log.Print("Wrote {} to {}\n", Counted(written, "lightmaps"), folder.string());
     std::error_code ignored;
     while (std::filesystem::remove(PageFile(folder, next), ignored))
         ++next;
@@ -73,7 +161,7 @@ void WriteScript(const std::filesystem::path &script, const StoredLightmaps &sto
         text += fmt::format("\n{}\n{}{}", one.shader, one.text, one.text.ends_with('\n') ? "" : "\n");
     MakeFolder(script.parent_path());
     ReplaceTextFile(script, text);
-    log.Print("Wrote {} to {}\n", Counted((long long)(stored.scripts.size()), "shaders"), script.string());
+    log.Print("Wrote {} to {}\n", Counted(stored.scripts.size(), "shaders"), script.string());
 }
 
 void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log,
@@ -88,7 +176,7 @@ void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &fold
         ReplaceFile(ExportedFile(folder, i),
                     EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side, side, 3, TgaRows::BottomFirst));
     if (pages > 0)
-        log.Print("Wrote {} to {}\n", Counted((long long)(pages), "lightmaps"), folder.string());
+        log.Print("Wrote {} to {}\n", Counted(pages, "lightmaps"), folder.string());
     ExportHdrLight(bsp, side, folder, options.hdrFormat, log);
 }
 
@@ -122,7 +210,7 @@ void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Lo
             }
         ++replaced;
     }
-    log.Print("Read {} of {} from {}\n", replaced, Counted((long long)(pages), "lightmaps"), folder.string());
+    log.Print("Read {} of {} from {}\n", replaced, Counted(pages, "lightmaps"), folder.string());
 }
 
 } // namespace q3

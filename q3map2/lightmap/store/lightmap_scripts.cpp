@@ -2,8 +2,8 @@
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 
 #include "common/text/text.h"
-#include "q3map2/bspfile/written_keys.h"
-#include "q3map2/light/sources/style_wave.h"
+#include "q3map2/bspfile/entity_key.h"
+#include "q3map2/light/sources/light_styles.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,14 +1,12 @@
 // GPL-2.0-or-later. Stores the light of surfaces in the Bsp: pages, coordinates, vertex colors, generated shaders.
 #include "q3map2/lightmap/store/lightmap_store.h"
 
-#include "common/text/counted.h"
-#include "q3map2/light/tone/light_tone.h"
-#include "q3map2/lightmap/store/lightmap_approx.h"
+#include "common/text/text.h"
+#include "q3map2/light/options/light_tone.h"
+#include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/store/lightmap_layers.h"
 #include "q3map2/lightmap/store/lightmap_pack.h"
 #include "q3map2/lightmap/store/lightmap_scripts.h"
-#include "q3map2/lightmap/store/page_light.h"
-#include "q3map2/lightmap/store/stored_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -160,7 +158,7 @@ class Storer {
         EncodeLightmass(in_, surfaces_, stored_, result_.lightmass);
         for (LightmapLayer &layer : stored_.layers) // frees memory for HDR pages and basis maps
             for (std::size_t c = 0; c < layer.channels.size(); ++c)
-                if (layer.kinds.IsSh(c))
+                if (layer.kinds.IsSH(c))
                     layer.channels[c] = {};
     }
 
@@ -355,12 +353,12 @@ class Storer {
                   stored > 0 ? 100 * double(used_) / double(stored) : 0);
         log.Count(solid, "solid surface lightmaps");
         log.Print("{:9} identical surface {}, using {}\n", twins, twins == 1 ? "lightmap" : "lightmaps",
-                  Counted((long long)(twinLuxels), "luxels"));
+                  Counted(twinLuxels, "luxels"));
         log.Count(forced_, "vertex forced surfaces");
         log.Count(approximated_, "vertex approximated surfaces");
         log.Count(in_.lightmap.external ? 0 : numbered, "BSP lightmaps");
-        log.Count((long long)(result_.pages.size()), "total lightmaps");
-        log.Count((long long)(combinations_.size()), "unique lightmap/shader combinations");
+        log.Count(result_.pages.size(), "total lightmaps");
+        log.Count(combinations_.size(), "unique lightmap/shader combinations");
     }
 
     const SurfaceInputs &in_;

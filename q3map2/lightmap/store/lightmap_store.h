@@ -1,9 +1,11 @@
 // GPL-2.0-or-later. Stores the light of surfaces in the Bsp: pages, coordinates, vertex colors, generated shaders.
 #pragma once
 
+#include "q3map2/light/options/light_tone.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/store/lightmass_pages.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -11,6 +13,34 @@
 #include <vector>
 
 namespace q3 {
+
+/// Mean normal of the super luxels of a luxel.
+inline Vec3f MeanNormal(const RawLightmap &lightmap, int x, int y) {
+    Vec3f sum;
+    for (int sy = y * lightmap.super; sy < (y + 1) * lightmap.super; ++sy)
+        for (int sx = x * lightmap.super; sx < (x + 1) * lightmap.super; ++sx)
+            if (const std::size_t at = lightmap.SuperIndex(sx, sy); lightmap.luxelClusters[at] != kUnmapped)
+                sum += lightmap.normals[at];
+    return sum == Vec3f{} ? lightmap.planeNormal : Normalize(sum);
+}
+
+/// Tone of lightmaps and vertices, limited by worldspawn's _maxlight.
+inline ToneOptions StoredTone(const SurfaceInputs &in) {
+    ToneOptions tone = in.options.tone;
+    tone.maxLight = std::min(tone.maxLight, in.world.maxLight);
+    return tone;
+}
+
+/// Factor of vertex light on a surface with `shader`.
+inline float VertexScale(const SurfaceInputs &in, const ShaderInfo &shader) {
+    return shader.vertexScale * in.lightmap.vertexScale;
+}
+
+/// Stored color of a vertex that receives `light` (byte scale), on a surface with `shader`.
+inline std::array<std::uint8_t, 3> VertexBytes(const SurfaceInputs &in, const ShaderInfo &shader, const Vec3f &light,
+                                               const ToneOptions &tone) {
+    return ColorToBytes(Max(light, in.world.minVertex), VertexScale(in, shader), 1, tone);
+}
 
 /// A lightmap page: RGB rows.
 struct LightmapPage {

@@ -3,9 +3,8 @@
 
 #include "common/files/files.h"
 #include "common/image/image.h"
-#include "common/text/counted.h"
-#include "q3map2/lightmap/store/luxel_normals.h"
-#include "q3map2/lightmap/store/stored_light.h"
+#include "common/text/text.h"
+#include "q3map2/lightmap/store/lightmap_store.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -193,7 +192,7 @@ void WriteLightmass(const std::filesystem::path &folder, std::string_view mapNam
                        {"pages", pages},
                        {"lightmaps", places}};
     ReplaceTextFile(folder / kDescription, json.dump(1) + "\n");
-    log.Print("Wrote {} and {} to {}\n", Counted((long long)(written), "images"), kDescription, folder.string());
+    log.Print("Wrote {} and {} to {}\n", Counted(written, "images"), kDescription, folder.string());
 }
 
 } // namespace q3

@@ -33,10 +33,10 @@ static	byte	*shGridBytes;
 
 /*
 ===============
-R_FreeShGrid
+R_FreeSHGrid
 ===============
 */
-void R_FreeShGrid( void ) {
+void R_FreeSHGrid( void ) {
 	free( shGridBytes );
 	shGridBytes = NULL;
 	Com_Memset( &shGridWorld, 0, sizeof( shGridWorld ) );
@@ -44,22 +44,22 @@ void R_FreeShGrid( void ) {
 
 /*
 ===============
-R_RegisterShGrid
+R_RegisterSHGrid
 ===============
 */
-void R_RegisterShGrid( void ) {
+void R_RegisterSHGrid( void ) {
 	r_shgrid = ri.Cvar_Get( "r_shgrid", "1", CVAR_ARCHIVE );
 	r_showshgrid = ri.Cvar_Get( "r_showshgrid", "0", CVAR_CHEAT );
 }
 
 /*
 ===============
-R_ParseShGridKeys
+R_ParseSHGridKeys
 
 Reads the keys of worldspawn that describe the grid
 ===============
 */
-static void R_ParseShGridKeys( const char *entities ) {
+static void R_ParseSHGridKeys( const char *entities ) {
 	char	*p, *token;
 	char	key[MAX_TOKEN_CHARS];
 
@@ -92,12 +92,12 @@ static void R_ParseShGridKeys( const char *entities ) {
 
 /*
 ===============
-R_ShGridForm
+R_SHGridForm
 
 Where the lump was found
 ===============
 */
-static const char *R_ShGridForm( const byte *file, const byte *lump ) {
+static const char *R_SHGridForm( const byte *file, const byte *lump ) {
 	if ( shGridWorld.grid.levels ) {
 		return "BSPX LIGHTGRID_SH_SPARSE";
 	}
@@ -109,15 +109,15 @@ static const char *R_ShGridForm( const byte *file, const byte *lump ) {
 
 /*
 ===============
-R_LoadShGrid
+R_LoadSHGrid
 ===============
 */
-void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int shift ) {
+void R_LoadSHGrid( const char *mapName, const byte *file, long fileBytes, int shift ) {
 	const byte		*lump;
 	size_t			lumpBytes;
 	shgrid_result	result;
 
-	R_FreeShGrid();
+	R_FreeSHGrid();
 	shGridWorld.scale = ldexpf( 255.0f, shift );
 	shGridWorld.limit = MIN( 1.0f, 255.0f / shGridWorld.scale );
 	shgrid_parse_tone( NULL, &shGridWorld.tone );
@@ -138,24 +138,24 @@ void R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int sh
 	shGridBytes = malloc( lumpBytes );
 	if ( !shGridBytes ) {
 		ri.Printf( PRINT_WARNING, "WARNING: SH light grid of %s ignored: no memory for it\n", mapName );
-		R_FreeShGrid();
+		R_FreeSHGrid();
 		return;
 	}
 	Com_Memcpy( shGridBytes, lump, lumpBytes );
 	shgrid_parse( shGridBytes, lumpBytes, &shGridWorld.grid );
 
-	R_ParseShGridKeys( (const char *)file + LittleLong( ((const int *)file)[2] ) );
+	R_ParseSHGridKeys( (const char *)file + LittleLong( ((const int *)file)[2] ) );
 
-	ri.Printf( PRINT_ALL, "SH light grid: %s, %i points, %.2f MB%s\n", R_ShGridForm( file, lump ),
+	ri.Printf( PRINT_ALL, "SH light grid: %s, %i points, %.2f MB%s\n", R_SHGridForm( file, lump ),
 		shGridWorld.grid.count, (float)lumpBytes / ( 1024.0f * 1024.0f ), shGridWorld.isRadiance ? ", radiance" : "" );
 }
 
 /*
 ===============
-R_ShGridSample
+R_SHGridSample
 ===============
 */
-void R_ShGridSample( const vec3_t origin, shgrid_coeffs *coeffs ) {
+void R_SHGridSample( const vec3_t origin, shgrid_coeffs *coeffs ) {
 	shgrid_sample( &shGridWorld.grid, origin, coeffs );
 	if ( shGridWorld.isRadiance ) {
 		shgrid_convolve( coeffs );
@@ -164,39 +164,39 @@ void R_ShGridSample( const vec3_t origin, shgrid_coeffs *coeffs ) {
 
 /*
 ===============
-R_ShGridAt
+R_SHGridAt
 ===============
 */
-qboolean R_ShGridAt( const vec3_t origin, shgrid_coeffs *coeffs ) {
+qboolean R_SHGridAt( const vec3_t origin, shgrid_coeffs *coeffs ) {
 	if ( !shGridWorld.grid.points || !r_shgrid->integer ) {
 		return qfalse;
 	}
-	R_ShGridSample( origin, coeffs );
+	R_SHGridSample( origin, coeffs );
 	return qtrue;
 }
 
 /*
 ===============
-R_SetupShGridEntity
+R_SetupSHGridEntity
 ===============
 */
-qboolean R_SetupShGridEntity( shGridEntity_t *ent, qboolean hasWorld, const vec3_t origin,
+qboolean R_SetupSHGridEntity( shGridEntity_t *ent, qboolean hasWorld, const vec3_t origin,
 	vec3_t ambient, vec3_t directed, vec3_t dir ) {
 	VectorClear( ent->dynamicLight );
 	VectorClear( ent->dynamicDir );
-	ent->lit = hasWorld && R_ShGridAt( origin, &ent->coeffs );
+	ent->lit = hasWorld && R_SHGridAt( origin, &ent->coeffs );
 	if ( ent->lit ) {
-		R_ShGridSplit( &ent->coeffs, ambient, directed, dir );
+		R_SHGridSplit( &ent->coeffs, ambient, directed, dir );
 	}
 	return ent->lit;
 }
 
 /*
 ===============
-R_ShGridNear
+R_SHGridNear
 ===============
 */
-int R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
+int R_SHGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
 	size_t	count;
 
 	if ( !shGridWorld.grid.points ) {
@@ -211,13 +211,13 @@ int R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
 
 /*
 ===============
-R_ShGridTurn
+R_SHGridTurn
 
 Band 1 is a vector, and band 2 is n . M n with a symmetric, traceless matrix M: in model axes its elements are
 axis[i] . M axis[j]
 ===============
 */
-void R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out ) {
+void R_SHGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out ) {
 	vec3_t	unit[3];
 	int		i, c;
 
@@ -250,12 +250,12 @@ void R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs 
 
 /*
 ===============
-R_ShGridBytes
+R_SHGridBytes
 
 Turns linear light into what R_ColorShiftLightingBytes makes of the lightmap texel that the compiler stores for it
 ===============
 */
-static void R_ShGridBytes( vec3_t rgb ) {
+static void R_SHGridBytes( vec3_t rgb ) {
 	float	most;
 
 	if ( shGridWorld.hasTone ) {
@@ -269,22 +269,22 @@ static void R_ShGridBytes( vec3_t rgb ) {
 
 /*
 ===============
-R_ShGridLight
+R_SHGridLight
 ===============
 */
-void R_ShGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb ) {
+void R_SHGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb ) {
 	shgrid_evaluate( coeffs, normal, rgb );
-	R_ShGridBytes( rgb );
+	R_SHGridBytes( rgb );
 }
 
 /*
 ===============
-R_ShGridSplit
+R_SHGridSplit
 
 The clamped cosine has the mean 1/4 and band 1 is 1/2 n . dir
 ===============
 */
-void R_ShGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir ) {
+void R_SHGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir ) {
 	const float	*x = coeffs->c[3], *y = coeffs->c[1], *z = coeffs->c[2];
 	int			i;
 
@@ -303,17 +303,17 @@ void R_ShGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed
 	}
 
 	// the tone is not linear: it applies to the light of the bright side, not to the directed part alone
-	R_ShGridBytes( ambient );
-	R_ShGridBytes( directed );
+	R_SHGridBytes( ambient );
+	R_SHGridBytes( directed );
 	VectorSubtract( directed, ambient, directed );
 }
 
 /*
 ===============
-R_ShGridSphere
+R_SHGridSphere
 ===============
 */
-const shGridSphere_t *R_ShGridSphere( void ) {
+const shGridSphere_t *R_SHGridSphere( void ) {
 	static shGridSphere_t	sphere;
 	int		*index = sphere.indexes;
 	int		ring, side;

@@ -48,41 +48,41 @@ extern	cvar_t	*r_shgrid;		// 0: entities are lit by the legacy grid
 extern	cvar_t	*r_showshgrid;	// 1: draw the points near the viewer, 2: colored by kind
 
 // registers the cvars
-void		R_RegisterShGrid( void );
+void		R_RegisterSHGrid( void );
 
 // frees the grid of the last map. To be called when the renderer shuts down, which it does between maps too
-void		R_FreeShGrid( void );
+void		R_FreeSHGrid( void );
 
 // copies the grid of a map file. The file must be as it was read, before its header is swapped;
 // shift is that of R_ColorShiftLightingBytes. A damaged grid is reported and left out.
-void		R_LoadShGrid( const char *mapName, const byte *file, long fileBytes, int shift );
+void		R_LoadSHGrid( const char *mapName, const byte *file, long fileBytes, int shift );
 
 // coefficients of convolved light at a position, in map axes. False if entities are lit by the legacy grid.
-qboolean	R_ShGridAt( const vec3_t origin, shgrid_coeffs *coeffs );
+qboolean	R_SHGridAt( const vec3_t origin, shgrid_coeffs *coeffs );
 
 // the same, whatever r_shgrid is; the map must have a grid
-void		R_ShGridSample( const vec3_t origin, shgrid_coeffs *coeffs );
+void		R_SHGridSample( const vec3_t origin, shgrid_coeffs *coeffs );
 
 // samples the grid for an entity and clears its dynamic lights, which the caller adds; also sets the legacy form of the
 // light. False if the entity is lit by the legacy grid, as without a world
-qboolean	R_SetupShGridEntity( shGridEntity_t *ent, qboolean hasWorld, const vec3_t origin,
+qboolean	R_SetupSHGridEntity( shGridEntity_t *ent, qboolean hasWorld, const vec3_t origin,
 				vec3_t ambient, vec3_t directed, vec3_t dir );
 
 // positions of the stored points within the radius; the radius shrinks until they are at most max. Returns their number
-int			R_ShGridNear( const vec3_t origin, float radius, int max, vec3_t *points );
+int			R_SHGridNear( const vec3_t origin, float radius, int max, vec3_t *points );
 
 // made on the first call
-const shGridSphere_t	*R_ShGridSphere( void );
+const shGridSphere_t	*R_SHGridSphere( void );
 
 // coefficients for normals in the axes of a model, whatever the length of the axes
-void		R_ShGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out );
+void		R_SHGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out );
 
 // light on a surface with that unit normal, 0 to 255: what a lightmap texel of a wall with that normal becomes
 // in R_ColorShiftLightingBytes
-void		R_ShGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb );
+void		R_SHGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb );
 
 // the legacy form of the light, ambient + directed * max( 0, n . dir ), 0 to 255. It has the same mean and the
 // same band 1 along dir, so it is exact for uniform light and for light of one direction.
-void		R_ShGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir );
+void		R_SHGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir );
 
 #endif

@@ -21,16 +21,16 @@ LIGHT OF ENTITIES
 
 /*
 =================
-R_TurnEntityShGrid
+R_TurnEntitySHGrid
 
 Into the axes of the model, so that vertexes need no transformation of their own
 =================
 */
-void R_TurnEntityShGrid( trRefEntity_t *ent ) {
+void R_TurnEntitySHGrid( trRefEntity_t *ent ) {
 	shgrid_coeffs	world = ent->shGrid.coeffs;
 	vec3_t			dir;
 
-	R_ShGridTurn( &world, (const vec3_t *)ent->e.axis, &ent->shGrid.coeffs );
+	R_SHGridTurn( &world, (const vec3_t *)ent->e.axis, &ent->shGrid.coeffs );
 
 	VectorNormalize2( ent->shGrid.dynamicDir, dir );
 	VectorSet( ent->shGrid.dynamicDir, DotProduct( dir, ent->e.axis[0] ), DotProduct( dir, ent->e.axis[1] ),
@@ -39,12 +39,12 @@ void R_TurnEntityShGrid( trRefEntity_t *ent ) {
 
 /*
 =================
-RB_CalcShGridColor
+RB_CalcSHGridColor
 
 RB_CalcDiffuseColor for an entity that is lit by the grid
 =================
 */
-void RB_CalcShGridColor( unsigned char *colors ) {
+void RB_CalcSHGridColor( unsigned char *colors ) {
 	const trRefEntity_t	*ent = backEnd.currentEntity;
 	const qboolean		dynamic = ent->shGrid.dynamicLight[0] || ent->shGrid.dynamicLight[1] || ent->shGrid.dynamicLight[2];
 	int					i, j;
@@ -52,7 +52,7 @@ void RB_CalcShGridColor( unsigned char *colors ) {
 	for ( i = 0 ; i < tess.numVertexes ; i++, colors += 4 ) {
 		vec3_t	rgb;
 
-		R_ShGridLight( &ent->shGrid.coeffs, tess.normal[i], rgb );
+		R_SHGridLight( &ent->shGrid.coeffs, tess.normal[i], rgb );
 		if ( dynamic ) {
 			float	incoming = DotProduct( tess.normal[i], ent->shGrid.dynamicDir );
 
@@ -69,12 +69,12 @@ void RB_CalcShGridColor( unsigned char *colors ) {
 
 /*
 =================
-R_ShGridSpeed_f
+R_SHGridSpeed_f
 
 Measures the CPU time of lighting entities and vertexes around the viewer, by the grid that r_shgrid selects
 =================
 */
-void R_ShGridSpeed_f( void ) {
+void R_SHGridSpeed_f( void ) {
 	enum { ENTITIES = 1000000, BATCHES = 5000, VERTEXES = 900 };
 	trRefdef_t		refdef;
 	trRefEntity_t	ent;
@@ -147,13 +147,13 @@ RB_AddSphere
 */
 static void RB_AddSphere( const vec3_t origin ) {
 	shgrid_coeffs	coeffs;
-	const shGridSphere_t	*sphere = R_ShGridSphere();
+	const shGridSphere_t	*sphere = R_SHGridSphere();
 	const float		*kind = NULL;
 	int				i, j;
 
 	RB_CHECKOVERFLOW( SHGRID_SPHERE_VERTEXES, SHGRID_SPHERE_INDEXES );
 
-	R_ShGridSample( origin, &coeffs );
+	R_SHGridSample( origin, &coeffs );
 	if ( r_showshgrid->integer > 1 ) {
 		kind = R_PointInSolid( origin ) ? colorRed : colorGreen;
 	}
@@ -166,7 +166,7 @@ static void RB_AddSphere( const vec3_t origin ) {
 
 		VectorMA( origin, SHGRID_SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
 		tess.texCoords[tess.numVertexes][0][0] = tess.texCoords[tess.numVertexes][0][1] = 0;
-		R_ShGridLight( &coeffs, sphere->normals[i], rgb );
+		R_SHGridLight( &coeffs, sphere->normals[i], rgb );
 		for ( j = 0 ; j < 3 ; j++ ) {
 			tess.vertexColors[tess.numVertexes][j] = kind ? 0.5f * ( rgb[j] + 255 * kind[j] ) : rgb[j];
 		}
@@ -176,13 +176,13 @@ static void RB_AddSphere( const vec3_t origin ) {
 
 /*
 =================
-RB_ShowShGrid
+RB_ShowSHGrid
 
 Draws points of the grid near the viewer as white spheres lit by their own coefficients. With r_showshgrid 2 those in
 the open are green, and those in solids, whose light is filled in, red; these can be seen through walls.
 =================
 */
-void RB_ShowShGrid( void ) {
+void RB_ShowSHGrid( void ) {
 	static vec3_t	points[SHGRID_SPHERES];
 	int				i, numPoints;
 
@@ -190,7 +190,7 @@ void RB_ShowShGrid( void ) {
 		return;
 	}
 
-	numPoints = R_ShGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
+	numPoints = R_SHGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
 	backEnd.currentEntity = &tr.worldEntity;
 	if ( r_showshgrid->integer > 1 ) {
 		qglDepthRange( 0, 0.3 );

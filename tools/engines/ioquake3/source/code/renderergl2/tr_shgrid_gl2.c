@@ -75,10 +75,10 @@ LIGHT OF ENTITIES
 
 /*
 =================
-GLSL_SetShGridEntity
+GLSL_SetSHGridEntity
 =================
 */
-static void GLSL_SetShGridEntity( shGridProgram_t *program, const trRefEntity_t *ent ) {
+static void GLSL_SetSHGridEntity( shGridProgram_t *program, const trRefEntity_t *ent ) {
 	float	values[SHGRID_ENTITY_FLOATS];
 	float	most = MAX( ent->shGrid.dynamicLight[0], MAX( ent->shGrid.dynamicLight[1], ent->shGrid.dynamicLight[2] ) );
 
@@ -94,12 +94,12 @@ static void GLSL_SetShGridEntity( shGridProgram_t *program, const trRefEntity_t 
 
 /*
 =================
-GLSL_ShGridProgram
+GLSL_SHGridProgram
 
 The program that draws the current entity: sp, or its counterpart with the grid if the grid lights the entity
 =================
 */
-shaderProgram_t *GLSL_ShGridProgram( shaderProgram_t *sp ) {
+shaderProgram_t *GLSL_SHGridProgram( shaderProgram_t *sp ) {
 	const trRefEntity_t	*ent = backEnd.currentEntity;
 	shGridProgram_t		*program;
 
@@ -116,7 +116,7 @@ shaderProgram_t *GLSL_ShGridProgram( shaderProgram_t *sp ) {
 		return sp;
 	}
 
-	GLSL_SetShGridEntity( program, ent );
+	GLSL_SetSHGridEntity( program, ent );
 	return &program->sp;
 }
 
@@ -130,12 +130,12 @@ PROGRAMS
 
 /*
 =================
-GLSL_ShGridSource
+GLSL_SHGridSource
 
 The source of one of the engine's shaders with that of the grid after its header. To be freed with ri.Free
 =================
 */
-static char *GLSL_ShGridSource( GLuint shader, const char *defines ) {
+static char *GLSL_SHGridSource( GLuint shader, const char *defines ) {
 	static const char	marker[] = "#line 0\n";
 	const char	*parts[] = { defines, fallbackShader_shgrid, fallbackShader_shgrid_atlas, fallbackShader_shgrid_light, marker };
 	char	*source, *end;
@@ -152,7 +152,7 @@ static char *GLSL_ShGridSource( GLuint shader, const char *defines ) {
 	source[size] = 0;
 	end = strstr( source, marker );
 	if ( !end ) {
-		ri.Error( ERR_DROP, "GLSL_ShGridSource: a shader without a header" );
+		ri.Error( ERR_DROP, "GLSL_SHGridSource: a shader without a header" );
 	}
 
 	end += strlen( marker );
@@ -166,12 +166,12 @@ static char *GLSL_ShGridSource( GLuint shader, const char *defines ) {
 
 /*
 =================
-GLSL_SetShGridConstants
+GLSL_SetSHGridConstants
 
 Uniforms that are the same for the whole map
 =================
 */
-static void GLSL_SetShGridConstants( GLuint program ) {
+static void GLSL_SetSHGridConstants( GLuint program ) {
 	const shgrid_tone	*tone = &shGridWorld.tone;
 	const shgrid_grid	*grid = &shGridWorld.grid;
 	const qboolean		radiance = shGridWorld.isRadiance;
@@ -182,35 +182,35 @@ static void GLSL_SetShGridConstants( GLuint program ) {
 		ldexp( 1, sh.atlas.shift ), radiance ? M_PI : 1, radiance ? 2 * M_PI / 3 : 1, radiance ? M_PI / 4 : 1 };
 	int		i;
 
-	qglProgramUniform1fvEXT( program, qglGetUniformLocation( program, "u_ShGridTone" ), 9, toneValues );
+	qglProgramUniform1fvEXT( program, qglGetUniformLocation( program, "u_SHGridTone" ), 9, toneValues );
 	if ( !sh.textures[0] ) {
 		return;
 	}
 
-	qglProgramUniform1fvEXT( program, qglGetUniformLocation( program, "u_ShGridPlace" ), 16, placeValues );
+	qglProgramUniform1fvEXT( program, qglGetUniformLocation( program, "u_SHGridPlace" ), 16, placeValues );
 	for ( i = 0 ; i < SHGRID_MAPS ; i++ ) {
-		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, va( "u_ShGridMap%i", i ) ), TB_SHGRIDMAP + i );
+		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, va( "u_SHGridMap%i", i ) ), TB_SHGRIDMAP + i );
 	}
 	if ( sh.atlas.count ) {
-		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, "u_ShGridIndirection" ), TB_SHGRIDINDIRECTION );
+		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, "u_SHGridIndirection" ), TB_SHGRIDINDIRECTION );
 	}
 }
 
 /*
 =================
-GLSL_InitShGridProgram
+GLSL_InitSHGridProgram
 
 Compiles the sources of one of the engine's programs again, with the light of the grid
 =================
 */
-static void GLSL_InitShGridProgram( shGridProgram_t *program, const shaderProgram_t *like ) {
+static void GLSL_InitSHGridProgram( shGridProgram_t *program, const shaderProgram_t *like ) {
 	char	defines[256];
 	char	*vertex, *fragment;
 
 	Com_sprintf( defines, sizeof( defines ), "#define USE_SHGRID\n%s%s%s", shGridWorld.hasTone ? "#define USE_SHGRID_TONE\n" : "",
 		sh.textures[0] ? "#define USE_SHGRID_TEXTURES\n" : "", sh.atlas.count ? "#define USE_SHGRID_SPARSE\n" : "" );
-	vertex = GLSL_ShGridSource( like->vertexShader, defines );
-	fragment = GLSL_ShGridSource( like->fragmentShader, defines );
+	vertex = GLSL_SHGridSource( like->vertexShader, defines );
+	fragment = GLSL_SHGridSource( like->fragmentShader, defines );
 	GLSL_InitGPUShader2( &program->sp, va( "%s_shgrid", like->name ), like->attribs, vertex, fragment );
 	ri.Free( fragment );
 	ri.Free( vertex );
@@ -223,8 +223,8 @@ static void GLSL_InitShGridProgram( shGridProgram_t *program, const shaderProgra
 	GLSL_SetUniformInt( &program->sp, UNIFORM_SPECULARMAP, TB_SPECULARMAP );
 	GLSL_SetUniformInt( &program->sp, UNIFORM_SHADOWMAP, TB_SHADOWMAP );
 	GLSL_SetUniformInt( &program->sp, UNIFORM_CUBEMAP, TB_CUBEMAP );
-	program->entityUniform = qglGetUniformLocation( program->sp.program, "u_ShGridEntity" );
-	GLSL_SetShGridConstants( program->sp.program );
+	program->entityUniform = qglGetUniformLocation( program->sp.program, "u_SHGridEntity" );
+	GLSL_SetSHGridConstants( program->sp.program );
 	GLSL_FinishGPUShader( &program->sp );
 }
 
@@ -238,12 +238,12 @@ static void GLSL_InitShGridProgram( shGridProgram_t *program, const shaderProgra
 
 /*
 =================
-R_CreateShGridTexture
+R_CreateSHGridTexture
 
 Makes a 3D texture and leaves it bound to its unit
 =================
 */
-static GLuint R_CreateShGridTexture( texImage3D_t texImage3D, int unit, const int32_t size[3], qboolean indirection, const void *texels ) {
+static GLuint R_CreateSHGridTexture( texImage3D_t texImage3D, int unit, const int32_t size[3], qboolean indirection, const void *texels ) {
 	const GLenum	filter = indirection ? GL_NEAREST : GL_LINEAR;
 	GLuint	texture;
 
@@ -262,12 +262,12 @@ static GLuint R_CreateShGridTexture( texImage3D_t texImage3D, int unit, const in
 
 /*
 =================
-R_ShGridTextureProblem
+R_SHGridTextureProblem
 
 Why the grid cannot be put into textures of that size; NULL if it can
 =================
 */
-static const char *R_ShGridTextureProblem( texImage3D_t texImage3D, const int32_t size[3] ) {
+static const char *R_SHGridTextureProblem( texImage3D_t texImage3D, const int32_t size[3] ) {
 	GLint	fragmentUnits = 0, vertexUnits = 0, mostTexels = 0;
 
 	if ( !texImage3D ) {
@@ -291,12 +291,12 @@ static const char *R_ShGridTextureProblem( texImage3D_t texImage3D, const int32_
 
 /*
 =================
-R_FillShGridTextures
+R_FillSHGridTextures
 
 False: no memory. The zone of ri.Malloc is too small for large grids, and ends the game then
 =================
 */
-static qboolean R_FillShGridTextures( texImage3D_t texImage3D, const int32_t size[3] ) {
+static qboolean R_FillSHGridTextures( texImage3D_t texImage3D, const int32_t size[3] ) {
 	const size_t	bytes = (size_t)8 * size[0] * size[1] * size[2];
 	byte	*texels = malloc( SHGRID_MAPS * bytes + shgrid_indirection_bytes( &sh.atlas ) );
 	byte	*indirection;
@@ -320,10 +320,10 @@ static qboolean R_FillShGridTextures( texImage3D_t texImage3D, const int32_t siz
 
 	qglGetIntegerv( GL_ACTIVE_TEXTURE, &unit );
 	for ( i = 0 ; i < SHGRID_MAPS ; i++ ) {
-		sh.textures[i] = R_CreateShGridTexture( texImage3D, TB_SHGRIDMAP + i, size, qfalse, maps[i] );
+		sh.textures[i] = R_CreateSHGridTexture( texImage3D, TB_SHGRIDMAP + i, size, qfalse, maps[i] );
 	}
 	if ( sh.atlas.count ) {
-		sh.textures[SHGRID_MAPS] = R_CreateShGridTexture( texImage3D, TB_SHGRIDINDIRECTION, sh.atlas.entries, qtrue, indirection );
+		sh.textures[SHGRID_MAPS] = R_CreateSHGridTexture( texImage3D, TB_SHGRIDINDIRECTION, sh.atlas.entries, qtrue, indirection );
 	}
 	qglActiveTexture( unit );
 	free( texels );
@@ -332,10 +332,10 @@ static qboolean R_FillShGridTextures( texImage3D_t texImage3D, const int32_t siz
 
 /*
 =================
-R_InitShGridTextures
+R_InitSHGridTextures
 =================
 */
-static void R_InitShGridTextures( void ) {
+static void R_InitSHGridTextures( void ) {
 	texImage3D_t	texImage3D = (texImage3D_t)SDL_GL_GetProcAddress( "glTexImage3D" );
 	const char	*problem;
 	int32_t		size[3];
@@ -347,8 +347,8 @@ static void R_InitShGridTextures( void ) {
 		VectorScale( sh.atlas.bricks, SHGRID_BRICK_TEXELS, size );
 	}
 
-	problem = R_ShGridTextureProblem( texImage3D, size );
-	if ( !problem && !R_FillShGridTextures( texImage3D, size ) ) {
+	problem = R_SHGridTextureProblem( texImage3D, size );
+	if ( !problem && !R_FillSHGridTextures( texImage3D, size ) ) {
 		problem = "no memory for them";
 	}
 	if ( problem ) {
@@ -363,15 +363,15 @@ static void R_InitShGridTextures( void ) {
 
 /*
 =================
-R_InitShGrid
+R_InitSHGrid
 
-Makes the textures and programs for the grid of a map that R_LoadShGrid has loaded
+Makes the textures and programs for the grid of a map that R_LoadSHGrid has loaded
 =================
 */
-void R_InitShGrid( void ) {
+void R_InitSHGrid( void ) {
 	int		i, start = ri.Milliseconds(), count = 0;
 
-	R_ShutdownShGrid();
+	R_ShutdownSHGrid();
 	r_shgridTextures = ri.Cvar_Get( "r_shgridTextures", "0", CVAR_ARCHIVE | CVAR_LATCH );
 	if ( !shGridWorld.grid.points ) {
 		return;
@@ -383,17 +383,17 @@ void R_InitShGrid( void ) {
 
 	R_IssuePendingRenderCommands();
 	if ( r_shgridTextures->integer ) {
-		R_InitShGridTextures();
+		R_InitSHGridTextures();
 	}
 	for ( i = 0 ; i < LIGHTDEF_COUNT ; i++ ) {
 		if ( ( i & LIGHTDEF_LIGHTTYPE_MASK ) == LIGHTDEF_USE_LIGHT_VECTOR && tr.lightallShader[i].program ) {
-			GLSL_InitShGridProgram( &sh.lightall[i], &tr.lightallShader[i] );
+			GLSL_InitSHGridProgram( &sh.lightall[i], &tr.lightallShader[i] );
 			count++;
 		}
 	}
 	for ( i = 0 ; i < GENERICDEF_COUNT ; i++ ) {
 		if ( ( i & GENERICDEF_USE_RGBAGEN ) && tr.genericShader[i].program ) {
-			GLSL_InitShGridProgram( &sh.generic[i], &tr.genericShader[i] );
+			GLSL_InitSHGridProgram( &sh.generic[i], &tr.genericShader[i] );
 			count++;
 		}
 	}
@@ -402,10 +402,10 @@ void R_InitShGrid( void ) {
 
 /*
 =================
-R_ShutdownShGrid
+R_ShutdownSHGrid
 =================
 */
-void R_ShutdownShGrid( void ) {
+void R_ShutdownSHGrid( void ) {
 	int		i;
 
 	for ( i = 0 ; i < LIGHTDEF_COUNT ; i++ ) {
@@ -434,14 +434,14 @@ RB_AddSphere
 =================
 */
 static void RB_AddSphere( const vec3_t origin ) {
-	const shGridSphere_t	*sphere = R_ShGridSphere();
+	const shGridSphere_t	*sphere = R_SHGridSphere();
 	shgrid_coeffs	coeffs;
 	const float		*kind = NULL;
 	int				i;
 
 	RB_CHECKOVERFLOW( SHGRID_SPHERE_VERTEXES, SHGRID_SPHERE_INDEXES );
 
-	R_ShGridSample( origin, &coeffs );
+	R_SHGridSample( origin, &coeffs );
 	if ( r_showshgrid->integer > 1 ) {
 		kind = R_PointInLeaf( origin )->cluster == -1 ? colorRed : colorGreen;
 	}
@@ -454,7 +454,7 @@ static void RB_AddSphere( const vec3_t origin ) {
 
 		VectorMA( origin, SHGRID_SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
 		VectorSet2( tess.texCoords[tess.numVertexes], 0, 0 );
-		R_ShGridLight( &coeffs, sphere->normals[i], color );
+		R_SHGridLight( &coeffs, sphere->normals[i], color );
 		VectorScale( color, 1.0f / 255.0f, color );
 		if ( kind ) {
 			VectorScale( color, 0.5f, color );
@@ -467,13 +467,13 @@ static void RB_AddSphere( const vec3_t origin ) {
 
 /*
 =================
-RB_ShowShGrid
+RB_ShowSHGrid
 
 Draws points of the grid near the viewer as white spheres lit by their own coefficients. With r_showshgrid 2 those in
 the open are green, and those in solids, whose light is filled in, red; these can be seen through walls.
 =================
 */
-void RB_ShowShGrid( void ) {
+void RB_ShowSHGrid( void ) {
 	static vec3_t	points[SHGRID_SPHERES];
 	int				i, numPoints;
 
@@ -481,7 +481,7 @@ void RB_ShowShGrid( void ) {
 		return;
 	}
 
-	numPoints = R_ShGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
+	numPoints = R_SHGridNear( backEnd.viewParms.or.origin, SHGRID_RADIUS, SHGRID_SPHERES, points );
 	backEnd.currentEntity = &tr.worldEntity;
 	backEnd.or = backEnd.viewParms.world;
 	if ( r_showshgrid->integer > 1 ) {

@@ -3,95 +3,95 @@
 // Light of the SH light grid on entities. Include shgrid.glsl and shgrid_atlas.glsl first.
 
 // of the entity: nine RGB coefficients; color and direction of the dynamic lights
-uniform float u_ShGridEntity[33];
+uniform float u_SHGridEntity[33];
 
 // fields of ShgridTone; brightest light that lightmap bytes hold, scale of the overbright shift
-uniform float u_ShGridTone[9];
+uniform float u_SHGridTone[9];
 
 #if defined(USE_SHGRID_TEXTURES)
-uniform sampler3D u_ShGridMap0;
-uniform sampler3D u_ShGridMap1;
-uniform sampler3D u_ShGridMap2;
-uniform sampler3D u_ShGridMap3;
-uniform sampler3D u_ShGridMap4;
-uniform sampler3D u_ShGridMap5;
-uniform sampler3D u_ShGridMap6;
+uniform sampler3D u_SHGridMap0;
+uniform sampler3D u_SHGridMap1;
+uniform sampler3D u_SHGridMap2;
+uniform sampler3D u_SHGridMap3;
+uniform sampler3D u_SHGridMap4;
+uniform sampler3D u_SHGridMap5;
+uniform sampler3D u_SHGridMap6;
 
 // fields of ShgridGrid; bricks and entry of ShgridAtlas; factors of bands 0, 1 and 2
-uniform float u_ShGridPlace[16];
+uniform float u_SHGridPlace[16];
 
-vec3 ShGridVector(int first)
+vec3 SHGridVector(int first)
 {
-	return vec3(u_ShGridPlace[first], u_ShGridPlace[first + 1], u_ShGridPlace[first + 2]);
+	return vec3(u_SHGridPlace[first], u_SHGridPlace[first + 1], u_SHGridPlace[first + 2]);
 }
 #endif
 
 // xyz: texture coordinates of a position; w: 0 where the grid has no light
 #if defined(USE_SHGRID_SPARSE)
-uniform usampler3D u_ShGridIndirection;
+uniform usampler3D u_SHGridIndirection;
 
-vec4 ShGridTexel(vec3 position)
+vec4 SHGridTexel(vec3 position)
 {
-	ShgridAtlas atlas = ShgridAtlas(ShGridVector(0), ShGridVector(3), ShGridVector(6), ShGridVector(9), u_ShGridPlace[12], 0.0, 0.0);
+	ShgridAtlas atlas = ShgridAtlas(SHGridVector(0), SHGridVector(3), SHGridVector(6), SHGridVector(9), u_SHGridPlace[12], 0.0, 0.0);
 
-	return ShgridPlace(u_ShGridIndirection, atlas, position);
+	return ShgridPlace(u_SHGridIndirection, atlas, position);
 }
 #elif defined(USE_SHGRID_TEXTURES)
-vec4 ShGridTexel(vec3 position)
+vec4 SHGridTexel(vec3 position)
 {
-	return vec4(ShgridTexel(ShgridGrid(ShGridVector(0), ShGridVector(3), ShGridVector(6)), position), 1.0);
+	return vec4(ShgridTexel(ShgridGrid(SHGridVector(0), SHGridVector(3), SHGridVector(6)), position), 1.0);
 }
 #endif
 
 // linear light by the coefficients of the entity
-vec3 ShGridEntityLight(vec3 normal)
+vec3 SHGridEntityLight(vec3 normal)
 {
 	vec3 sh[9];
 
 	for (int k = 0; k < 9; k++)
-		sh[k] = vec3(u_ShGridEntity[3 * k], u_ShGridEntity[3 * k + 1], u_ShGridEntity[3 * k + 2]);
+		sh[k] = vec3(u_SHGridEntity[3 * k], u_SHGridEntity[3 * k + 1], u_SHGridEntity[3 * k + 2]);
 
 	return ShgridLight(sh, normal);
 }
 
 // linear light: of the position with textures, else of the entity
-vec3 ShGridLinearLight(vec3 normal, vec3 position)
+vec3 SHGridLinearLight(vec3 normal, vec3 position)
 {
 #if defined(USE_SHGRID_TEXTURES)
-	vec4 at = ShGridTexel(position);
+	vec4 at = SHGridTexel(position);
 
 	if (at.w > 0.0)
 	{
-		vec3 bands = ShGridVector(13);
+		vec3 bands = SHGridVector(13);
 
 		return ShgridLightTexels(
-			textureLod(u_ShGridMap0, at.xyz, 0.0) * bands.xxxy,
-			textureLod(u_ShGridMap1, at.xyz, 0.0) * bands.y,
-			textureLod(u_ShGridMap2, at.xyz, 0.0) * bands.y,
-			textureLod(u_ShGridMap3, at.xyz, 0.0) * bands.z,
-			textureLod(u_ShGridMap4, at.xyz, 0.0) * bands.z,
-			textureLod(u_ShGridMap5, at.xyz, 0.0) * bands.z,
-			textureLod(u_ShGridMap6, at.xyz, 0.0) * bands.z, normal);
+			textureLod(u_SHGridMap0, at.xyz, 0.0) * bands.xxxy,
+			textureLod(u_SHGridMap1, at.xyz, 0.0) * bands.y,
+			textureLod(u_SHGridMap2, at.xyz, 0.0) * bands.y,
+			textureLod(u_SHGridMap3, at.xyz, 0.0) * bands.z,
+			textureLod(u_SHGridMap4, at.xyz, 0.0) * bands.z,
+			textureLod(u_SHGridMap5, at.xyz, 0.0) * bands.z,
+			textureLod(u_SHGridMap6, at.xyz, 0.0) * bands.z, normal);
 	}
 #endif
-	return ShGridEntityLight(normal);
+	return SHGridEntityLight(normal);
 }
 
 // Light on a surface with that unit normal in map axes, as lightmaps are displayed, plus dynamic lights.
-// The same steps as R_ShGridLight.
-vec3 ShGridLight(vec3 normal, vec3 position)
+// The same steps as R_SHGridLight.
+vec3 SHGridLight(vec3 normal, vec3 position)
 {
-	vec3 light = ShGridLinearLight(normal, position);
-	vec3 dynamicLight = vec3(u_ShGridEntity[27], u_ShGridEntity[28], u_ShGridEntity[29]);
-	vec3 dynamicDir = vec3(u_ShGridEntity[30], u_ShGridEntity[31], u_ShGridEntity[32]);
+	vec3 light = SHGridLinearLight(normal, position);
+	vec3 dynamicLight = vec3(u_SHGridEntity[27], u_SHGridEntity[28], u_SHGridEntity[29]);
+	vec3 dynamicDir = vec3(u_SHGridEntity[30], u_SHGridEntity[31], u_SHGridEntity[32]);
 
 #if defined(USE_SHGRID_TONE)
-	light = ShgridApplyTone(ShgridTone(u_ShGridTone[0], u_ShGridTone[1], u_ShGridTone[2], u_ShGridTone[3],
-		u_ShGridTone[4], u_ShGridTone[5], u_ShGridTone[6]), light);
+	light = ShgridApplyTone(ShgridTone(u_SHGridTone[0], u_SHGridTone[1], u_SHGridTone[2], u_SHGridTone[3],
+		u_SHGridTone[4], u_SHGridTone[5], u_SHGridTone[6]), light);
 #endif
 
 	// scale all channels alike to keep the hue
-	light *= u_ShGridTone[8] * min(1.0, u_ShGridTone[7] / max(ShgridLargest(light), 1e-6));
+	light *= u_SHGridTone[8] * min(1.0, u_SHGridTone[7] / max(ShgridLargest(light), 1e-6));
 
 #if defined(USE_PBR) && defined(USE_LIGHT) && !defined(USE_FAST_LIGHT)
 	light *= light;

@@ -1,0 +1,74 @@
+// GPL-2.0-or-later. A compiled map in memory, and point queries on its BSP tree.
+#include "q3map2/bspfile/bsp.h"
+
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+BspTree::Node ReadNode(const Bsp &bsp, std::size_t number) {
+    const bspNode_t &node = bsp.nodes[number];
+    const bspPlane_t &plane = bsp.planes[std::size_t(node.planeNum)];
+    return {Vec3f(plane.normal), plane.dist, {node.children[0], node.children[1]}};
+}
+
+/// nodeOf(child) and clusterOf(leaf) read the tree, from a Bsp or from the copy in a BspTree.
+template <typename NodeOf, typename ClusterOf>
+int FindLeaf(const Vec3f &p, BspChild from, const NodeOf &nodeOf, const ClusterOf &clusterOf) {
+    // Back children that wait for their turn: a leaf found through a front child counts unless it is solid.
+    std::array<BspChild, 64> pending;
+    std::size_t waiting = 0;
+    BspChild child = from;
+    int firstLeaf = -1;
+    for (;;) {
+        while (child >= 0) {
+            const BspTree::Node &node = nodeOf(child);
+            const float d = Dot(node.normal, p) - node.dist;
+            // Branches on purpose: the processor predicts them and runs ahead; children[d < 0] would stall until d is
+            // known.
+            if (d > kOnPlane)
+                child = node.children[0];
+            else if (d < -kOnPlane)
+                child = node.children[1];
+            else {
+                if (waiting < pending.size())
+                    pending[waiting++] = node.children[1];
+                child = node.children[0];
+            }
+        }
+        const int leaf = LeafOf(child);
+        if (firstLeaf < 0)
+            firstLeaf = leaf;
+        if (clusterOf(leaf) != kSolidCluster)
+            return leaf;
+        if (waiting == 0)
+            return firstLeaf;
+        child = pending[--waiting];
+    }
+}
+
+} // namespace
+
+int LeafAt(const Bsp &bsp, const Vec3f &p) {
+    return FindLeaf(
+        p, RootOf(bsp), [&](BspChild child) { return ReadNode(bsp, std::size_t(child)); },
+        [&](int leaf) { return bsp.leafs[std::size_t(leaf)].cluster; });
+}
+
+BspTree::BspTree(const Bsp &bsp) {
+    nodes_.reserve(bsp.nodes.size());
+    for (std::size_t i = 0; i < bsp.nodes.size(); ++i)
+        nodes_.push_back(ReadNode(bsp, i));
+    clusters_.reserve(bsp.leafs.size());
+    for (const bspLeaf_t &leaf : bsp.leafs)
+        clusters_.push_back(leaf.cluster);
+}
+
+int BspTree::LeafAt(const Vec3f &p) const {
+    return FindLeaf(
+        p, Root(), [&](BspChild child) -> const Node & { return NodeOf(child); },
+        [&](int leaf) { return ClusterOf(leaf); });
+}
+
+} // namespace q3

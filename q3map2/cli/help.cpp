@@ -1,0 +1,512 @@
+// GPL-2.0-or-later. q3map2 -help, and completion of the command line in shells.
+#include "q3map2/cli/help.h"
+
+#include "common/error.h"
+#include "common/text/text.h"
+#include "q3map2/cli/documentation.h"
+#include "q3map2/cli/presets.h"
+#include "q3map2/cli/program.h"
+#include "q3map2/gridformats/grid_formats.h"
+#include "q3map2/report/version.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+
+namespace q3 {
+
+// ---- Completion of the command line in shells: options, and the values that can follow them ----
+
+namespace {
+
+/// What can follow an option.
+struct Values {
+    enum class Kind { Any, Words, List, Files, Folders };
+    Kind kind = Kind::Any; ///< Any: a number or a name that nothing lists. List: words separated by commas
+    std::vector<std::string> words{};
+};
+
+std::vector<std::string> GameNames() {
+    std::vector<std::string> names;
+    for (const Game &game : Games())
+        names.emplace_back(game.name);
+    return names;
+}
+
+std::vector<std::string> GridFormatNames() {
+    std::vector<std::string> names;
+    for (const GridFormat &format : AllGridFormats())
+        names.emplace_back(format.word);
+    return names;
+}
+
+std::vector<std::string> ParmNames() {
+    std::vector<std::string> names;
+    for (const SurfaceParm &parm : Games().front().surfaceParms)
+        if (!parm.name.starts_with('*') && parm.name != "default")
+            names.emplace_back(parm.name);
+    return names;
+}
+
+std::vector<std::string> HelpTopics() {
+    std::vector<std::string> topics{"all", "game", "keys", "shader", "vrad"};
+    for (const Stage &stage : Stages())
+        topics.emplace_back(stage.word.substr(1));
+    return topics;
+}
+
+/// Words of a value such as "draft|normal|final" or "N|inf", without those that stand for something.
+std::vector<std::string> ChoiceWords(std::string_view value) {
+    std::vector<std::string> words;
+    for (std::size_t at = 0; at <= value.size();) {
+        const std::size_t end = std::min(value.find('|', at), value.size());
+        const std::string_view word = value.substr(at, end - at);
+        if (std::ranges::none_of(word, [](char c) { return c >= 'A' && c <= 'Z'; }))
+            words.emplace_back(word);
+        at = end + 1;
+    }
+    return words;
+}
+
+Values ValuesOf(const SettingInfo &info) {
+    using enum Values::Kind;
+    static constexpr struct {
+        std::string_view option;
+        Values::Kind kind;
+        std::vector<std::string> (*words)();
+    } kNamed[] = {{"-game", Words, GameNames},
+                  {"-gridformats", List, GridFormatNames},
+                  {"-format", Words, ConvertFormatNames},
+                  {"-globalflag", Words, ParmNames},
+                  {"-help", Words, HelpTopics}};
+    for (const auto &named : kNamed)
+        if (named.option == info.name)
+            return {named.kind, named.words()};
+    const std::string_view first = info.values.substr(0, info.values.find(' '));
+    if (first.find('|') != std::string_view::npos)
+        return {Words, ChoiceWords(first)};
+    if (first == "DIR")
+        return {Folders};
+    if (first.starts_with("FILE") || first == "IMAGE")
+        return {Files};
+    return {};
+}
+
+/// Calls use(info) for every setting of the sections.
+template <typename Use> void ForEntries(const std::vector<SettingSection> &sections, const Use &use) {
+    for (const SettingSection &section : sections)
+        for (const SettingEntry &entry : section.entries)
+            use(entry.info);
+}
+
+/// The names of options as one string, each followed by a blank.
+std::string NamesOf(const std::vector<SettingSection> &sections) {
+    std::string names;
+    ForEntries(sections, [&](const SettingInfo &info) { names += fmt::format("{} ", info.name); });
+    return names;
+}
+
+std::string StageWordList() {
+    std::string words;
+    for (const Stage &stage : Stages())
+        words += fmt::format("{} ", stage.word);
+    return words;
+}
+
+/// Text inside single quotes of a shell.
+std::string Quoted(std::string_view text) {
+    std::string result;
+    for (const char c : WithoutMarkup(text))
+        result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return result;
+}
+
+/// The same inside the brackets of a zsh specification.
+std::string ZshText(std::string_view text) {
+    std::string result;
+    for (const char c : Quoted(text))
+        result += c == '[' || c == ']' || c == ':' ? std::string("\\") + c : std::string(1, c);
+    return result;
+}
+
+/// Branches of `case` by the word before the cursor: options with the same values share one.
+std::string BashValueCases() {
+    std::map<std::string, std::string> patterns; // by action
+    std::map<std::string, bool> known;
+    const auto add = [&](const SettingInfo &info) {
+        if (info.MinValues() == 0 && info.name != "-help")
+            return;
+        const Values values = ValuesOf(info);
+        std::string action = "return";
+        if (values.kind == Values::Kind::Words || values.kind == Values::Kind::List)
+            action = fmt::format("values=\"{}\"{}", fmt::join(values.words, " "),
+                                 values.kind == Values::Kind::List ? " list=1" : "");
+        else if (values.kind != Values::Kind::Any)
+            action = values.kind == Values::Kind::Files ? "paths=-f" : "paths=-d";
+        for (const std::string_view name : {info.name, info.aliases[0], info.aliases[1]})
+            if (!name.empty() && known.emplace(name, true).second) {
+                std::string &pattern = patterns[action];
+                pattern += fmt::format("{}{}", pattern.empty() ? "" : "|", name);
+            }
+    };
+    ForEntries(GlobalSections(), add);
+    for (const Stage &stage : Stages())
+        ForEntries(SectionsOf(stage), add);
+    std::string cases;
+    for (const auto &[action, pattern] : patterns)
+        cases += fmt::format("        {}) {} ;;\n", pattern, action);
+    return cases;
+}
+
+/// The values of an option in a specification of zsh.
+std::string ZshValues(const SettingInfo &info) {
+    const Values values = ValuesOf(info);
+    std::string action = " ";
+    switch (values.kind) {
+    case Values::Kind::Words:
+        action = fmt::format("({})", fmt::join(values.words, " "));
+        break;
+    case Values::Kind::List:
+        action = fmt::format("_sequence compadd - {}", fmt::join(values.words, " "));
+        break;
+    case Values::Kind::Files:
+        action = "_files";
+        break;
+    case Values::Kind::Folders:
+        action = "_files -/";
+        break;
+    case Values::Kind::Any:
+        break;
+    }
+    std::string text;
+    for (std::size_t at = 0, number = 0; at < info.values.size(); ++number) {
+        const std::size_t end = std::min(info.values.find(' ', at), info.values.size());
+        const std::string_view name = info.values.substr(at, end - at);
+        text += fmt::format("{}{}:{}", number < info.MinValues() ? ":" : "::", ZshText(name), number ? " " : action);
+        at = end + 1;
+    }
+    return text;
+}
+
+std::string FishValues(const SettingInfo &info) {
+    const Values values = ValuesOf(info);
+    if (info.MinValues() == 0 && values.kind == Values::Kind::Any)
+        return "";
+    switch (values.kind) {
+    case Values::Kind::Words:
+        return fmt::format("-x -a '{}' ", fmt::join(values.words, " "));
+    case Values::Kind::List:
+        return fmt::format("-x -a '(__fish_complete_list , \"printf %s\\\\\\\\n {}\")' ", fmt::join(values.words, " "));
+    case Values::Kind::Files:
+        return "-r -F ";
+    case Values::Kind::Folders:
+        return "-x -a '(__fish_complete_directories)' ";
+    case Values::Kind::Any:
+        break;
+    }
+    return "-x ";
+}
+
+} // namespace
+
+std::string BashCompletion() {
+    std::string cases;
+    for (const Stage &stage : Stages())
+        cases += fmt::format("            {}) options=\"{}\" ;;\n", stage.word, NamesOf(SectionsOf(stage)));
+    return fmt::format(R"(# Generated: q3map2 -help bash > tools/completions/q3map2.bash
+_q3map2() {{
+    local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}}
+    local options="" values="" list="" paths="" before="" word
+    COMPREPLY=()
+    case $previous in
+{}    esac
+    if [[ -n $values ]]; then
+        [[ -n $list && $current == *,* ]] && before=${{current%,*}},
+        mapfile -t COMPREPLY < <(compgen -P "$before" -W "$values" -- "${{current#"$before"}}")
+        return
+    fi
+    for word in "${{COMP_WORDS[@]:1}}"; do
+        case $word in
+{}        esac
+    done
+    if [[ -z $paths && $current == -* ]]; then
+        [[ -z $options ]] && options="{}{}"
+        mapfile -t COMPREPLY < <(compgen -W "$options{}" -- "$current")
+    else
+        compopt -o filenames 2>/dev/null
+        mapfile -t COMPREPLY < <(compgen "${{paths:--f}}" -- "$current")
+    fi
+}}
+complete -F _q3map2 q3map2
+)",
+                       BashValueCases(), cases, StageWordList(), NamesOf(SectionsOf(Stages().front())),
+                       " " + NamesOf(GlobalSections()));
+}
+
+std::string ZshCompletion() {
+    const auto specifications = [](const std::vector<SettingSection> &sections) {
+        std::string text;
+        ForEntries(sections, [&](const SettingInfo &info) {
+            text += fmt::format("        '*{}[{}]{}'\n", info.name, ZshText(info.help), ZshValues(info));
+        });
+        return text;
+    };
+    std::string stages, cases, words;
+    for (const Stage &stage : Stages()) {
+        words += fmt::format("{}{}", words.empty() ? "" : "|", stage.word);
+        stages += fmt::format("        '{}[{}]'\n", stage.word, ZshText(stage.help));
+        cases += fmt::format("    {})\n        arguments+=(\n{}        ) ;;\n", stage.word,
+                             specifications(SectionsOf(stage)));
+    }
+    return fmt::format(R"(#compdef q3map2
+# Generated: q3map2 -help zsh > tools/completions/_q3map2
+local -a arguments
+local word stage
+arguments=(
+{}        '*:file:_files'
+)
+for word in $words; do
+    case $word in
+    {}) [[ -z $stage ]] && stage=$word ;;
+    esac
+done
+case $stage in
+{}    '')
+        arguments+=(
+{}        ) ;;
+esac
+_arguments $arguments
+)",
+                       specifications(GlobalSections()), words, cases, stages);
+}
+
+std::string FishCompletion() {
+    std::string text = "# Generated: q3map2 -help fish > tools/completions/q3map2.fish\n";
+    const auto add = [&](const std::vector<SettingSection> &sections, std::string_view condition) {
+        ForEntries(sections, [&](const SettingInfo &info) {
+            text += fmt::format("complete -c q3map2{} -o {} {}-d '{}'\n", condition, info.name.substr(1),
+                                FishValues(info), Quoted(info.help));
+        });
+    };
+    for (const Stage &stage : Stages())
+        text += fmt::format("complete -c q3map2 -o {} -d '{}'\n", stage.word.substr(1), Quoted(stage.help));
+    add(GlobalSections(), "");
+    for (const Stage &stage : Stages())
+        add(SectionsOf(stage), fmt::format(" -n 'string match -q -- \"* {} *\" (commandline)\" \"'", stage.word));
+    return text;
+}
+
+// ---- q3map2 -help ----
+
+namespace {
+
+constexpr std::size_t kNameColumn = 26, kLineWidth = 100;
+
+/// Wraps words at the line width; every line but the first is indented.
+std::string Wrapped(std::string_view text, std::size_t indent, std::size_t column) {
+    std::string result;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find(' ', at), text.size());
+        if (column + (end - at) > kLineWidth && column > indent) {
+            if (result.ends_with(' '))
+                result.pop_back();
+            result += "\n" + std::string(indent, ' ');
+            column = indent;
+        }
+        result += text.substr(at, end - at + 1);
+        column += end - at + 1;
+        at = end + 1;
+    }
+    return result;
+}
+
+/// "  -name VALUES          help (default, range)".
+std::string EntryLine(const SettingEntry &entry, bool complete = false) {
+    std::string name = "  " + std::string(entry.info.name);
+    for (const std::string_view alias : entry.info.aliases)
+        if (!alias.empty())
+            name += fmt::format(", {}", alias);
+    if (!entry.info.values.empty())
+        name += fmt::format(" {}", entry.info.values);
+    std::string line = name.size() < kNameColumn ? name + std::string(kNameColumn - name.size(), ' ')
+                                                 : name + "\n" + std::string(kNameColumn, ' ');
+    return line + Wrapped(WithoutMarkup(FullHelp(entry, complete)), kNameColumn, kNameColumn) + "\n";
+}
+
+std::string SectionText(const SettingSection &section) {
+    std::string text = fmt::format("\n{}\n", section.title);
+    if (!section.intro.empty())
+        text += Wrapped(WithoutMarkup(section.intro), 0, 0) + "\n";
+    for (const SettingEntry &entry : section.entries)
+        text += EntryLine(entry);
+    return text;
+}
+
+std::string StageText(const Stage &stage) {
+    std::string text = fmt::format("q3map2 {}\n{}.\n", stage.usage, stage.help);
+    if (!stage.intro.empty())
+        text += Wrapped(WithoutMarkup(stage.intro), 0, 0) + "\n";
+    if (stage.settings)
+        for (const SettingSection &section : stage.settings())
+            text += section.topic.empty()
+                        ? SectionText(section)
+                        : fmt::format("\n{}: q3map2 -help {} lists them.\n", section.title, section.topic);
+    return text;
+}
+
+std::string GlobalText() {
+    std::string text;
+    for (const SettingSection &section : GlobalSections())
+        text += SectionText(section);
+    return text;
+}
+
+std::string VradText() {
+    return SectionText(VradSection());
+}
+
+std::string DirectivesText() {
+    std::string text = Wrapped(WithoutMarkup(kDirectiveRules), 0, 0) + "\n";
+    for (const SettingSection &section : DirectiveSections())
+        text += SectionText(section);
+    return text;
+}
+
+std::string KeysText() {
+    std::string text;
+    for (const SettingSection &section : EntitySections())
+        text += SectionText(section);
+    return text;
+}
+
+std::string Overview() {
+    std::string text = fmt::format("{}\nq3map2 [global options] STAGE [options] FILE\n\nStages\n", kVersion);
+    for (const Stage &stage : Stages())
+        text += fmt::format("  {}\n      {}\n", stage.usage, stage.help);
+    text += "\nq3map2 -help STAGE lists the options of a stage, such as -help light; -help OPTION explains one.\n"
+            "-help keys lists the keys of entities, -help shader the directives of shaders; -help all prints all.\n";
+    return text + GlobalText();
+}
+
+std::string AllText() {
+    std::string text = Overview();
+    for (const Stage &stage : Stages())
+        text += fmt::format("\n{:-<80}\n{}", "", StageText(stage));
+    for (const std::string &more : {VradText(), KeysText(), DirectivesText()})
+        text += fmt::format("\n{:-<80}\n{}", "", more);
+    return text;
+}
+
+/// Adds what these sections have under that name, with or without its dash.
+void AddEntries(std::string_view owner, const std::vector<SettingSection> &sections, std::string_view topic,
+                std::string &text) {
+    for (const SettingSection &section : sections)
+        for (const SettingEntry &entry : section.entries)
+            if (entry.info.Names(topic) || entry.info.Names(fmt::format("-{}", topic))) {
+                text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry, entry.stage.empty()));
+                if (!entry.info.details.empty())
+                    text += fmt::format("{:{}}{}\n", "", kNameColumn,
+                                        Wrapped(WithoutMarkup(entry.info.details), kNameColumn, kNameColumn));
+            }
+}
+
+/// Options of that name, wherever they occur.
+std::string OptionHelp(std::string_view topic) {
+    std::string text;
+    AddEntries("every stage", GlobalSections(), topic, text);
+    for (const Stage &stage : Stages())
+        if (stage.settings)
+            AddEntries(stage.word, stage.settings(), topic, text);
+    return text;
+}
+
+/// Keys of entities and directives of shaders of that name.
+std::string MapWordHelp(std::string_view topic) {
+    std::string text;
+    AddEntries("entities", EntitySections(), topic, text);
+    AddEntries("shaders", DirectiveSections(), topic, text);
+    return text;
+}
+
+/// Full title of a game, for -help game; empty: unknown.
+std::string_view TitleOf(std::string_view game) {
+    constexpr std::pair<std::string_view, std::string_view> kTitles[] = {
+        {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
+        {"quakelive", "Quake Live"},
+        {"nexuiz", "Nexuiz"},
+        {"xonotic", "Xonotic"},
+        {"tremulous", "Tremulous"},
+        {"unvanquished", "Unvanquished"},
+        {"tenebrae", "Tenebrae"},
+        {"wolf", "Return to Castle Wolfenstein"},
+        {"et", "Wolfenstein: Enemy Territory"},
+        {"etut", "Urban Terror on Enemy Territory's engine"},
+        {"ef", "Star Trek: Voyager - Elite Force"},
+        {"reaction", "Reaction"},
+        {"darkplaces", "DarkPlaces, for Quake"},
+        {"dq", "DeluxeQuake"},
+        {"prophecy", "Prophecy"}};
+    const auto found = std::ranges::find(kTitles, game, [](const auto &title) { return title.first; });
+    return found == std::end(kTitles) ? "" : found->second;
+}
+
+std::string GamesText() {
+    std::string text;
+    for (const Game &game : Games())
+        text += fmt::format("  {:<14}{:<11}{}\n", game.name, game.gameDir, TitleOf(game.name));
+    return "  -game         folder     title\n" + text +
+           "\nA mod is not a game: -game names the game that it runs on, -fs_game its folder. A game whose base\n"
+           "folder has another name, such as OpenArena's baseoa, needs -fs_basegame: -game quake3 -fs_basegame "
+           "baseoa.\n";
+}
+
+[[noreturn]] void FailUnknown(std::string_view topic, const std::vector<std::string> &topics) {
+    std::vector<std::string> names = topics;
+    for (const Stage &stage : Stages()) {
+        names.emplace_back(stage.word);
+        for (std::string &name : stage.OptionNames())
+            names.push_back(std::move(name));
+    }
+    for (const auto &sections : {EntitySections(), DirectiveSections()})
+        for (const SettingSection &section : sections)
+            for (const SettingEntry &entry : section.entries)
+                names.emplace_back(entry.info.name);
+    throw Error("-help {}: no such stage, option, key or directive{}", topic, DidYouMean(topic, names));
+}
+
+} // namespace
+
+std::string HelpText(std::string_view topic) {
+    std::string_view bare = topic;
+    while (bare.starts_with('-'))
+        bare.remove_prefix(1);
+    if (bare.empty())
+        return Overview();
+    const std::map<std::string, std::string (*)()> pages = {
+        {"common", GlobalText},     {"keys", KeysText},         {"game", GamesText},
+        {"all", AllText},           {"markdown", MarkdownPage}, {"man", ManualPage},
+        {"bash", BashCompletion},   {"zsh", ZshCompletion},     {"fish", FishCompletion},
+        {"shader", DirectivesText}, {"vrad", VradText},         {"shadermarkdown", DirectivesPage}};
+    if (const auto page = pages.find(LowerCase(bare)); page != pages.end())
+        return page->second();
+    std::string text;
+    for (const Stage &stage : Stages())
+        if (EqualNoCase(stage.word.substr(1), bare))
+            text += StageText(stage);
+    const std::string options = OptionHelp(bare), words = MapWordHelp(bare);
+    if (text.empty())
+        text = options + words;
+    else if (!options.empty()) // the word is an option of other stages too
+        text += "\n" + options;
+    if (text.empty()) {
+        std::vector<std::string> topics;
+        for (const auto &[name, page] : pages)
+            topics.push_back(name);
+        FailUnknown(topic, topics);
+    }
+    return text;
+}
+
+} // namespace q3

@@ -1,0 +1,122 @@
+// GPL-2.0-or-later. Bakes of a map that is set up: legacy grid, SH grid, ambient cubes.
+#include "q3map2/light/grid_bakes.h"
+
+#include "common/platform/platform.h"
+#include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/light/cubes/ambient_cubes.h"
+#include "q3map2/light/grid/gridsh_error.h"
+#include "q3map2/light/sparse/sparse_bake.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+/// Lights prepared for SH grid and ambient cubes. Lights of styles other than 0 are left out: the formats cannot hold
+/// them.
+std::vector<Light> LightsForSH(const LightSetup &setup, Log &log) {
+    int culled = 0;
+    auto lights =
+        SetupEnvelopes(setup.lights, LightPass::GridSH, setup.options, setup.space, setup.skySeenFrom, culled);
+    if (const auto styled = std::erase_if(lights, [](const Light &light) { return light.style != 0; }); styled > 0)
+        log.Count(styled, "lights of other styles than 0 left out: they change while the game runs");
+    log.Count(lights.size(), "lights");
+    log.Count(culled, "lights culled");
+    return lights;
+}
+
+/// Factor of the number of rays at points of the sparse grid that the uniform one does not have: there the error of
+/// interpolation is larger than noise.
+constexpr float kSparseSamples = 0.5f;
+
+void PrintDering(const DeringStats &changed, Log &log) {
+    log.Count(changed.points, "points rid of negative lobes");
+    log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
+}
+
+/// Bakes the sparse grid. uniform: before deringing.
+SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights, const WeakField *weak,
+                        const LightGridSH &uniform, Log &log, GridStats &stats, SparseStats &sparse) {
+    log.Section("TraceSparseGridSH");
+    LightOptions options = all.options;
+    options.shSamples *= kSparseSamples;
+    const GridInputs in{all.space, all.scene, options, all.world, all.jobs, log, all.indirect};
+    const ProbeIntegrator integrator(in, lights);
+    const SmoothLight light(integrator, weak);
+    const SparseGoal &goal = options.sparseGoal;
+    const std::uint64_t raysBefore = stats.counts.rays;
+    SparseGridSH grid = BakeSparseGrid(in, lights, light, uniform, goal, stats, sparse);
+    log.Count(stats.counts.rays - raysBefore, "rays");
+    PrintSparseStats(sparse, goal, log);
+    if (options.shDering)
+        PrintDering(sparse.dering, log);
+    return grid;
+}
+
+} // namespace
+
+std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
+                                            Log &log, GridStats &stats) {
+    log.Section("TraceGrid");
+    int culled = 0;
+    const auto lights =
+        SetupEnvelopes(setup.lights, LightPass::LegacyGrid, setup.options, setup.space, setup.skySeenFrom, culled);
+    log.Count(lights.size(), "lights");
+    log.Count(culled, "lights culled");
+    const GridInputs in{setup.space, setup.scene, setup.options, setup.world, jobs, log, indirect};
+    auto points = TraceGrid(in, setup.layout, lights, stats);
+    stats.Print(log);
+    return points;
+}
+
+BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+                       GridStats &stats) {
+    const LightOptions &options = setup.options;
+    log.Section("TraceGridSH");
+    const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
+    const std::vector<Light> lights = LightsForSH(setup, log);
+    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    GridSHTracer tracer(in, layout, lights);
+    BakedGridSH baked{tracer.TraceGridSH(stats), {}};
+    GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
+    const GridShares shares = CountGridShares(setup.bsp, baked.uniform);
+    shown.open = std::int64_t(shares.open);
+    shown.filled = std::int64_t(shares.filled);
+    shown.moved = 0;
+    shown.Print(log);
+    SparseStats sparse;
+    if (options.shAdaptive)
+        baked.sparse = BakeSparse(in, lights, tracer.Weak(), baked.uniform, log, stats, sparse);
+    if (options.shDering) {
+        const DeringStats changed = DeringGridSH(baked.uniform, options.shRadiance, jobs);
+        if (options.sh)
+            PrintDering(changed, log);
+    }
+    if (options.shError && options.sh)
+        PrintGridSHError(MeasureGridSH(in, baked.uniform, lights), layout.size, setup.layout.size, log);
+    if (options.shError && sparse.measured)
+        PrintSparseGridError(*sparse.measured, log);
+    return baked;
+}
+
+std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const IndirectLight *indirect,
+                                             const LightGridSH *gridSH, const JobPool &jobs, Log &log,
+                                             GridStats &stats) {
+    const LightOptions &options = setup.options;
+    log.Section("TraceAmbientCubes");
+    const CpuTimer timer;
+    const LightGridSH *from = options.cubesFromSH ? gridSH : nullptr;
+    const std::vector<Light> lights = from ? std::vector<Light>{} : LightsForSH(setup, log);
+    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    const LeafCubes leafs = SampleLeafs(in, lights, from, stats);
+    auto cubes = StoreCubes(setup.space, leafs, options.cubeTolerance, jobs, log);
+    log.Count(stats.points, "places sampled");
+    log.Count(cubes ? cubes->samples.size() : 0, "ambient cubes");
+    log.Count(stats.open, "leafs with ambient cubes");
+    log.Count(stats.counts.rays, "rays");
+    log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+    return cubes;
+}
+
+} // namespace q3

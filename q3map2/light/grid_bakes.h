@@ -1,0 +1,28 @@
+// GPL-2.0-or-later. Bakes of a map that is set up: legacy grid, SH grid, ambient cubes.
+#pragma once
+
+#include "q3map2/light/light_setup.h"
+
+#include <optional>
+#include <vector>
+
+namespace q3 {
+
+/// The legacy grid, with bounced light unless that is null.
+std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
+                                            Log &log, GridStats &stats);
+struct BakedGridSH {
+    LightGridSH uniform;
+    std::optional<SparseGridSH> sparse; ///< with -shadaptive
+};
+/// The SH grid, with bounced light unless that is null.
+BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+                       GridStats &stats);
+
+/// Ambient cubes of the leafs, likewise. gridSH: that of this run, for -ambientcubesfrom sh; else not used. Empty if
+/// the map has no open leaf. Errors: too many leafs, see StoreCubes.
+std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const IndirectLight *indirect,
+                                             const LightGridSH *gridSH, const JobPool &jobs, Log &log,
+                                             GridStats &stats);
+
+} // namespace q3

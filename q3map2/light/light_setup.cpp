@@ -1,0 +1,184 @@
+// GPL-2.0-or-later. A map ready to be lit: its surfaces, lights, scene and grids, set up from a .bsp and files beside
+// it.
+#include "q3map2/light/light_setup.h"
+
+#include "common/error.h"
+#include "q3map2/bspfile/entity_key.h"
+#include "q3map2/bspfile/light_keys.h"
+#include "q3map2/light/scene/light_space.h"
+#include "q3map2/light/sources/hidden_lights.h"
+#include "q3map2/light/sources/light_entities.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/shader/shader_table.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+bool IsLight(const Entity &entity) {
+    return StartsWithNoCase(entity.ClassName(), "light");
+}
+
+struct NumberedEntities {
+    std::vector<Entity> entities;
+    std::vector<std::size_t> numbers; ///< by entity: its number in the .bsp or .map that it is from
+};
+
+/// The entities of the .bsp, with the lights of the .map source if there is one, since compilers strip lights from the
+/// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp.
+NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const LightInputs &inputs, Log &log) {
+    const bool kept = keys::kKeepLights.Flag(entities.front());
+    WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
+    WarnOfBadKeys(entities.front(), 0, keys::kStyleWorldKeys, log);
+    WarnOfBadKeys(entities.front(), 0, keys::kMacroKeys, log);
+    WarnOfForeignKeys(entities.front(), 0, KeyOwner::World, log);
+    const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
+    for (std::size_t i = 0; i < sources.size(); ++i)
+        if (IsLight(sources[i])) {
+            WarnOfBadLightKeys(sources[i], i, log);
+            WarnOfForeignKeys(sources[i], i, KeyOwner::Light, log);
+        }
+    const bool replaced = inputs.mapEntities && !kept;
+    NumberedEntities result;
+    const auto take = [&](const std::vector<Entity> &from, const auto &wanted) {
+        for (std::size_t i = 0; i < from.size(); ++i)
+            if (wanted(from[i]))
+                result.entities.push_back(from[i]), result.numbers.push_back(i);
+    };
+    take(entities, [&](const Entity &entity) { return !replaced || !IsLight(entity); });
+    if (replaced)
+        take(sources, IsLight);
+    if (std::none_of(result.entities.begin(), result.entities.end(), IsLight))
+        log.Warn("no light entities", "{}: no light entities, {}; surface, sun and sky lights still count", inputs.name,
+                 inputs.mapEntities ? "neither in the .map nor in the .bsp" : "there is no .map beside the .bsp");
+    return result;
+}
+
+void CountLights(const std::vector<Light> &lights, const SurfaceLightCounts &counts, Log &log) {
+    const auto of = [&](LightType type) {
+        return std::count_if(lights.begin(), lights.end(), [&](const Light &light) { return light.type == type; });
+    };
+    log.Count(of(LightType::Point), "point lights");
+    log.Count(of(LightType::Spot), "spotlights");
+    log.Count(counts.areaLights, "diffuse (area) lights");
+    log.Count(of(LightType::Sun), "sun/sky lights");
+}
+
+} // namespace
+
+std::vector<bool> OpaqueBrushes(const Bsp &bsp, ShaderLibrary &library) {
+    std::vector<bool> translucent(bsp.shaders.size());
+    for (std::size_t i = 0; i < bsp.shaders.size(); ++i)
+        translucent[i] = (library.Get(FieldName(bsp.shaders[i].shader)).compileFlags & C_TRANSLUCENT) != 0;
+    std::vector<bool> opaque(bsp.brushes.size());
+    const bspModel_t &world = bsp.models.front();
+    for (int i = 0; i < world.numBSPBrushes; ++i) {
+        const auto number = std::size_t(world.firstBSPBrush + i);
+        const bspBrush_t &brush = bsp.brushes[number];
+        bool any = false;
+        for (int s = 0; s < brush.numSides && !any; ++s)
+            any = translucent[std::size_t(bsp.brushSides[std::size_t(brush.firstSide + s)].shaderNum)];
+        opaque[number] = !any;
+    }
+    return opaque;
+}
+
+std::vector<Light> CreateLights(const BspSpace &space, const std::vector<Entity> &entities, SurfaceTable &table,
+                                const LightOptions &options, const WorldLight &world, ShaderLibrary &library,
+                                Log &log) {
+    std::vector<Light> lights = EntityLights(entities, options, log);
+    SurfaceLightCounts counts;
+    auto ofSurfaces = SurfaceLights(space, table, options, world, library, counts, log);
+    std::move(ofSurfaces.begin(), ofSurfaces.end(), std::back_inserter(lights));
+    CountLights(lights, counts, log);
+    // Lights are traced in reverse order of creation, as in the established program: -cheapgrid depends on it.
+    std::reverse(lights.begin(), lights.end());
+    return lights;
+}
+
+namespace {
+
+GridLayout SetupGridLogged(const Bsp &bsp, Entity &world, Log &log) {
+    log.Section("SetupGrid");
+    return SetupGrid(bsp, world, log);
+}
+
+LightOptions WithWorld(LightOptions options, const WorldLight &world) {
+    options.tone.maxLight = world.maxLight;
+    return options;
+}
+
+SurfaceDefaults WithAmbient(SurfaceDefaults defaults, const WorldLight &world) {
+    defaults.ambient = world.ambient;
+    if (defaults.macroTexture.empty())
+        defaults.macroTexture = WithoutExtension(world.macroTexture);
+    return defaults;
+}
+
+/// Light styles in shaders of surfaces.
+std::set<int> StylesOfShaders(const SurfaceTable &table) {
+    std::set<int> styles;
+    for (const SurfaceEntry &entry : table) {
+        styles.insert(entry.shader->lightStyle);
+        for (const SunDirective &sun : entry.shader->suns)
+            styles.insert(sun.style);
+    }
+    return styles;
+}
+
+/// Assigns style numbers to lights that need one, and sets their keys.
+LightStyles NumberStyles(const LightSetup &setup, std::vector<Entity> &entities, Log &log) {
+    if (setup.options.noStyles)
+        return {};
+    std::vector<Entity> lights;
+    std::copy_if(entities.begin(), entities.end(), std::back_inserter(lights), IsLight);
+    const bool switchable = setup.options.switchable || keys::kSwitchable.Flag(entities.front());
+    LightStyles styles(lights, entities.front(), switchable, StylesOfShaders(setup.table), log);
+    for (Entity &entity : entities)
+        if (IsLight(entity))
+            styles.Set(entity);
+    return styles;
+}
+
+std::vector<Light> CreateLightsLogged(LightSetup &setup, const LightInputs &inputs, ShaderLibrary &library, Log &log) {
+    auto [entities, numbers] = EntitiesWithLights(setup.stored, inputs, log);
+    log.Section("CreateLights");
+    ApplyTexLights(inputs.texLights, setup.table, log);
+    try {
+        setup.styles = NumberStyles(setup, entities, log);
+        auto lights = CreateLights(setup.space, entities, setup.table, setup.options, setup.world, library, log);
+        for (Light &light : lights)
+            if (light.entity >= 0)
+                light.entity = int(numbers[std::size_t(light.entity)]);
+        return lights;
+    } catch (const Error &error) {
+        throw Error("{}: {}", inputs.name, error.what());
+    }
+}
+
+/// Legacy rays ignore surfaces nearer than this: half the longest side of a cell.
+float IgnoreRadius(const GridLayout &layout) {
+    return 0.5f * std::max({layout.size[0], layout.size[1], layout.size[2]});
+}
+
+} // namespace
+
+LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOptions &given,
+                       const SurfaceDefaults &defaults, ShaderLibrary &library, Log &log)
+    : bsp(map), stored(StoredEntities(map.entities, inputs.name)), layout(SetupGridLogged(map, stored.front(), log)),
+      world(ReadWorldLight(stored.front(), given)), options(WithWorld(given, world)),
+      table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
+                             WithAmbient(defaults, world))),
+      space(map, OpaqueBrushes(map, library)), lights(CreateLightsLogged(*this, inputs, library, log)),
+      props(LoadStaticProps(
+          stored, inputs.vfs, int(map.drawSurfaces.size()),
+          [&inputs](std::string_view model) { return inputs.texLights.TextureShadow(model); }, options, library, log)),
+      scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)) {
+    props.shadows = {}; // the scene has a copy
+    WarnOfHiddenLights(lights, space, options.noTrace ? nullptr : &scene, log);
+    log.Count(scene.TriangleCount(), "triangles that rays can meet");
+}
+
+} // namespace q3

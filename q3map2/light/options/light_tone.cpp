@@ -1,0 +1,59 @@
+// GPL-2.0-or-later. Float light to stored bytes.
+#include "q3map2/light/options/light_tone.h"
+#include "q3map2/shader/image_formats.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+
+namespace q3 {
+
+namespace {
+
+template <typename F> Vec3f Each(const Vec3f &v, const F &f) {
+    return {f(v.x), f(v.y), f(v.z)};
+}
+
+float NotNegative(float c) {
+    return std::max(c, 0.0f);
+}
+
+} // namespace
+
+Vec3f ToneMapper::Graded(const Vec3f &color) const {
+    Vec3f v = color;
+    if (tone_.contrast != 1)
+        v = Each(v, [&](float c) { return tone_.contrast * (c - 128) + 128; });
+    v = Each(v, NotNegative);
+    if (tone_.gamma != 1)
+        v = Each(v, [&](float c) { return 255 * std::pow(c / 255, 1 / tone_.gamma); });
+    if (const float m = MaxComponent(v); tone_.exposure != 0 && m > 0)
+        v *= (1 - std::exp(-m / tone_.exposure)) * 255 / m;
+    if (tone_.saturation == 1)
+        return v;
+    const float gray = 0.3086f * v.x + 0.6094f * v.y + 0.0820f * v.z;
+    return Each(v, [&](float c) { return NotNegative(gray * (1 - tone_.saturation) + c * tone_.saturation); });
+}
+
+Vec3f ToneMapper::InSrgb(const Vec3f &color) {
+    return Each(color, [](float c) { return std::floor(255 * SrgbFromLinear(c / 255) + 0.5f); });
+}
+
+std::string ToneText(const ToneOptions &tone, float brightness) {
+    std::string text;
+    const auto add = [&text](std::string_view word, float value, float plain) {
+        if (value != plain)
+            text += fmt::format("{}{} {}", text.empty() ? "" : " ", word, value);
+    };
+    add("contrast", tone.contrast, 1);
+    add("gamma", tone.gamma, 1);
+    add("exposure", tone.exposure, 0);
+    add("saturation", tone.saturation, 1);
+    add("scale", ToneMapper::FactorOf(brightness, tone), 1);
+    add("maxlight", tone.maxLight, 255);
+    add("srgb", tone.sRgb ? 1 : 0, 0);
+    return text;
+}
+
+} // namespace q3

@@ -1,0 +1,209 @@
+// GPL-2.0-or-later. The lattice of the sparse SH grid: positions of its points, and the light that is known there.
+#include "q3map2/light/sparse/lattice.h"
+
+#include "libs/math/sampling.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/light/sparse/display_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace q3 {
+
+// ---- The lattice of the sparse SH grid ----
+
+namespace {
+
+/// Cells of the uniform grid are halved at most kMaxFineLevels times; for Cubic at most kMaxCubicLevels times, and
+/// along longer edges up to kMaxStretch times more.
+constexpr int kMaxFineLevels = 2, kMaxCubicLevels = 4, kMaxStretch = 2;
+/// The largest cells have edges of 2^kCoarseLevels cells of the uniform grid.
+constexpr int kCoarseLevels = 3;
+
+/// How often all edges of a cell can be halved without one below `least`.
+int HalvingsDownTo(float least, const Vec3f &size, int most) {
+    const float shortest = std::min({size.x, size.y, size.z});
+    int halvings = 0;
+    while (halvings < most && shortest / float(2 << halvings) >= least)
+        ++halvings;
+    return halvings;
+}
+
+Int3 AsOftenAlongAllAxes(const bspGridSHHeader_t &uniform) {
+    const int halvings = HalvingsDownTo(kMinCell, Vec3f(uniform.gridSize), kMaxFineLevels);
+    return {halvings, halvings, halvings};
+}
+
+} // namespace
+
+SparseLattice::SparseLattice(const bspGridSHHeader_t &uniform) : SparseLattice(uniform, AsOftenAlongAllAxes(uniform)) {}
+
+SparseLattice SparseLattice::Cubic(const bspGridSHHeader_t &uniform) {
+    const Vec3f size(uniform.gridSize);
+    const float shortest = std::min({size.x, size.y, size.z});
+    const int halvings = HalvingsDownTo(kMinCubicCell, size, kMaxCubicLevels);
+    Int3 levels{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        levels[axis] = halvings + std::min(kMaxStretch, int(std::lround(std::log2(size[axis] / shortest))));
+    return {uniform, levels};
+}
+
+SparseLattice::SparseLattice(const bspGridSHHeader_t &uniform, const Int3 &uniformLevel)
+    : uniform_(uniform), uniformLevel_(uniformLevel),
+      baseLevel_(std::max({uniformLevel[0], uniformLevel[1], uniformLevel[2]})),
+      levels_(baseLevel_ + kCoarseLevels + 1) {
+    const Vec3f size(uniform.gridSize);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        cell_[axis] = size[axis] / float(1 << uniformLevel_[axis]);
+        // One base cell to spare on each side: the world may reach beyond the points of the uniform grid.
+        const float root = cell_[axis] * float(1 << levels_), spare = cell_[axis] * float(1 << baseLevel_);
+        const float origin = uniform.gridMins[axis], cell = size[axis];
+        const auto rootsBefore = std::int32_t(std::floor((origin - spare) / root));
+        // The first point of a grid need not be at a multiple of its cell: -shift moves grids.
+        first_[axis] = (std::int32_t(std::lround(origin / cell)) << uniformLevel_[axis]) - (rootsBefore << levels_);
+        mins_[axis] = origin - cell_[axis] * float(first_[axis]);
+        const float end = origin + cell * float(uniform.gridBounds[axis] - 1) + spare;
+        roots_[axis] = std::int32_t(std::floor((end - mins_[axis]) / root)) + 1;
+    }
+}
+
+std::size_t SparseLattice::UniformIndex(const LatticePoint &p) const {
+    std::size_t index = 0, stride = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::int32_t at = (p[axis] - first_[axis]) >> uniformLevel_[axis];
+        index += stride * std::size_t(std::clamp(at, 0, uniform_.gridBounds[axis] - 1));
+        stride *= std::size_t(uniform_.gridBounds[axis]);
+    }
+    return index;
+}
+
+// ---- The points of the lattice of the sparse SH grid at which light is known ----
+
+LatticePoints::LatticePoints(const SparseLattice &lattice) {
+    std::size_t count = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        uniformLevel_[axis] = lattice.UniformLevel(axis);
+        uniformSize_[axis] = (lattice.Roots()[axis] << (lattice.Levels() - uniformLevel_[axis])) + 1;
+        count *= std::size_t(uniformSize_[axis]);
+    }
+    uniform_.assign(count, kUnknown);
+}
+
+const std::uint32_t *LatticePoints::UniformNumber(const LatticePoint &at) const {
+    std::size_t place = 0;
+    for (std::size_t axis = 3; axis-- > 0;) {
+        const std::int32_t i = at[axis] >> uniformLevel_[axis];
+        if (i << uniformLevel_[axis] != at[axis] || i < 0 || i >= uniformSize_[axis])
+            return nullptr;
+        place = place * std::size_t(uniformSize_[axis]) + std::size_t(i);
+    }
+    return &uniform_[place];
+}
+
+std::size_t LatticePoints::SlotOf(std::uint64_t key) const {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t slot = std::size_t(HashIndex(key)) & mask;
+    while (slots_[slot].number != kUnknown && slots_[slot].key != key)
+        slot = (slot + 1) & mask;
+    return slot;
+}
+
+void LatticePoints::GrowIfFull() {
+    constexpr std::size_t kMinSlots = 1024;
+    if (hashed_ * 2 < slots_.size())
+        return;
+    const std::vector<Slot> old = std::exchange(slots_, {});
+    slots_.assign(std::max(kMinSlots, old.size() * 4), Slot{});
+    for (const Slot &slot : old)
+        if (slot.number != kUnknown)
+            slots_[SlotOf(slot.key)] = slot;
+}
+
+std::uint32_t LatticePoints::Find(const LatticePoint &at) const {
+    if (const std::uint32_t *number = UniformNumber(at))
+        return *number;
+    return slots_.empty() ? kUnknown : slots_[SlotOf(KeyOf(at))].number;
+}
+
+std::uint32_t LatticePoints::Add(const LatticePoint &at) {
+    const std::uint32_t known = Find(at);
+    if (known != kUnknown)
+        return known;
+    const auto number = std::uint32_t(points_.size());
+    points_.push_back({.at = at});
+    if (const std::uint32_t *place = UniformNumber(at)) {
+        uniform_[std::size_t(place - uniform_.data())] = number;
+        return number;
+    }
+    GrowIfFull();
+    const std::uint64_t key = KeyOf(at);
+    slots_[SlotOf(key)] = {key, number};
+    ++hashed_;
+    return number;
+}
+
+// ---- Traces light at points of the lattice of the sparse SH grid ----
+
+namespace {
+
+/// Points of a brick, which share a list of lights.
+constexpr std::size_t kBrickPoints = 256;
+
+/// Inserts two zero bits before each of the lowest 21 bits.
+std::uint64_t SpreadBits(std::int32_t coordinate) {
+    auto x = std::uint64_t(std::uint32_t(coordinate));
+    x = (x | x << 32) & 0x1f00000000ffffull;
+    x = (x | x << 16) & 0x1f0000ff0000ffull;
+    x = (x | x << 8) & 0x100f00f00f00f00full;
+    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
+    return (x | x << 2) & 0x1249249249249249ull;
+}
+
+} // namespace
+
+std::uint64_t MortonOf(const LatticePoint &p) {
+    return SpreadBits(p[0]) | SpreadBits(p[1]) << 1 | SpreadBits(p[2]) << 2;
+}
+
+void LatticeTracer::Trace(LatticePoints &points, std::size_t first, GridStats &stats) const {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    for (std::size_t i = first; i < points.Size(); ++i)
+        order.push_back({MortonOf(points[i].at), std::uint32_t(i)});
+    std::sort(order.begin(), order.end());
+    std::vector<std::uint32_t> numbers;
+    for (const auto &[code, number] : order)
+        numbers.push_back(number);
+    const auto bricks = std::int64_t((numbers.size() + kBrickPoints - 1) / kBrickPoints);
+    std::vector<GridStats> work(std::size_t(in_.jobs.Threads()));
+    in_.jobs.For(bricks, [&](std::int64_t brick, int worker) { // without progress: one of many short passes
+        const std::size_t from = std::size_t(brick) * kBrickPoints;
+        TraceBrick(points, std::span(numbers).subspan(from, std::min(kBrickPoints, numbers.size() - from)),
+                   work[std::size_t(worker)]);
+    });
+    for (const GridStats &part : work)
+        stats.Add(part);
+}
+
+void LatticeTracer::TraceBrick(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const {
+    std::vector<ProbeReceiver> receivers;
+    std::vector<std::uint32_t> traced;
+    for (const std::uint32_t number : numbers) {
+        LatticeSample &point = points[number];
+        PlacedPoint placed = PlaceInOpen(in_.space, lattice_.PositionOf(point.at));
+        if (placed.state != PointState::Open)
+            placed = PlaceBeside(in_.space, placed.position);
+        point.open = placed.state != PointState::Exterior;
+        if (!point.open)
+            continue;
+        traced.push_back(number);
+        receivers.push_back({placed.position, placed.cluster, std::uint32_t(HashIndex(KeyOf(point.at)))});
+    }
+    if (receivers.empty())
+        return;
+    const auto values = light_.At(receivers, KeyOf(points[numbers.front()].at), work);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        points[traced[i]].value = ToDisplayed(values[i], in_.options.shRadiance);
+}
+
+} // namespace q3

@@ -1,0 +1,234 @@
+// GPL-2.0-or-later. The light stage: a compiled map in, a lit one out.
+#include "q3map2/lightmap/light_stage.h"
+
+#include "common/platform/platform.h"
+#include "q3map2/bspfile/entity_key.h"
+#include "q3map2/light/grid_bakes.h"
+#include "q3map2/light/options/light_tone.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/lightmap/ao/luxel_occlusion.h"
+#include "q3map2/lightmap/direct/lightmap_average.h"
+#include "q3map2/lightmap/direct/luxel_light.h"
+#include "q3map2/lightmap/raw/lightmap_setup.h"
+#include "q3map2/lightmap/raw/luxel_map.h"
+#include "q3map2/lightmap/raw/luxel_normal.h"
+#include "q3map2/lightmap/raw/macro_texture.h"
+#include "q3map2/lightmap/store/hdr_store.h"
+#include "q3map2/lightmap/vertex/vertex_light.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+namespace q3 {
+
+// ---- The passes of the light stage over the surfaces of a map ----
+
+SurfacePasses::SurfacePasses(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log,
+                             const SurfacePassesOptions &options)
+    : setup_(setup), in_{setup.bsp, setup.space, setup.scene, setup.table, setup.options,
+                         lightmap,  setup.world, jobs,        log},
+      options_(options), surfaces_(Prepare()) {}
+
+SurfaceLight SurfacePasses::Prepare() {
+    in_.log.Section("SetupSurfaceLightmaps");
+    SurfaceLight surfaces = SetupSurfaceLight(in_);
+    surfaces.styled =
+        std::any_of(setup_.lights.begin(), setup_.lights.end(), [](const Light &light) { return light.style != 0; });
+    if (in_.lightmap.shade)
+        SmoothNormals(in_, surfaces);
+    in_.log.Section("MapRawLightmap");
+    MapLuxels(in_, surfaces);
+    FindTangents(in_, surfaces);
+    FindTints(in_, surfaces);
+    if (in_.lightmap.dirty) {
+        in_.log.Section("DirtyRawLightmap");
+        DirtLuxels(in_, surfaces);
+    }
+    if (options_.floodlight)
+        FloodLuxels(in_, surfaces);
+    return surfaces;
+}
+
+void SurfacePasses::Run() {
+    in_.log.Section("IlluminateRawLightmap");
+    Pass(setup_.lights, {}, nullptr);
+    if (in_.lightmap.lightmass)
+        FindMasks();
+    if (in_.lightmap.bounces > 0)
+        Bounce();
+    else
+        AverageLuxels(in_, {}, !options_.keepLuxels, surfaces_);
+    if (in_.lightmap.show == DebugView::Light)
+        ApplyTints(in_, surfaces_);
+}
+
+void SurfacePasses::Bounce() {
+    in_.log.Section("Radiosity");
+    const CpuTimer timer;
+    AverageLuxels(in_, {}, false, surfaces_);
+    bounces_.emplace(in_, surfaces_);
+    in_.log.Count(bounces_->Rays(), "rays to gather the light of bounces");
+    if (!bounces_->Solve(surfaces_))
+        return in_.log.Print("No surface reflects light\n");
+    in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+    in_.log.Section("Final gathering");
+    Pass({}, {.bounce = true}, &*bounces_);
+    AverageLuxels(in_, {.bounce = true}, !options_.keepLuxels, surfaces_);
+}
+
+std::unique_ptr<IndirectLight> SurfacePasses::ForGrids() const {
+    if (!bounces_ || !in_.lightmap.bounceGrid)
+        return nullptr;
+    return bounces_->ForPoints();
+}
+
+StoredLightmaps SurfacePasses::Store(std::string_view mapName, Bsp &bsp) {
+    in_.log.Section("StoreSurfaceLightmaps");
+    return StoreLightmaps(in_, surfaces_, mapName, bsp);
+}
+
+/// Sky occlusion and shadow masks of -lightmass.
+void SurfacePasses::FindMasks() {
+    FindOcclusion(in_, surfaces_);
+    if (in_.lightmap.shadowMaps.empty())
+        return;
+    int culled = 0;
+    const std::vector<Light> lights = SetupEnvelopes(setup_.lights, LightPass::Surfaces, in_.options, in_.space,
+                                                     setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
+    FindVisibility(in_, lights, surfaces_, counts_);
+}
+
+void SurfacePasses::Pass(const std::vector<Light> &created, const SurfacePass &pass, const Bounces *bounces) {
+    const CpuTimer timer;
+    const std::uint64_t raysBefore = counts_.rays;
+    int culled = 0;
+    const std::vector<Light> lights = SetupEnvelopes(created, LightPass::Surfaces, in_.options, in_.space,
+                                                     setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
+    if (!bounces) {
+        in_.log.Count(lights.size(), "lights");
+        in_.log.Count(culled, "lights culled");
+    }
+    LightLuxels(in_, lights, pass, surfaces_, counts_);
+    if (bounces)
+        bounces->AddToLuxels(surfaces_);
+    FinishLuxels(in_, pass, surfaces_);
+    LightVertices(in_, lights, pass, surfaces_, counts_);
+    if (bounces)
+        bounces->AddToVertices(surfaces_);
+    if (!bounces)
+        in_.log.Count(counts_.rays - raysBefore, "rays");
+    in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+}
+
+// ---- The light stage ----
+
+namespace {
+
+/// Records the tone mapping of the lightmaps, which readers of the SH grid apply too. -onlygrid keeps the lightmaps and
+/// so their record. If they have none, another program may have lit them: `tone`, the settings of this run, is
+/// recorded.
+void RecordTone(const std::string &tone, bool onlyGrid, bool lightsGrid, Entity &world, Log &log) {
+    const std::string recorded(world.Value(kToneKey));
+    if (onlyGrid && !recorded.empty()) {
+        if (lightsGrid && recorded != tone)
+            log.Warn("tone of the lightmaps", "-onlygrid keeps lightmaps of tone \"{}\", but lights the legacy grid {}",
+                     recorded, tone.empty() ? "without one" : fmt::format("with \"{}\"", tone));
+        return;
+    }
+    world.Erase(kToneKey);
+    if (!tone.empty())
+        world.Set(kToneKey, tone);
+}
+
+/// Styles of patterns and switches: keys of the world, and of the light entities that stay in the map.
+void RecordStyles(const LightStyles &styles, std::vector<Entity> &entities) {
+    styles.Record(entities.front());
+    for (Entity &entity : entities)
+        if (StartsWithNoCase(entity.ClassName(), "light"))
+            styles.Set(entity);
+}
+
+void RecordRnm(const LightmapOptions &options, const StoredLightmaps &stored, Entity &world) {
+    world.Erase(kRnmKey);
+    if (std::any_of(stored.pages.begin(), stored.pages.end(), [](const auto &page) { return page.HasBasis(); }))
+        world.Set(kRnmKey, RnmStorageWord(options.rnmRescaled ? RnmStorage::Rescaled : RnmStorage::Raw));
+}
+
+/// Sets result.props.
+void LightStaticProps(const LightSetup &setup, const LightmapOptions &lightmap, const Bounces *bounces,
+                      const JobPool &jobs, Log &log, LightResult &result) {
+    log.Section("LightStaticProps");
+    const SurfaceInputs in{setup.bsp, setup.space, setup.scene, setup.table, setup.options,
+                           lightmap,  setup.world, jobs,        log};
+    int culled = 0;
+    std::vector<Light> lights = SetupEnvelopes(setup.lights, LightPass::Surfaces, setup.options, setup.space,
+                                               setup.skySeenFrom, culled, lightmap.fastPoint);
+    PropBounce bounce;
+    const std::unique_ptr<IndirectLight> indirect = bounces ? bounces->ForPoints() : nullptr;
+    if (indirect) {
+        bounce.indirect = indirect.get();
+        bounce.irradiance = [bounces](const Vec3f &position, const Vec3f &normal, bool twoSided) {
+            return bounces->IrradianceAt(position, normal, twoSided);
+        };
+    }
+    result.props = LightProps(in, setup.props, std::move(lights), bounce, result.surfaces);
+}
+
+} // namespace
+
+LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
+                       const LightmapOptions &lightmap, ShaderLibrary &library, const JobPool &jobs, Log &log) {
+    LightSetup setup(bsp, inputs, options, SurfaceDefaultsOf(lightmap), library, log);
+    // Bounced light comes from lit surfaces, whether or not they are stored.
+    const bool gridBounces = lightmap.bounces > 0 && lightmap.bounceGrid;
+    const bool lightSurfaces =
+        !lightmap.onlyGrid || gridBounces || (lightmap.bounces > 0 && setup.options.staticPropLighting);
+    library.ReleaseImages(lightmap.bounces > 0 && lightSurfaces);
+    LightResult result;
+    std::optional<SurfacePasses> surfaces;
+    std::unique_ptr<IndirectLight> bounced;
+    if (lightSurfaces) {
+        surfaces.emplace(setup, lightmap, jobs, log);
+        surfaces->Run();
+        bounced = surfaces->ForGrids();
+        result.surfaces = surfaces->Counts();
+    }
+    if (setup.options.staticPropLighting)
+        LightStaticProps(setup, lightmap, surfaces ? surfaces->Bounced() : nullptr, jobs, log, result);
+    if (setup.options.staticPropLighting || !lightmap.onlyGrid)
+        SetPropLight(bsp, PackPropLight(setup.props, result.props));
+    bsp.gridSH.reset();
+    bsp.sparseGridSH.reset();
+    bsp.ambientCubes.reset();
+    setup.stored.front().Erase(kGridSHKey);
+    RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap.onlyGrid, !options.noGrid,
+               setup.stored.front(), log);
+    if (!options.noGrid)
+        bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
+    if (options.sh || options.shAdaptive) {
+        BakedGridSH baked = BakeGridSH(setup, bounced.get(), jobs, log, result.gridSH);
+        bsp.gridSH = std::move(baked.uniform);
+        bsp.gridSHContainer = options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
+        bsp.sparseGridSH = std::move(baked.sparse);
+        if (options.shRadiance)
+            setup.stored.front().Set(kGridSHKey, kRadiance);
+    }
+    if (options.ambientCubes)
+        bsp.ambientCubes =
+            BakeAmbientCubes(setup, bounced.get(), bsp.gridSH ? &*bsp.gridSH : nullptr, jobs, log, result.cubes);
+    if (!options.sh)
+        bsp.gridSH.reset();
+    if (!lightmap.onlyGrid) {
+        ClearHdrLight(bsp);
+        RecordStyles(setup.styles, setup.stored);
+        bsp.entities = FormatEntities(setup.stored); // generated shaders depend on keys of the world
+        result.lightmaps = surfaces->Store(inputs.name, bsp);
+        StoreHdrLight(lightmap, result.lightmaps, bsp);
+        RecordRnm(lightmap, result.lightmaps, setup.stored.front());
+    }
+    bsp.entities = FormatEntities(setup.stored);
+    return result;
+}
+
+} // namespace q3

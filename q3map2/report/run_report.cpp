@@ -1,0 +1,184 @@
+// GPL-2.0-or-later. What a run tells about itself: on the screen, as a JSON file, and in the map that it wrote.
+#include "q3map2/report/run_report.h"
+
+#include "common/files/files.h"
+#include "common/platform/platform.h"
+#include "common/text/text.h"
+#include "q3map2/report/version.h"
+
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+// ---- What a run prints about itself ----
+
+namespace {
+
+constexpr double kBytesPerMebibyte = 1024 * 1024;
+
+std::string WarningText(const Log &log) {
+    std::string kinds;
+    int total = 0;
+    for (const auto &[kind, count] : log.WarningTotals()) {
+        kinds += fmt::format("{}{}: {}", kinds.empty() ? "" : ", ", kind, count);
+        total += count;
+    }
+    if (total == 0)
+        return "no warnings";
+    return fmt::format("{} ({})", Counted(total, "warnings"), kinds);
+}
+
+} // namespace
+
+void PrintChangedOptions(const Arguments &arguments, Log &log) {
+    for (const Arguments::Change &change : arguments.Changes())
+        log.Setting(change.name, change.values, "command line", change.before);
+}
+
+void PrintChangedKeys(const Entity &entity, std::span<const EntityKey> keys, std::string_view source, Log &log) {
+    for (const EntityKey &key : keys)
+        if (const std::string_view value = key.Text(entity); !value.empty() && value != key.InitialText())
+            log.Setting(key.info.name, value, source, key.InitialText());
+}
+
+std::string RunReport::Faults() const {
+    return fmt::format("{}", fmt::join(faults_, ", "));
+}
+
+void RunReport::PrintEnd(bool failed, Log &log) const {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    for (const std::string &line : log.Repeated())
+        log.Print("{}\n", line);
+    log.Print("{:9.0f} {} elapsed\n", seconds, std::lround(seconds) == 1 ? "second" : "seconds");
+    const std::string faults = Faults();
+    // Editors look at the level of this line, not at the exit status.
+    log.Write(failed ? LogLevel::Error : LogLevel::Normal,
+              fmt::format("{}: {}{}, {:.1f} s, {:.1f} CPU s, {:.0f} MB peak memory\n", failed ? "failed" : "done",
+                          faults.empty() ? "" : faults + ", ", WarningText(log), seconds, CpuSeconds(),
+                          PeakMemory() / kBytesPerMebibyte));
+}
+
+// ---- The report of a run as a JSON file ----
+
+namespace {
+
+/// Reports of maps with very many faults stay readable.
+constexpr std::size_t kMostWarnings = 10000;
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+void ReportFile::EndPass() {
+    Pass &pass = passes_[current_];
+    const double cpu = CpuSeconds();
+    pass.seconds += SecondsSince(passStart_);
+    pass.cpuSeconds += cpu - passCpu_;
+    passStart_ = Clock::now();
+    passCpu_ = cpu;
+}
+
+void ReportFile::OnSection(std::string_view name) {
+    EndPass();
+    const auto found = std::ranges::find(passes_, name, &Pass::name);
+    current_ = std::size_t(found - passes_.begin());
+    if (found == passes_.end())
+        passes_.push_back({std::string(name), 0, 0, {}});
+}
+
+void ReportFile::OnCount(long long value, std::string_view name) {
+    std::vector<Count> &counts = passes_[current_].counts;
+    const auto found = std::ranges::find(counts, name, &Count::name);
+    if (found == counts.end())
+        counts.push_back({std::string(name), value});
+    else
+        found->value += value;
+}
+
+void ReportFile::OnSetting(std::string_view name, std::string_view value, std::string_view source,
+                           std::string_view initial) {
+    settings_.push_back({std::string(name), std::string(value), std::string(source), std::string(initial)});
+}
+
+void ReportFile::OnWarning(std::string_view kind, std::string_view text, const LogMark *mark) {
+    if (warnings_.size() < kMostWarnings)
+        warnings_.push_back(
+            {std::string(kind), std::string(text), mark ? mark->entity : -1, mark ? mark->primitive : -1});
+}
+
+void ReportFile::Write(const std::filesystem::path &path, const std::vector<std::string> &words,
+                       std::string_view error) {
+    EndPass();
+    using Json = nlohmann::ordered_json;
+    Json report{{"version", kVersion},
+                {"commandLine", words},
+                {"status", error.empty() ? "done" : "failed"},
+                {"seconds", SecondsSince(start_)},
+                {"cpuSeconds", CpuSeconds()},
+                {"peakMemoryBytes", PeakMemory()}};
+    if (!error.empty())
+        report["error"] = error;
+    report["settings"] = Json::array();
+    for (const Setting &s : settings_)
+        report["settings"].push_back(
+            {{"name", s.name}, {"value", s.value}, {"default", s.initial}, {"from", s.source}});
+    report["passes"] = Json::array();
+    for (const Pass &pass : passes_) {
+        Json counts = Json::object();
+        for (const Count &count : pass.counts)
+            counts[count.name] = count.value;
+        report["passes"].push_back(
+            {{"name", pass.name}, {"seconds", pass.seconds}, {"cpuSeconds", pass.cpuSeconds}, {"counts", counts}});
+    }
+    report["warnings"] = Json::array();
+    for (const Warning &w : warnings_) {
+        Json warning{{"kind", w.kind}, {"text", w.text}};
+        if (w.entity >= 0)
+            warning["entity"] = w.entity;
+        if (w.primitive >= 0)
+            warning["brush"] = w.primitive;
+        report["warnings"].push_back(std::move(warning));
+    }
+    // Names in maps may be in any encoding.
+    const std::string text = report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    ReplaceTextFile(path, text);
+}
+
+// ---- Records command lines of the stages in worldspawn ----
+
+namespace {
+
+/// Engines read at most 1024 bytes of a value; the oldest records go first.
+constexpr std::size_t kMaxRecord = 900;
+
+} // namespace
+
+void RecordCommand(Entity &world, std::string_view stage, const std::vector<std::string> &words) {
+    std::string command(stage);
+    for (const std::string &word : words) {
+        command += ' ';
+        for (const char c : word)
+            if (c != '\\' && c != '"' && c != ';' && static_cast<unsigned char>(c) >= 32)
+                command += c;
+    }
+    std::string record(world.Value("_q3map2_cmdline"));
+    record += (record.empty() ? "" : "; ") + command;
+    while (record.size() > kMaxRecord && record.find("; ") != std::string::npos)
+        record.erase(0, record.find("; ") + 2);
+    world.Set("_q3map2_cmdline", record.substr(0, kMaxRecord));
+    world.Set("_q3map2_version", kVersion);
+}
+
+void RecordCommand(Bsp &bsp, std::string_view stage, std::string_view name, const std::vector<std::string> &words) {
+    std::vector<Entity> entities = StoredEntities(bsp.entities, name);
+    RecordCommand(entities.front(), stage, words);
+    bsp.entities = FormatEntities(entities);
+}
+
+} // namespace q3

@@ -1,0 +1,447 @@
+// GPL-2.0-or-later. Options that every stage accepts, and the game and its files that they select.
+#include "q3map2/stages/global_options.h"
+
+#include "common/error.h"
+#include "common/platform/platform.h"
+#include "common/text/text.h"
+#include "q3map2/bspfile/entities.h"
+
+#include <fmt/ranges.h>
+#include <glib.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+
+namespace q3 {
+
+// ---- Options that every stage accepts ----
+
+namespace {
+
+std::string WithSlashes(std::string path) {
+    std::replace(path.begin(), path.end(), '\\', '/');
+    return path;
+}
+
+void AddUnique(std::vector<std::string> &list, std::string value) {
+    value = WithSlashes(std::move(value));
+    if (std::none_of(list.begin(), list.end(), [&](const std::string &known) { return EqualNoCase(known, value); }))
+        list.push_back(std::move(value));
+}
+
+/// Slashes instead of backslashes, and every path once.
+void Normalize(std::vector<std::string> &list) {
+    std::vector<std::string> unique;
+    for (std::string &path : list)
+        AddUnique(unique, std::move(path));
+    list = std::move(unique);
+}
+
+void ChooseGame(GlobalOptions &options, Log &log) {
+    options.game = FindGame("quake3");
+    for (const std::string &name : options.games) {
+        if (const Game *game = FindGame(name)) {
+            options.game = game;
+            continue;
+        }
+        ReportUnknownGame(name, options, log);
+    }
+}
+
+/// Engine path: the first word that contains `magic`, cut after the path element with the match. Empty: none.
+std::string EnginePathFrom(const std::vector<std::string> &words, std::string_view magic) {
+    for (const std::string &word : words) {
+        const std::string path = WithSlashes(word);
+        const auto found = std::search(path.begin(), path.end(), magic.begin(), magic.end(),
+                                       [](char a, char b) { return g_ascii_tolower(a) == g_ascii_tolower(b); });
+        if (found == path.end())
+            continue;
+        const std::size_t slash = path.find('/', std::size_t(found - path.begin()));
+        if (slash != std::string::npos)
+            return path.substr(0, slash + 1);
+    }
+    return {};
+}
+
+/// The folder that holds the game folder of a map named on the command line: DIR of DIR/baseq3/maps/x.map. Empty: none.
+std::string EnginePathOfMap(const std::vector<std::string> &words, const std::vector<std::string> &gameDirs) {
+    for (const std::string &word : words) {
+        const std::filesystem::path folder = GameFolderOfMap(word);
+        const std::string gameDir = folder.filename().string();
+        const auto isName = [&](const std::string &name) { return EqualNoCase(name, gameDir); };
+        if (!folder.empty() && std::any_of(gameDirs.begin(), gameDirs.end(), isName))
+            return folder.parent_path().string();
+    }
+    return {};
+}
+
+/// Names of the game folders in order of precedence: those of -fs_game, then the base game.
+std::vector<std::string> GameDirs(const GlobalOptions &options) {
+    std::vector<std::string> gameDirs = options.gameDirs;
+    AddUnique(gameDirs, options.baseGame.value_or(std::string(options.game->gameDir)));
+    return gameDirs;
+}
+
+std::string HomeRoot(const GlobalOptions &options) {
+    const std::string homeBase = options.homeBase.value_or(std::string(options.game->homeDir));
+    if (options.home) {
+        const std::string home = WithSlashes(*options.home);
+        if (homeBase == ".")
+            return home;
+        return home + "/" + (homeBase.starts_with('.') ? homeBase.substr(1) : homeBase);
+    }
+    return UserFolder(homeBase);
+}
+
+} // namespace
+
+GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
+    GlobalOptions options;
+    TakeSettings(GlobalSettings(), options, arguments, log);
+    log.SetVerbose(options.verbose);
+    ChooseGame(options, log);
+    for (std::vector<std::string> *list :
+         {&options.forbidden, &options.basePaths, &options.gameDirs, &options.pakPaths})
+        Normalize(*list);
+    return options;
+}
+
+std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const std::vector<std::string> &arguments,
+                                             const std::filesystem::path &program) {
+    if (!options.basePaths.empty())
+        return {options.basePaths.begin(), options.basePaths.end()};
+    std::vector<std::string> words{program.string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::string engine = EnginePathFrom(words, options.game->magic);
+    if (engine.empty())
+        engine = EnginePathOfMap(arguments, GameDirs(options));
+    if (engine.empty())
+        engine = program.parent_path().parent_path().string();
+    if (engine.empty())
+        throw Error("cannot tell where the game is installed; give it by -fs_basepath");
+    return {engine};
+}
+
+std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,
+                                               const std::filesystem::path &program) {
+    std::vector<std::string> roots;
+    AddUnique(roots, HomeRoot(options));
+    for (const std::filesystem::path &path : BasePaths(options, arguments, program))
+        AddUnique(roots, path.string());
+    std::vector<std::filesystem::path> folders;
+    for (const std::string &gameDir : GameDirs(options))
+        for (const std::string &root : roots)
+            folders.push_back(std::filesystem::path(root) / gameDir);
+    for (const std::string &path : options.pakPaths)
+        folders.push_back(path);
+    return folders;
+}
+
+std::filesystem::path GameFolderOfMap(const std::string &map) {
+    std::error_code failed;
+    const auto maps = std::filesystem::absolute(WithSlashes(map), failed).lexically_normal().parent_path();
+    if (failed || !EqualNoCase(maps.filename().string(), "maps"))
+        return {};
+    return maps.parent_path();
+}
+
+VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders,
+                                Log &log) {
+    VirtualFileSystem vfs(log);
+    vfs.SetForbidden(options.forbidden);
+    for (const std::filesystem::path &folder : folders)
+        vfs.Mount(folder, options.game->archiveExtension);
+    return vfs;
+}
+
+// ---- Declares the options that every stage accepts ----
+
+namespace {
+
+using Group = SettingGroup<GlobalOptions>;
+
+constexpr int kMaxThreads = 64, kMaxDrawSurfaces = 1 << 24;
+
+Group General() {
+    const auto help = [](GlobalOptions &o, const SettingValues &v) { o.help = v.words.empty() ? "" : v.words[0]; };
+    return {
+        "General",
+        "They may stand anywhere on the line.",
+        {{{.name = "-help",
+           .aliases = {"--help", "-h"},
+           .values = "[TOPIC]",
+           .kind = SettingKind::Text,
+           .help = "Print this overview, or what there is about a stage, an option, a key or a directive",
+           .details = "Topics: a stage, an option, a key, a directive of shaders, `keys`, `shader` (all directives), "
+                      "`vrad` (options of VRAD), `game` (the known games), and `all`. `markdown`, "
+                      "`shadermarkdown`, `man`, `bash`, `zsh` and `fish` print this page, that of shader "
+                      "directives, the manual page and shell completions."},
+          Do<GlobalOptions>(help)},
+         {{.name = "-version",
+           .aliases = {"--version"},
+           .help = "Print the version, commit, compiler, Embree version and SIMD level"},
+          &GlobalOptions::version},
+         {{.name = "-v",
+           .firstOnly = true,
+           .help = "Print more: every warning, scripts as they are read, counters",
+           .details = "A second `-v` belongs to the vis stage."},
+          &GlobalOptions::verbose},
+         {{.name = "-threads",
+           .values = "N",
+           .initial = "one per hardware thread",
+           .range = {0, kMaxThreads},
+           .outside = OutOfRange::Clamp,
+           .help = "Number of worker threads",
+           .details = "The output does not depend on it."},
+          &GlobalOptions::threads},
+         {{.name = "-force",
+           .help = "Go on without game files, and load files with another ident or version",
+           .details = "Damaged lumps become warnings. So do what else keeps a stage from writing: an input that "
+                      "changed meanwhile, a disk that seems too full, and a map that would lose most of its light "
+                      "for want of its light entities."},
+          &GlobalOptions::force},
+         {{.name = "-log",
+           .values = "FILE",
+           .initial = "none",
+           .help = "Write everything that is printed to a file too"},
+          &GlobalOptions::logFile},
+         {{.name = "-report",
+           .values = "FILE.json",
+           .initial = "none",
+           .help = "Write settings, counts and times of each pass, and all warnings to a file",
+           .details = "[report.md](report.md) describes it. A run that fails writes one too."},
+          &GlobalOptions::reportFile},
+         {{.name = "-connect",
+           .values = "A.B.C.D:PORT",
+           .initial = "none",
+           .help = "Send everything that is printed to a level editor"},
+          &GlobalOptions::connect}}};
+}
+
+Group BspStageOptions() {
+    const auto drawSurfaces = [](GlobalOptions &o, const SettingValues &v) {
+        o.maxDrawSurfaces = int(v.numbers[0] < 0 ? -v.numbers[0] : v.numbers[0]);
+    };
+    return {"Options of the bsp stage",
+            "Accepted with every stage, since editors send them always.",
+            {{{.name = "-subdivisions",
+               .values = "N",
+               .range = {.low = 1},
+               .outside = OutOfRange::Clamp,
+               .help = "bsp stage: tolerance of patches turned into triangles; smaller is finer"},
+              &GlobalOptions::subdivisions},
+             {{.name = "-maxmapdrawsurfs",
+               .values = "N",
+               .kind = SettingKind::Integer,
+               .initial = "131072",
+               .range = {-kMaxDrawSurfaces, kMaxDrawSurfaces},
+               .help = "bsp stage: maximum number of draw surfaces while compiling",
+               .details = "A negative number counts as its absolute value."},
+              Do<GlobalOptions>(drawSurfaces)}}};
+}
+
+Group GamePaths() {
+    const auto homePath = [](GlobalOptions &o, const SettingValues &v) {
+        o.home = v.words[0];
+        o.homeBase = ".";
+    };
+    return {"Game and folders",
+            "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
+            "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
+            "is where the map is: a map in `baseq3/maps` of any folder, or in that of an `-fs_game`, means that "
+            "folder. Failing that it is the folder above the program's. The bsp and light stages need the game's files "
+            "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
+            "archive or one of the folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all "
+            "stages. With `-force` these are warnings; the light stage then knows of a shader what the shader records "
+            "of the `.bsp` say.",
+            {{{.name = "-game",
+               .values = "NAME",
+               .initial = "quake3",
+               .help = "Game that the map is for; -help game lists them",
+               .details = "Decides folder names, surfaceparms, file version and defaults of light."},
+              &GlobalOptions::games},
+             {{.name = "-fs_basepath",
+               .values = "DIR",
+               .initial = "by the path of the map or the program",
+               .help = "Folder in which the game is installed; repeatable"},
+              &GlobalOptions::basePaths},
+             {{.name = "-fs_game",
+               .values = "DIR",
+               .initial = "none",
+               .help = "Mod folder; repeatable, the first wins, and all win over the base game"},
+              &GlobalOptions::gameDirs},
+             {{.name = "-fs_basegame", .values = "DIR", .initial = "by game", .help = "Folder of the base game"},
+              &GlobalOptions::baseGame},
+             {{.name = "-fs_home",
+               .values = "DIR",
+               .initial = "home of the user",
+               .help = "Folder that holds the folder with the user's own files"},
+              &GlobalOptions::home},
+             {{.name = "-fs_homebase",
+               .values = "DIR",
+               .initial = "by game",
+               .help = "Name of the folder with the user's own files, such as .q3a; its dot is dropped with -fs_home"},
+              &GlobalOptions::homeBase},
+             {{.name = "-fs_homepath",
+               .values = "DIR",
+               .kind = SettingKind::Text,
+               .initial = "none",
+               .help = "Path of the folder with the user's own files, in place of -fs_home and -fs_homebase"},
+              Do<GlobalOptions>(homePath)},
+             {{.name = "-fs_pakpath",
+               .values = "DIR",
+               .initial = "none",
+               .help = "One more folder with game files, searched last; repeatable"},
+              &GlobalOptions::pakPaths},
+             {{.name = "-fs_forbiddenpath",
+               .values = "MASK",
+               .initial = "none",
+               .help = "Skip folders and archives of that name, with ? and *; repeatable"},
+              &GlobalOptions::forbidden}}};
+}
+
+} // namespace
+
+std::vector<SettingGroup<GlobalOptions>> GlobalSettings() {
+    return {General(), BspStageOptions(), GamePaths()};
+}
+
+std::vector<SettingSection> GlobalSections() {
+    return Describe(GlobalSettings());
+}
+
+// ---- Checks that the game is known and its files exist ----
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsFolder(const fs::path &path) {
+    std::error_code absent;
+    return fs::is_directory(path, absent);
+}
+
+bool HoldsGameFiles(const fs::path &folder, const Game &game) {
+    const std::string archive = fmt::format(".{}", game.archiveExtension), packFolder = archive + "dir";
+    std::error_code failed;
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
+        const std::string name = LowerCase(at->path().filename().string());
+        if (name.ends_with(archive) || name.ends_with(packFolder))
+            return true;
+        for (const std::string_view part : {game.shaderDir, std::string_view("textures"), std::string_view("models")})
+            if (name == part && IsFolder(at->path()))
+                return true;
+    }
+    return false;
+}
+
+std::string Joined(const std::vector<fs::path> &folders) {
+    std::vector<std::string> names;
+    for (const fs::path &folder : folders)
+        names.push_back(folder.string());
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The options to try if the map is in a game folder that the game does not search, such as baseoa in
+/// DIR/baseoa/maps/x.map.
+std::string HintOfMap(const std::vector<std::string> &words, const Game &game) {
+    for (const std::string &word : words) {
+        const fs::path folder = GameFolderOfMap(word);
+        if (!folder.empty() && HoldsGameFiles(folder, game))
+            return fmt::format("; the map is among the game files of {}: try -fs_basegame {}, or -fs_game {} for a mod",
+                               folder.string(), folder.filename().string(), folder.filename().string());
+    }
+    return {};
+}
+
+void Report(bool force, std::string_view kind, std::string_view text, Log &log) {
+    if (!force)
+        throw Error("{}; -force goes on without", text);
+    log.Warn(kind, "{}", text);
+}
+
+/// What someone may have meant who gives the name of a folder, or of a mod, for that of a game: the options to try.
+std::string OptionsForFolder(std::string_view name) {
+    struct OtherName {
+        std::string_view name, options;
+    };
+    constexpr std::string_view kQuake = "-game quake3";
+    constexpr auto kOthers = std::to_array<OtherName>({
+        {"q3", kQuake},
+        {"q3a", kQuake},
+        {"quake3arena", kQuake},
+        {"ioquake3", kQuake},
+        {"quake3e", kQuake},
+        {"oa", "-game quake3 -fs_basegame baseoa"},
+        {"openarena", "-game quake3 -fs_basegame baseoa"},
+        {"baseoa", "-game quake3 -fs_basegame baseoa, or -fs_game baseoa"},
+        {"ta", "-game quake3 -fs_game missionpack"},
+        {"teamarena", "-game quake3 -fs_game missionpack"},
+        {"urt", "-game quake3 -fs_basegame q3ut4"},
+        {"urbanterror", "-game quake3 -fs_basegame q3ut4"},
+        {"q3ut4", "-game quake3 -fs_game q3ut4, or -fs_basegame q3ut4"},
+        {"rtcw", "-game wolf"},
+        {"etlegacy", "-game et"},
+    });
+    for (const OtherName &other : kOthers)
+        if (EqualNoCase(other.name, name))
+            return std::string(other.options);
+    std::string options;
+    for (const Game &game : Games())
+        if (EqualNoCase(game.gameDir, name))
+            options += fmt::format("{}-game {}", options.empty() ? "" : " or ", game.name);
+    return options;
+}
+
+} // namespace
+
+void ReportUnknownGame(std::string_view name, const GlobalOptions &options, Log &log) {
+    std::vector<std::string> names;
+    for (const Game &game : Games())
+        names.emplace_back(game.name);
+    std::string hint = DidYouMean(name, names);
+    if (const std::string folder = OptionsForFolder(name); !folder.empty())
+        hint = fmt::format("; try {}", folder);
+    else if (hint.empty())
+        hint = fmt::format("; if it is the folder of a mod, try -game quake3 -fs_game {}", name);
+    if (!options.force)
+        throw Error("-game {}: unknown{}{} -help game lists all; -force goes on with {}", name, hint,
+                    hint.ends_with('?') ? "" : ";", options.game->name);
+    log.Warn("unknown game", "-game {}: unknown, {} is used{}", name, options.game->name, hint);
+}
+
+void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> &folders,
+                      const std::vector<std::string> &words, Log &log) {
+    const std::string_view base = options.baseGame ? std::string_view(*options.baseGame) : options.game->gameDir;
+    const auto isGameDir = [](const fs::path &folder, const std::string &gameDir) {
+        return folder.generic_string().ends_with("/" + gameDir);
+    };
+    for (const std::string &path : options.basePaths)
+        if (!IsFolder(path))
+            return Report(
+                options.force, "no base path",
+                fmt::format(
+                    "no game files: -fs_basepath {} is not a folder; it must be the one that holds {} (searched: "
+                    "{})",
+                    path, base, Joined(folders)),
+                log);
+    for (const std::string &gameDir : options.gameDirs) {
+        std::vector<fs::path> searched;
+        std::copy_if(folders.begin(), folders.end(), std::back_inserter(searched),
+                     [&](const fs::path &folder) { return isGameDir(folder, gameDir); });
+        if (std::none_of(searched.begin(), searched.end(), IsFolder))
+            return Report(options.force, "no mod folder",
+                          fmt::format("-fs_game {}: no such folder; correct it or -fs_basepath (searched: {})", gameDir,
+                                      Joined(searched)),
+                          log);
+    }
+    if (std::none_of(folders.begin(), folders.end(),
+                     [&](const fs::path &folder) { return HoldsGameFiles(folder, *options.game); }))
+        Report(options.force, "no game files",
+               fmt::format("no game files found; give the folder that holds {} by -fs_basepath (searched: {}){}", base,
+                           Joined(folders), HintOfMap(words, *options.game)),
+               log);
+}
+
+} // namespace q3

@@ -1,0 +1,281 @@
+// GPL-2.0-or-later. Files beside a map that the light stage reads and writes, light that relighting loses, and the size
+// of SH grids.
+#include "q3map2/stages/light_files.h"
+
+#include "common/error.h"
+#include "common/files/files.h"
+#include "common/text/text.h"
+#include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/prop_light.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/stages/stage_files.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace q3 {
+
+// ---- Files beside a map that the light stage reads and writes, and light that relighting loses ----
+
+// ---- Optional files beside a .bsp that the light stage reads ----
+
+LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
+    LightInputs inputs;
+    inputs.name = bspPath.stem().string();
+    const auto mapPath = Beside(bspPath, ".map"), srfPath = Beside(bspPath, ".srf");
+    if (std::filesystem::exists(mapPath)) {
+        log.Print("Loading {}\n", mapPath.string());
+        inputs.mapEntities = ParseMapEntities(ReadTextFile(mapPath), mapPath.string());
+    }
+    if (std::filesystem::exists(srfPath)) {
+        log.Print("Loading {}\n", srfPath.string());
+        inputs.surfaceFile = ReadTextFile(srfPath);
+    }
+    return inputs;
+}
+
+void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &inputs, Arguments &arguments,
+                      Log &log) {
+    if (inputs.surfaceFile.empty())
+        return;
+    constexpr std::string_view kWord = "sampleSize "; // first in the default block
+    const std::size_t at = inputs.surfaceFile.find(kWord);
+    const int used = at == std::string::npos ? 0 : IntegerFromText(inputs.surfaceFile.substr(at + kWord.size(), 16));
+    for (const std::string_view option : {"-samplesize", "-minsamplesize"}) {
+        const std::string value = LastValueOf(option, given);
+        if (value.empty())
+            continue;
+        arguments.DropChange(option);
+        log.Warn("luxel size without effect",
+                 "{} {} has no effect: {}.srf, which the bsp stage wrote, sets the luxel sizes ({} unless a shader or "
+                 "key says otherwise); give {} {} to the bsp stage, or use -samplescale here",
+                 option, value, inputs.name, used, option, value);
+    }
+}
+
+TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileSystem &vfs,
+                        const std::vector<std::string> &given, bool hdr, Log &log) {
+    TexLights lights;
+    const auto read = [&](std::string_view text, const std::string &name, const std::string &location) {
+        log.Print("Loading {}\n", location);
+        lights.Read(text, name, hdr, log);
+    };
+    // False: no such file among those of the game.
+    const auto readFromGame = [&](const std::string &name) {
+        const auto bytes = vfs.Read(name);
+        if (bytes)
+            read(AsText(*bytes), name, vfs.Location(name));
+        return bytes.has_value();
+    };
+    readFromGame("lights.rad");
+    for (const std::string &name : given)
+        if (std::filesystem::exists(name))
+            read(ReadTextFile(name), name, name);
+        else if (!readFromGame(name))
+            throw Error("-lights {}: no such file, neither by its path nor among the game's files", name);
+    if (const auto ofMap = Beside(bspPath, ".rad"); std::filesystem::exists(ofMap))
+        read(ReadTextFile(ofMap), ofMap.filename().string(), ofMap.string());
+    return lights;
+}
+
+// ---- Light grids in the formats of -gridformats: after a bake, and their files ----
+
+GridFormats TakeGridFormats(LightOptions &options) {
+    if (options.gridFormats.empty())
+        return {};
+    std::string list = options.gridFormats;
+    const std::string_view stored = options.shBspx ? "shbspx" : "sh";
+    const GridFormats named = ParseGridFormats(list);
+    const auto same = [&](const GridFormat *format) { return format->word == stored; };
+    const bool isSaid = std::ranges::any_of(named, same) || (!options.shBspx && HasPlace(named, GridPlace::Full));
+    const bool keepRadiance = options.shRadiance && !options.shAdaptive && !KeepSource(named);
+    if ((options.keepSH || keepRadiance) && !isSaid)
+        list += fmt::format(",{}", stored);
+    if (options.shAdaptive && !HasPlace(named, GridPlace::Sparse))
+        list += ",sparse";
+    const GridFormats formats = ParseGridFormats(list);
+    if (!options.previewFile.empty() && !KeepSource(formats))
+        throw Error("-shpreview needs sh, shbspx or sparse in -gridformats");
+    options.shAdaptive |= HasPlace(formats, GridPlace::Sparse);
+    options.noGrid |= ReplaceLegacyGrid(formats);
+    return formats;
+}
+
+void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, const std::filesystem::path &folder,
+                     Bsp &bsp, const JobPool &jobs, Log &log) {
+    if (formats.empty()) {
+        DropGridLumps(bsp);
+        WriteGridFiles(folder, {}, log);
+        return;
+    }
+    log.Section("Light grid formats");
+    const GridStoring storing{.ambientFactor = options.gridAmbientScale > 0 ? double(options.gridAmbientScale) : 1};
+    WriteGridFiles(folder, StoreGridFormats(bsp, formats, storing, jobs, log), log);
+}
+
+void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, Log &log) {
+    const auto isRaw = [](const GridFile &file) { return file.name == kRawGridFile; };
+    const std::filesystem::path raw = folder / kRawGridFile;
+    if (std::ranges::none_of(files, isRaw) && std::filesystem::exists(raw))
+        log.Warn("raw light grid", "{} is of an earlier run: engines that read it show the light of that run",
+                 raw.string());
+    for (const GridFile &file : files) {
+        MakeFolder(folder);
+        const std::filesystem::path path = folder / file.name;
+        ReplaceFile(path, file.bytes);
+        log.Print("Wrote {} ({} bytes)\n", path.string(), file.bytes.size());
+    }
+}
+
+// ---- Light that relighting a map loses ----
+
+namespace {
+
+/// Mean over the points of the legacy grid of ambient plus directed light, summed over channels; 8-bit levels.
+double MeanLight(const Bsp &bsp) {
+    std::uint64_t sum = 0;
+    for (const bspGridPoint_t &point : bsp.gridPoints)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            sum += point.ambient[channel] + unsigned(point.directed[channel]);
+    return bsp.gridPoints.empty() ? 0 : double(sum) / double(bsp.gridPoints.size());
+}
+
+std::uint64_t BytesOfLump(const Bsp &bsp, std::string_view name) {
+    const auto found = std::ranges::find(bsp.bspx, name, &BspxLump::name);
+    return found == bsp.bspx.end() ? 0 : found->data.size();
+}
+
+/// A lump of light in a .bsp.
+struct LightLump {
+    std::string_view kind;   ///< of the warning
+    std::string_view what;   ///< for messages
+    std::uint64_t bytes = 0; ///< 0: the map does not have it
+    bool stays = false;      ///< this run keeps it or makes it again
+    std::string_view option; ///< makes it again
+};
+
+} // namespace
+
+LostLightCheck::LostLightCheck(const Bsp &bsp) : before_(MeanLight(bsp)) {}
+
+void LostLightCheck::Report(const Bsp &bsp, bool force, Log &log) const {
+    const double after = MeanLight(bsp);
+    if (log.WarningTotals().count("no light entities") == 0 || after * 3 >= before_ * 2)
+        return;
+    const std::string text = fmt::format(
+        "the light grid has {:.0f} % of the light that it had: the map was lit by light entities, which its .bsp "
+        "does not have; put its .map beside it, or keep the map as it was",
+        after * 100 / before_);
+    if (after * 2 < before_ && !force)
+        throw Error("{}. Nothing is written; -force writes the map anyway", text);
+    log.Warn("light entities lost", "{}", text);
+    log.Repeat(text);
+}
+
+void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const LightmapOptions &lightmap,
+                        const GridFormats &formats, Log &log) {
+    const bool isInLump = bsp.gridSHContainer == GridSHContainer::Lump;
+    const bool keepsFull = formats.empty() ? options.sh : HasPlace(formats, GridPlace::Full);
+    const bool keepsVertices = lightmap.onlyGrid || lightmap.hdr, keepsRnm = lightmap.onlyGrid || lightmap.rnm;
+    const bool keepsPages = lightmap.onlyGrid || (lightmap.hdr && !lightmap.external);
+    const bool keepsProps = lightmap.onlyGrid || options.staticPropLighting;
+    const LightLump lumps[] = {
+        {"SH grid dropped", "SH light grid",
+         bsp.gridSH ? sizeof bsp.gridSH->header + BytesOfRecords(bsp.gridSH->points) : 0, keepsFull,
+         isInLump ? "-sh" : "-shbspx"},
+        {"sparse SH grid dropped", "sparse SH light grid",
+         bsp.sparseGridSH ? std::uint64_t(EncodeSparseGrid(*bsp.sparseGridSH).size()) : 0, options.shAdaptive,
+         "-shadaptive"},
+        {"octree grid dropped", kBspxGridOctree, BytesOfLump(bsp, kBspxGridOctree),
+         HasPlace(formats, GridPlace::OctreeLump), "-gridformats octree"},
+        {"light grids dropped", kBspxGrids, BytesOfLump(bsp, kBspxGrids), HasPlace(formats, GridPlace::GridsLump),
+         "-gridformats grids"},
+        {"ambient cubes dropped", kBspxAmbientCubes,
+         bsp.ambientCubes ? BytesOfRecords(bsp.ambientCubes->leafs) + BytesOfRecords(bsp.ambientCubes->samples) : 0,
+         options.ambientCubes, "-ambientcubes"},
+        {"HDR lightmaps dropped", kBspxLightmapsE5bgr9, BytesOfRecords(bsp.lightmapsE5bgr9), keepsPages, "-both"},
+        {"HDR vertex light dropped", kBspxVertexE5bgr9, BytesOfRecords(bsp.vertexE5bgr9), keepsVertices, "-both"},
+        {"basis maps dropped", kBspxRnm, bsp.rnm ? BytesOfRnm(*bsp.rnm) : 0, keepsRnm, "-rnm"},
+        {"prop light dropped", kBspxPropLight, BytesOfLump(bsp, kBspxPropLight), keepsProps, "-staticproplighting"},
+    };
+    for (const LightLump &lump : lumps)
+        if (lump.bytes > 0 && !lump.stays)
+            log.Warn(lump.kind,
+                     "the {} of the map ({}) will be dropped: this run does not make a new one, and the old one would "
+                     "not match the new light; {} makes one",
+                     lump.what, SizeText(lump.bytes), lump.option);
+}
+
+// ---- Reports how many bytes the SH grid takes in a .bsp, plain and zipped ----
+
+namespace {
+
+/// EstimateDeflated packs up to kMaxPieces pieces of kPieceBytes.
+constexpr std::size_t kPieceBytes = std::size_t(1) << 18, kMaxPieces = 16;
+/// Grids up to this size never give a warning, whatever their share of the file. Bytes.
+constexpr std::uint64_t kSmallGrid = 1000000;
+
+std::size_t DeflatedSize(std::span<const std::byte> data) {
+    uLongf size = compressBound(uLong(data.size()));
+    std::vector<Bytef> packed(size);
+    compress2(packed.data(), &size, reinterpret_cast<const Bytef *>(data.data()), uLong(data.size()),
+              Z_BEST_COMPRESSION);
+    return size;
+}
+
+/// A cell with about twice the volume and the same proportions, in multiples of 8 game units like the grids of maps; in
+/// whole units where it is small.
+std::array<int, 3> CellForHalfThePoints(const Float3 &cell) {
+    constexpr double kStep = 8, kLeastStepped = 32;
+    std::array<int, 3> wider{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double size = double(cell[axis]) * std::cbrt(2.0), step = size < kLeastStepped ? 1 : kStep;
+        wider[axis] = int(std::lround(size / step) * std::lround(step));
+    }
+    return wider;
+}
+
+} // namespace
+
+std::uint64_t EstimateDeflated(std::span<const std::byte> data) {
+    const std::size_t pieces = (data.size() + kPieceBytes - 1) / kPieceBytes, used = std::min(pieces, kMaxPieces);
+    std::uint64_t sampled = 0, packed = 0;
+    for (std::size_t i = 0; i < used; ++i) {
+        const std::size_t first = i * pieces / used * kPieceBytes;
+        const auto piece = data.subspan(first, std::min(kPieceBytes, data.size() - first));
+        sampled += piece.size();
+        packed += DeflatedSize(piece);
+    }
+    return sampled == 0 ? 0 : packed * data.size() / sampled;
+}
+
+void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
+    if (bsp.sparseGridSH) {
+        const std::vector<std::byte> lump = EncodeSparseGrid(*bsp.sparseGridSH);
+        log.Print("Sparse SH grid: {}, {} of the file's {}, about {} zipped\n",
+                  Counted(bsp.sparseGridSH->points.size(), "points"), SizeText(lump.size()), SizeText(fileBytes),
+                  SizeText(EstimateDeflated(lump)));
+    }
+    if (!bsp.gridSH)
+        return;
+    const LightGridSH &grid = *bsp.gridSH;
+    const auto points = std::as_bytes(std::span(grid.points));
+    const std::uint64_t bytes = sizeof(grid.header) + points.size();
+    const std::array<int, 3> cell = CellForHalfThePoints(grid.header.gridSize);
+    log.Print("SH grid: {}, {} of the file's {}, about {} zipped; -gridsh {} {} {} would take about half\n",
+              Counted(grid.points.size(), "points"), SizeText(bytes), SizeText(fileBytes),
+              SizeText(EstimateDeflated(points)), cell[0], cell[1], cell[2]);
+    const Float3 &size = grid.header.gridSize;
+    const double share = double(size[0]) * double(size[1]) * double(size[2]) / std::pow(double(kSmallCellSH), 3);
+    if (bytes > kSmallGrid && bytes > fileBytes / 2 && share < 1)
+        log.Warn("large SH grid",
+                 "the SH grid is {:.0f} % of the file; -shsmall, without another -gridsh, bakes one of {} of its "
+                 "size",
+                 100 * double(bytes) / double(fileBytes),
+                 share < 0.01 ? std::string("less than 1 %") : fmt::format("about {:.0f} %", 100 * share));
+}
+
+} // namespace q3

@@ -1,0 +1,76 @@
+// GPL-2.0-or-later. Files beside a map that the light stage reads and writes, light that relighting loses, and the size
+// of SH grids.
+#pragma once
+
+#include "common/arguments.h"
+#include "common/files/vfs.h"
+#include "common/log.h"
+#include "q3map2/bspfile/bsp.h"
+#include "q3map2/bspfile/bspfile.h"
+#include "q3map2/gridformats/grid_formats.h"
+#include "q3map2/light/light_setup.h"
+#include "q3map2/light/options/light_options.h"
+#include "q3map2/lightmap/options/lightmap_options.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace q3 {
+
+/// The .map and the .srf beside the .bsp, if they exist. Errors: Error, for files that cannot be read or
+/// parsed.
+LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log);
+
+/// Warns of luxel sizes on the command line (`given`) that the .srf overrides, and removes them from the list of
+/// changed options.
+void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &inputs, Arguments &arguments, Log &log);
+
+/// The texlights of a map: lights.rad among the game's files, `given` (-lights), and the .rad beside the .bsp, in this
+/// order. hdr: see TexLights::Read. Errors: Error, if one of `given` does not exist or a file cannot be read.
+TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileSystem &vfs,
+                        const std::vector<std::string> &given, bool hdr, Log &log);
+
+/// The formats that the light stage stores: those of -gridformats, and the SH grid, uniform or sparse, if an option
+/// that includes it is given. None without -gridformats. Turns the legacy grid of the bake off if one of them replaces
+/// it, and the sparse one on if one of them is that. Errors: those of ParseGridFormats, -shpreview without an SH grid
+/// in the file.
+GridFormats TakeGridFormats(LightOptions &options);
+
+/// After a bake: stores the formats and writes their files to `folder`, maps/x. Without formats, drops grids of earlier
+/// runs from the map.
+void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, const std::filesystem::path &folder,
+                     Bsp &bsp, const JobPool &jobs, Log &log);
+
+/// Writes files of the formats to `folder`, maps/x. Warns of a raw file that is there from an earlier run, if engines
+/// would take it for that of this map.
+void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, Log &log);
+
+/// Compares the legacy light grid of a map before and after it is lit. Compilers usually leave light entities out of
+/// the .bsp, so lighting it again without its .map gives less light.
+class LostLightCheck {
+  public:
+    explicit LostLightCheck(const Bsp &bsp);
+    /// After lighting: warns if the map has no light entities and its grid less than two thirds of the light before.
+    /// Errors: less than half; with `force`, that is a warning too.
+    void Report(const Bsp &bsp, bool force, Log &log) const;
+
+  private:
+    double before_; ///< mean light of the grid before
+};
+
+/// Warns of each lump of light in the map that a run with these options neither keeps nor makes again. `formats`: of
+/// -gridformats.
+void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const LightmapOptions &lightmap,
+                        const GridFormats &formats, Log &log);
+
+/// Estimate of the size of `data` after deflate at level 9, from up to 4 MB of it in evenly spaced pieces. Bytes.
+std::uint64_t EstimateDeflated(std::span<const std::byte> data);
+
+/// Prints points, size and zipped size of the SH grids of a map that was just written, and a cell that would halve
+/// those of the uniform one. Warns when the grid is more than half of the file and over 1 MB, and its cells are smaller
+/// than those of -shsmall, so that this option helps. `fileBytes`: of the .bsp.
+void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log);
+
+} // namespace q3

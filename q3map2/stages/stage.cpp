@@ -1,0 +1,174 @@
+// GPL-2.0-or-later. What a stage is, what it gets, and the words that it takes off its line.
+#include "q3map2/stages/stage.h"
+
+#include "common/error.h"
+#include "common/text/text.h"
+#include "q3map2/stages/stage_files.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+constexpr std::string_view kMapExtensions[] = {".map", ".bsp", ".reg", ".ent", ".prt", ".srf"};
+
+bool IsOption(std::string_view word) {
+    return word.size() > 1 && word.front() == '-';
+}
+
+bool HasMapExtension(std::string_view word) {
+    const std::string extension = LowerCase(std::filesystem::path(word).extension().string());
+    return std::ranges::find(kMapExtensions, extension) != std::end(kMapExtensions);
+}
+
+/// Whether the word names a map: by its extension, or because a map of that name is there.
+bool IsMap(std::string_view word) {
+    std::error_code absent;
+    return HasMapExtension(word) || std::ranges::any_of(kMapExtensions, [&](std::string_view extension) {
+               return std::filesystem::exists(WithExtension(std::filesystem::path(word), extension), absent);
+           });
+}
+
+/// Whether the word may be the value of the unknown option before it: the first word after it, and numbers after that.
+bool MayBeValue(const std::vector<std::string> &words, std::size_t at) {
+    if (at == 0 || IsOption(words[at]))
+        return false;
+    return IsOption(words[at - 1]) || (WholeNumber(words[at]) && MayBeValue(words, at - 1));
+}
+
+/// Position of the word that is the file: the last map, else the last word that no unknown option can claim.
+std::size_t FindFile(const StageContext &context, const std::vector<std::string> &words) {
+    std::optional<std::size_t> last, lastFree, map;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (IsOption(words[i]))
+            continue;
+        last = i;
+        if (!MayBeValue(words, i))
+            lastFree = i;
+        if (!IsMap(words[i]))
+            continue;
+        if (map && words[*map] != words[i])
+            throw Error("{} and {}: a line is for one map; run the program once for each", words[*map], words[i]);
+        map = i;
+    }
+    if (!last)
+        throw Error("usage: q3map2 [global options] {}", context.stage.usage);
+    if (map && lastFree && *lastFree > *map)
+        throw Error("{} or {}: which is the map? It may stand anywhere, but every other word must belong to an option",
+                    words[*map], words[*lastFree]);
+    return map.value_or(lastFree.value_or(*last));
+}
+
+/// The names that an unknown word is compared with, to propose the nearest.
+std::vector<std::string> KnownNames(const StageContext &context) {
+    std::vector<std::string> names = context.stage.OptionNames();
+    if (!context.stageGiven)
+        for (const Stage &stage : context.stages)
+            names.emplace_back(stage.word);
+    return names;
+}
+
+/// "; it is an option of -light", for an option of other stages.
+std::string OwnerHint(const StageContext &context, std::string_view word) {
+    std::vector<std::string_view> owners;
+    for (const Stage &stage : context.stages)
+        if (stage.HasOption(word))
+            owners.push_back(stage.word);
+    return owners.empty() ? "" : fmt::format("; it is an option of {}", fmt::join(owners, " and "));
+}
+
+/// What an unknown word may have been meant to be: an option of another stage, one written with =, or a near name.
+std::string Hint(const StageContext &context, const std::string &word, bool &ofOthers) {
+    const std::string owners = OwnerHint(context, word);
+    ofOthers = !owners.empty();
+    if (ofOthers)
+        return owners;
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    if (equals != std::string::npos && context.stage.HasOption(name))
+        return fmt::format("; write {} {}", name, word.substr(equals + 1));
+    return DidYouMean(name, KnownNames(context));
+}
+
+/// "; its value 8 is ignored too", for the words after an unknown option that seem to be its values.
+std::string ValuesAfter(const std::vector<std::string> &words, std::size_t at) {
+    std::vector<std::string> values;
+    while (++at < words.size() && MayBeValue(words, at))
+        values.push_back(words[at]);
+    return values.empty() ? ""
+                          : fmt::format("; its value{} {} {} ignored too", values.size() == 1 ? "" : "s",
+                                        fmt::join(values, " "), values.size() == 1 ? "is" : "are");
+}
+
+/// Warns about each word that no option took; an option and its values share a warning. Errors: no stage was named, or
+/// the word stands before the stage word. `optionsOnly`: looks only at words with a dash.
+void ReportUnknown(const StageContext &context, const Arguments &arguments, bool optionsOnly = false) {
+    const bool saysOption = context.stage.word == "-bsp" || context.stage.word == "-vis";
+    const std::vector<std::string> &words = arguments.Rest();
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string &word = words[i];
+        if (!IsOption(word) && (optionsOnly || MayBeValue(words, i)))
+            continue;
+        bool ofOthers = false;
+        const std::string hint = Hint(context, word, ofOthers);
+        if (!context.stageGiven)
+            throw Error("{}: unknown{}{}", word, hint, ofOthers ? ", which the line does not name" : "");
+        if (arguments.IsBeforeStage(i))
+            throw Error("{}: {} has no such option{}", word, context.stage.word, hint);
+        const std::string text =
+            fmt::format("Unknown {} \"{}\"{}{}", saysOption ? "option" : "argument", word, hint, ValuesAfter(words, i));
+        context.log.Warn("unknown option", "{}", text);
+        context.log.Repeat(text);
+    }
+}
+
+} // namespace
+
+std::vector<std::string> Stage::OptionNames() const {
+    std::vector<SettingSection> sections = GlobalSections();
+    if (settings)
+        for (SettingSection &section : settings())
+            sections.push_back(std::move(section));
+    std::vector<std::string> names;
+    for (const SettingSection &section : sections)
+        for (const SettingEntry &entry : section.entries) {
+            names.emplace_back(entry.info.name);
+            for (const std::string_view alias : entry.info.aliases)
+                if (!alias.empty())
+                    names.emplace_back(alias);
+        }
+    return names;
+}
+
+bool Stage::HasOption(std::string_view option) const {
+    return std::ranges::any_of(OptionNames(), [&](const std::string &name) { return EqualNoCase(name, option); });
+}
+
+StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vector<std::string> given) {
+    if (!context.stageGiven)
+        ReportUnknown(context, arguments, true); // first, as the value of an unknown option could be taken for the file
+    StageFile result;
+    result.file = arguments.TakeAt(FindFile(context, arguments.Rest()));
+    ReportUnknown(context, arguments);
+    const auto last = std::ranges::find(given.rbegin(), given.rend(), result.file);
+    if (last != given.rend())
+        given.erase(std::next(last).base());
+    result.recorded = std::move(given);
+    return result;
+}
+
+std::vector<std::string> TakeFiles(const StageContext &context, Arguments &arguments) {
+    std::vector<std::string> files;
+    for (std::size_t i = 0; i < arguments.Rest().size();)
+        if (IsOption(arguments.Rest()[i]) || (WholeNumber(arguments.Rest()[i]) && MayBeValue(arguments.Rest(), i)))
+            ++i;
+        else
+            files.push_back(arguments.TakeAt(i));
+    ReportUnknown(context, arguments);
+    return files;
+}
+
+} // namespace q3

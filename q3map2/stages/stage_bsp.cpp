@@ -1,0 +1,231 @@
+// GPL-2.0-or-later. q3map2 [-bsp]: a map source in, CompileMap, files out.
+#include "common/error.h"
+#include "common/files/files.h"
+#include "common/text/text.h"
+#include "q3map2/bspfile/map_keys.h"
+#include "q3map2/geometry/compile_map.h"
+#include "q3map2/map/map_parse.h"
+#include "q3map2/report/run_report.h"
+#include "q3map2/stages/global_options.h"
+#include "q3map2/stages/stage.h"
+#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/written_map.h"
+#include "q3map2/tree/flood.h"
+
+namespace q3 {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void WriteText(const fs::path &path, const std::string &text, Log &log) {
+    log.Print("Writing {}\n", path.string());
+    ReplaceTextFile(path, text);
+}
+
+/// Path of the map source: extension `.map`, except for regions and for entities of -onlyents. Errors: a .bsp that may
+/// have been meant for another stage, or that has no source.
+fs::path SourcePath(const std::string &file, const BspOptions &options, bool stageGiven) {
+    const fs::path path = fs::absolute(file), source = MapPath(file, ".map");
+    const std::string extension = LowerCase(path.extension().string());
+    const bool hasSource = fs::exists(source) || !options.tempName.empty();
+    if (extension == ".bsp" && !stageGiven)
+        throw Error("{} is a compiled map, which the bsp stage would replace; name a stage: -bsp compiles {}, -light "
+                    "lights it, -vis computes what can be seen",
+                    path.string(), source.filename().string());
+    if (extension == ".bsp" && !hasSource && fs::exists(path))
+        throw Error("{} is a compiled map and has no map source beside it: {} does not exist", path.string(),
+                    source.string());
+    if (extension == ".reg" || (extension == ".ent" && options.onlyEntities))
+        return path;
+    return source;
+}
+
+/// Removes files of an earlier compile that do not belong to the files just written.
+void RemoveStaleFiles(const fs::path &source, bool leaks) {
+    std::error_code ignored;
+    fs::remove(Beside(source, leaks ? ".prt" : ".lin"), ignored);
+    if (LowerCase(source.extension().string()) != ".reg")
+        fs::remove(Beside(source, ".reg"), ignored);
+}
+
+/// The source that is read: with -tempname not the one that the outputs are named after.
+fs::path FileOfSource(const fs::path &source, const BspOptions &options) {
+    return options.tempName.empty() ? source : fs::absolute(options.tempName);
+}
+
+/// Names the files of the stage. A .bsp is assumed to have at least half the size of its source.
+FileGuard GuardFiles(const fs::path &source, const BspOptions &options, const StageContext &context) {
+    FileGuard guard(context);
+    const fs::path file = FileOfSource(source, options), bsp = Beside(source, ".bsp");
+    guard.Needs(file);
+    if (options.autoCaulk) {
+        guard.Writes(Beside(source, ".caulk"));
+        return guard;
+    }
+    guard.Reads(bsp);
+    guard.Writes(bsp, options.onlyEntities ? SizeOfFile(bsp) : SizeOfFile(file) / 2);
+    if (!options.onlyEntities)
+        for (const std::string_view extension : {".srf", ".prt", ".lin"})
+            guard.Writes(Beside(source, extension));
+    return guard;
+}
+
+Map ReadSource(const fs::path &source, const BspOptions &options, const BspContext &context) {
+    const fs::path file = FileOfSource(source, options);
+    context.log.Print("Loading {}\n", file.string());
+    return ReadMap(ReadTextFile(file), file.string(), context);
+}
+
+void AddBsp(const fs::path &path, const Bsp &bsp, const BspFormat &format, FileSet &files, Log &log) {
+    log.Print("Writing {}\n", path.string());
+    try {
+        const std::vector<std::byte> bytes = WriteBsp(bsp, format);
+        files.Add(path).Append(bytes);
+        log.Print("Wrote {} ({} bytes)\n", SizeText(bytes.size()), bytes.size());
+    } catch (const Error &error) {
+        const std::string text = error.what();
+        throw Error("{}", text.starts_with(path.string()) ? text : fmt::format("{}: {}", path.string(), text));
+    }
+}
+
+/// Writes the files of a compile together: if one cannot be written, all old files stay.
+void WriteFiles(const fs::path &source, const CompiledMap &compiled, const FileGuard &guard, const BspContext &context,
+                const BspFormat &format) {
+    Log &log = context.log;
+    guard.CheckUnchanged();
+    FileSet files;
+    const auto add = [&](std::string_view extension, const std::string &text) {
+        const fs::path path = Beside(source, extension);
+        log.Print("Writing {}\n", path.string());
+        files.AddText(path, text);
+    };
+    const bool leaks = !compiled.leakLine.empty();
+    if (leaks)
+        files.AddText(Beside(source, ".lin"), LeakFileText(compiled.leakLine));
+    if (context.options.autoCaulk && !compiled.abandoned)
+        add(".caulk", compiled.caulkFile);
+    if (compiled.abandoned || context.options.autoCaulk)
+        return files.Commit();
+    if (!compiled.portalFile.empty())
+        add(".prt", compiled.portalFile);
+    add(".srf", compiled.surfaceFile);
+    const fs::path path = Beside(source, ".bsp");
+    const BotCheck bots(path, log);
+    AddBsp(path, compiled.bsp, format, files, log);
+    files.Commit();
+    RemoveStaleFiles(source, leaks);
+    WarnOfEngineMemory(path, compiled.bsp, context.game, log);
+    bots.Report(BotCheck::OtherGeometry, false);
+}
+
+BspOptions TakeOptions(const StageContext &context, Arguments &arguments) {
+    BspOptions options = ParseBspOptions(arguments, *context.options.game, context.log);
+    options.subdivisions = context.options.subdivisions;
+    options.maxDrawSurfaces = context.options.maxDrawSurfaces;
+    return options;
+}
+
+ShaderOptions ShadersFor(const BspOptions &options) {
+    ShaderOptions shader;
+    shader.imageSizes = true;
+    shader.sRgbColor = options.sRgbColor;
+    shader.customInfoParms = options.customInfoParms;
+    shader.noOb = options.noOb;
+    shader.globalFlags = options.globalFlags;
+    return shader;
+}
+
+/// What the map is made of.
+void PrintCounts(const Bsp &bsp, Log &log) {
+    log.Count(ParseEntities(bsp.entities, "the entities").size(), "entities");
+    log.Count(bsp.models.size(), "models");
+    log.Count(bsp.brushes.size(), "brushes");
+    log.Count(bsp.planes.size(), "planes");
+    log.Count(bsp.nodes.size(), "nodes");
+    log.Count(bsp.leafs.size(), "leafs");
+    log.Count(bsp.drawSurfaces.size(), "draw surfaces");
+    log.Count(bsp.drawVerts.size(), "vertices");
+    log.Count(bsp.drawIndexes.size() / 3, "triangles");
+    log.Count(bsp.shaders.size(), "shaders");
+    log.Count(bsp.fogs.size(), "fogs");
+}
+
+/// What the last line of the run says.
+void Conclude(const CompiledMap &compiled, const BspContext &context, RunReport &report) {
+    if (!compiled.leakLine.empty())
+        report.Conclude(fmt::format("the map leaks ({})", context.leakFile));
+    if (compiled.idleAreaPortals > 0)
+        report.Conclude(Counted(compiled.idleAreaPortals, "areaportals without effect"));
+}
+
+/// False: -leaktest found a leak.
+bool CompileToFiles(const fs::path &source, Map &map, const std::vector<std::string> &recorded, const FileGuard &guard,
+                    const BspContext &context, const BspFormat &format, RunReport &report) {
+    Entity &world = map.World().pairs;
+    PrintChangedKeys(world, keys::kWorldKeys, "worldspawn", context.log);
+    RecordCommand(world, "-bsp", recorded);
+    if (context.options.keepLights)
+        world.Set(keys::kKeepLights.info.name, "1");
+    if (context.options.keepModels)
+        world.Set(keys::kKeepModels.info.name, "1");
+    if (context.options.fakeMap)
+        WriteText(fs::absolute("fakemap.map"), FakeMapText(map.World(), map.planes), context.log);
+    const CompiledMap compiled = CompileMap(map, context);
+    if (!compiled.abandoned && !context.options.autoCaulk)
+        PrintCounts(compiled.bsp, context.log);
+    Conclude(compiled, context, report);
+    WriteFiles(source, compiled, guard, context, format);
+    return !compiled.abandoned;
+}
+
+void ReplaceStoredEntities(const fs::path &source, Map &map, const FileGuard &guard, const BspContext &context,
+                           const BspFormat &format) {
+    const fs::path path = Beside(source, ".bsp");
+    RequireMap(path);
+    Bsp bsp = ReadBspFile(path, format, context.log);
+    ReplaceEntities(bsp, map, context);
+    guard.CheckUnchanged();
+    const BotCheck bots(path, context.log);
+    WriteBspFile(path, bsp, format, context.log);
+    bots.Report(BotCheck::SameGeometry, false);
+}
+
+} // namespace
+
+int BspStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    const std::vector<std::string> given = arguments.Rest();
+    log.Section("BSP");
+    const BspOptions options = TakeOptions(context, arguments);
+    const StageFile file = TakeFile(context, arguments, given);
+    PrintChangedOptions(arguments, log);
+    const fs::path source = SourcePath(file.file, options, context.stageGiven);
+    const BspFormat format = context.options.Format();
+    const auto folders = GameFolders(context.options, context.words, context.program);
+    if (options.tempName.empty())
+        RequireMap(source, folders);
+    const FileGuard guard = GuardFiles(source, options, context);
+    if (!options.onlyEntities)
+        RequireGameFiles(context.options, folders, context.words, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    ShaderLibrary library(vfs, *context.options.game, ShadersFor(options), log);
+    log.Count(library.DefinedCount(), "shaders defined");
+    const BspContext bspContext{.options = options,
+                                .game = *context.options.game,
+                                .shaders = library,
+                                .log = log,
+                                .vfs = &vfs,
+                                .leakFile = Beside(source, ".lin").string()};
+    Map map = ReadSource(source, options, bspContext);
+    bool done = true;
+    if (options.onlyEntities)
+        ReplaceStoredEntities(source, map, guard, bspContext, format);
+    else
+        done = CompileToFiles(source, map, file.recorded, guard, bspContext, format, context.report);
+    if (!options.tempName.empty())
+        fs::remove(fs::absolute(options.tempName));
+    return done ? 0 : 1;
+}
+
+} // namespace q3

@@ -1,0 +1,79 @@
+// GPL-2.0-or-later. The files that a stage reads and writes: the map that a word means, files beside it, and what may
+// go wrong with them.
+#pragma once
+
+#include "common/files/files.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3 {
+
+class Log;
+struct StageContext;
+
+/// Replaces the extension of a map file (.map, .bsp, .prt ...). Any other extension is part of the map's name and
+/// stays: ctf.1 becomes ctf.1.bsp.
+std::filesystem::path WithExtension(const std::filesystem::path &path, std::string_view extension);
+
+/// WithExtension, or the existing file whose extension differs only in case (x.BSP).
+std::filesystem::path Beside(const std::filesystem::path &map, std::string_view extension);
+
+/// Absolute path of the file with that extension that a word of the command line means, whatever extension the word
+/// has. If there is no such file: where it would be.
+std::filesystem::path MapPath(const std::string &word, std::string_view extension);
+
+/// Throws Error if there is no such file. It says what is there instead, and proposes similar names from the folder of
+/// `path` and from the folders maps of `gameFolders`.
+void RequireMap(const std::filesystem::path &path, std::span<const std::filesystem::path> gameFolders = {});
+
+/// MapPath of a .bsp that exists. Errors: those of RequireMap.
+std::filesystem::path ExistingBsp(const std::string &word, std::span<const std::filesystem::path> gameFolders = {});
+
+/// A stage declares its files before it computes, and checks before it writes that no other program changed them.
+class FileGuard {
+  public:
+    explicit FileGuard(const StageContext &context);
+    FileGuard(bool force, Log &log) : log_(log), force_(force) {}
+
+    /// A file that the result depends on, or that the result replaces. To be called before the file is read; the file
+    /// may be missing.
+    void Reads(const std::filesystem::path &file);
+    /// The same for a file that must exist. Errors: it cannot be read.
+    void Needs(const std::filesystem::path &file);
+    /// A file that the stage will write, and its approximate size; 0: small or unknown. Errors: it cannot be written,
+    /// or its disk lacks the space for it and for the files named before in its folder. With -force, lack of space is a
+    /// warning.
+    void Writes(const std::filesystem::path &file, std::uint64_t bytes = 0);
+    /// The same for files in a folder, which the stage creates if it does not exist.
+    void WritesInto(const std::filesystem::path &folder, std::uint64_t bytes = 0);
+    /// To be called before the first file is written. Errors: a file of Reads has changed; with -force, a warning.
+    void CheckUnchanged() const;
+
+  private:
+    struct Input {
+        std::filesystem::path file;
+        FileState state;
+    };
+
+    void Reserve(std::filesystem::path folder, std::uint64_t bytes);
+    void FailUnlessForced(const std::string &text) const;
+
+    Log &log_;
+    bool force_;
+    std::vector<Input> inputs_;
+    std::map<std::filesystem::path, std::uint64_t> needed_; ///< bytes, by folder
+};
+
+/// Size of the file; 0: there is none.
+std::uint64_t SizeOfFile(const std::filesystem::path &file);
+
+/// Warns if the map source beside a .bsp is newer, so that the .bsp lacks its latest changes.
+void WarnIfSourceIsNewer(const std::filesystem::path &bspPath, Log &log);
+
+} // namespace q3

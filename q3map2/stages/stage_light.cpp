@@ -1,0 +1,169 @@
+// GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
+#include "common/error.h"
+#include "q3map2/bspfile/light_keys.h"
+#include "q3map2/convert/preview/grid_preview.h"
+#include "q3map2/edit/edit_lumps.h"
+#include "q3map2/lightmap/light_stage.h"
+#include "q3map2/lightmap/store/hdr_store.h"
+#include "q3map2/lightmap/store/lightmap_pages.h"
+#include "q3map2/lightmap/store/lightmap_scripts.h"
+#include "q3map2/lightmap/vertex/prop_lighting.h"
+#include "q3map2/report/run_report.h"
+#include "q3map2/stages/global_options.h"
+#include "q3map2/stages/light_files.h"
+#include "q3map2/stages/stage.h"
+#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/written_map.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+namespace {
+
+struct PagesFiles {
+    std::filesystem::path bsp, folder;
+};
+
+PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
+    const auto bsp = ExistingBsp(TakeFile(context, arguments, {}).file);
+    return {bsp, WithExtension(bsp, "")};
+}
+
+/// Names the files of the light stage. Free space for the .bsp is checked later, when the size of its grid is known.
+FileGuard GuardLight(const std::filesystem::path &bspPath, const LightOptions &options, const LightmapOptions &lightmap,
+                     const StageContext &context) {
+    FileGuard guard(context);
+    guard.Needs(bspPath);
+    for (const std::string_view extension : {".map", ".srf"})
+        guard.Reads(Beside(bspPath, extension));
+    guard.Writes(bspPath);
+    if (!lightmap.externalFolder.empty())
+        guard.WritesInto(lightmap.externalFolder);
+    else if (lightmap.external || lightmap.exportPages || lightmap.lightmass || lightmap.hdrFiles != HdrFiles::None ||
+             options.staticPropFiles)
+        guard.WritesInto(WithExtension(bspPath, ""));
+    if (!options.previewFile.empty())
+        guard.Writes(options.previewFile);
+    return guard;
+}
+
+/// Bytes of the uniform SH grid that the options ask for; 0: none, or its layout is invalid.
+std::uint64_t EstimateGridSH(const Bsp &bsp, const LightOptions &options) {
+    if (!options.sh || bsp.models.empty())
+        return 0;
+    try {
+        const Vec3f given = Vec3f(GridCellOf(StoredEntities(bsp.entities, "the map").front())) *
+                            float(1 / std::max(options.gridScaleSH, 1e-3f));
+        const Vec3f cell = options.gridSizeSH.value_or(given);
+        const bspModel_t &world = bsp.models.front();
+        return std::uint64_t(LayoutGrid(world.mins, world.maxs, cell.Array()).Count()) * sizeof(bspGridPointSH_t);
+    } catch (const Error &) { // the light stage says what is wrong
+        return 0;
+    }
+}
+
+void PrintWorldKeys(const Entity &world, Log &log) {
+    PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
+    PrintChangedKeys(world, keys::kMacroKeys, "worldspawn", log);
+}
+
+} // namespace
+
+int LightStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    const std::vector<std::string> given = arguments.Rest();
+    log.Section("Light");
+    LightOptions options = ParseLightOptions(arguments, *context.options.game, log);
+    const GridFormats gridFormats = TakeGridFormats(options);
+    const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
+    const StageFile file = TakeFile(context, arguments, given);
+    const auto folders = GameFolders(context.options, context.words, context.program);
+    const auto bspPath = ExistingBsp(file.file, folders);
+    FileGuard guard = GuardLight(bspPath, options, lightmap, context);
+    LightInputs inputs = ReadLightInputs(bspPath, log);
+    WarnOfLuxelSizes(given, inputs, arguments, log);
+    PrintChangedOptions(arguments, log);
+
+    RequireGameFiles(context.options, folders, context.words, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    log.Print("Loading {}\n", bspPath.string());
+    const BspFormat format = context.options.Format();
+    Bsp bsp = ReadBspFile(bspPath, format, log);
+    WarnIfSourceIsNewer(bspPath, log);
+    WarnOfDroppedLight(bsp, options, lightmap, gridFormats, log);
+    guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
+    inputs.vfs = &vfs;
+    inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
+    const Entity world = StoredEntities(bsp.entities, inputs.name).front();
+    PrintWorldKeys(world, log);
+    if (!lightmap.onlyGrid)
+        RemoveMipmapHints(inputs.name, bsp);
+
+    ShaderLibrary library(vfs, *context.options.game, options.shader, log);
+    log.Count(library.DefinedCount(), "shaders defined");
+    for (const bspShader_t &shader : bsp.shaders)
+        library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
+    const JobPool jobs(context.options.threads);
+    log.Count(jobs.Threads(), "threads");
+    const LostLightCheck lostLight(bsp);
+    LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
+    lostLight.Report(bsp, context.options.force, log);
+    guard.CheckUnchanged();
+    const auto folder = WithExtension(bspPath, "");
+    StoreBakedGrids(gridFormats, options, folder, bsp, jobs, log);
+    RecordCommand(bsp, "-light", inputs.name, file.recorded);
+    if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
+        log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "
+                  "version 46\n");
+    if (!lightmap.onlyGrid) {
+        FinishForFile(lightmap, inputs.name, result.lightmaps, bsp);
+        const auto pages = lightmap.externalFolder.empty() ? folder : std::filesystem::path(lightmap.externalFolder);
+        WritePages(pages, result.lightmaps, log);
+        WriteHdrFiles(pages, lightmap, result.lightmaps, log);
+        WriteLightmass(pages, inputs.name, result.lightmaps.lightmass, log);
+        WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, log);
+    }
+    if (options.staticPropFiles)
+        WritePropFiles(folder, result.props, log);
+    const BotCheck bots(bspPath, log);
+    WriteBspFile(bspPath, bsp, format, log);
+    bots.Report(BotCheck::SameGeometry, options.fixBotFiles);
+    PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), log);
+    WarnOfEngineMemory(bspPath, bsp, *context.options.game, log);
+    if (lightmap.exportPages && !lightmap.external)
+        ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);
+    if (!options.previewFile.empty())
+        WriteGridPreview(options.previewFile, bsp, log);
+    return 0;
+}
+
+int ExportStage(const StageContext &context, Arguments arguments) {
+    const ExportOptions options = ParseExportOptions(arguments, context.log);
+    const PagesFiles files = FindPages(context, arguments);
+    FileGuard guard(context);
+    guard.Needs(files.bsp);
+    guard.WritesInto(files.folder, SizeOfFile(files.bsp) / 4);
+    const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
+    ExportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
+    return 0;
+}
+
+int ImportStage(const StageContext &context, Arguments arguments) {
+    const ExportOptions options = ParseExportOptions(arguments, context.log);
+    const PagesFiles files = FindPages(context, arguments);
+    FileGuard guard(context);
+    guard.Needs(files.bsp);
+    guard.Writes(files.bsp, SizeOfFile(files.bsp));
+    const BspFormat format = context.options.Format();
+    Bsp bsp = ReadBspFile(files.bsp, format, context.log);
+    ImportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
+    guard.CheckUnchanged();
+    const BotCheck bots(files.bsp, context.log);
+    WriteBspFile(files.bsp, bsp, format, context.log);
+    bots.Report(BotCheck::SameGeometry, false);
+    return 0;
+}
+
+} // namespace q3

@@ -1,0 +1,258 @@
+// GPL-2.0-or-later. q3map2 -pk3, -repack and -shreport: maps with the game's files that they need.
+#include "common/error.h"
+#include "common/files/files.h"
+#include "common/text/text.h"
+#include "q3map2/pk3/package_plan.h"
+#include "q3map2/report/run_report.h"
+#include "q3map2/shreport/report_package.h"
+#include "q3map2/shreport/viewer_page.h"
+#include "q3map2/stages/global_options.h"
+#include "q3map2/stages/stage.h"
+#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/written_map.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+// ---- q3map2 -pk3 and -repack: maps and the game's files in, a package out ----
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The game folders that the maps are in: there their scripts, images and sounds may be.
+std::vector<fs::path> FoldersOf(const std::vector<fs::path> &maps) {
+    std::vector<fs::path> folders;
+    for (const fs::path &map : maps)
+        if (fs::path folder = GameFolderOfMap(map.string());
+            !folder.empty() && std::ranges::find(folders, folder) == folders.end())
+            folders.push_back(std::move(folder));
+    return folders;
+}
+
+Exclusions LoadExclusions(const StageContext &context, const PackOptions &options) {
+    const fs::path beside = context.program.parent_path() / fmt::format("{}.exclude", context.options.game->name);
+    Exclusions all;
+    if (fs::exists(beside))
+        all = ReadExclusions(ReadTextFile(beside), beside.string());
+    else if (options.exclusions.empty() && options.basePaks.empty())
+        context.log.Warn("no exclusions",
+                         "{} does not exist, nor is there a -basepak or -exclude: files that every player has are "
+                         "packed too",
+                         beside.string());
+    for (const std::string &file : options.exclusions)
+        all.Add(ReadExclusions(ReadTextFile(file), file));
+    return all;
+}
+
+fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
+    if (!options.folder.empty()) {
+        const fs::path folder = fs::absolute(options.folder);
+        MakeFolder(folder);
+        return folder;
+    }
+    return BasePaths(context.options, context.words, context.program).front();
+}
+
+/// Guards the maps and the outputs. Maps are most of a package; a quarter of their size is assumed for it.
+FileGuard GuardPackage(const std::vector<fs::path> &outputs, const std::vector<fs::path> &maps,
+                       const StageContext &context) {
+    FileGuard guard(context);
+    std::uint64_t bytes = 0;
+    for (const fs::path &map : maps) {
+        guard.Needs(map);
+        bytes += SizeOfFile(map) / 4;
+    }
+    for (const fs::path &output : outputs) {
+        guard.Writes(output, bytes);
+        bytes = 0;
+    }
+    return guard;
+}
+
+/// Maps that the words name. If it `mayBeList`, a single word that is not a .bsp is a list of maps, one per line.
+/// Errors: no maps in the list.
+std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeList) {
+    std::vector<fs::path> maps;
+    for (const std::string &word : words) {
+        const fs::path map = MapPath(word, ".bsp");
+        const bool isList = mayBeList && words.size() == 1 && map == fs::absolute(word) && fs::is_regular_file(map) &&
+                            !EqualNoCase(map.extension().string(), ".bsp");
+        if (!isList) {
+            RequireMap(map);
+            maps.push_back(map);
+            continue;
+        }
+        const std::string text = ReadTextFile(word);
+        for (std::string_view rest = text; !rest.empty();) {
+            const std::size_t end = std::min(rest.find('\n'), rest.size());
+            std::string line(rest.substr(0, end));
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+            while (!line.empty() && IsBlank(line.back()))
+                line.pop_back();
+            if (!line.empty())
+                maps.push_back(ExistingBsp(line));
+        }
+    }
+    if (maps.empty())
+        throw Error("the list names no maps");
+    return maps;
+}
+
+std::vector<std::string> TakeMaps(const StageContext &context, Arguments &arguments) {
+    std::vector<std::string> words = TakeFiles(context, arguments);
+    if (words.empty())
+        throw Error("usage: q3map2 {}", context.stage.usage);
+    PrintChangedOptions(arguments, context.log);
+    return words;
+}
+
+/// Warns of bot files that do not fit the packed map: those beside it, and those of archives that engines would take,
+/// whether they are packed or not.
+void WarnOfBotFiles(const fs::path &map, const PackageSource &source, const PackagePlan &plan, Log &log) {
+    BotCheck(map, log).Report(BotCheck::SameGeometry, false);
+    for (const std::string_view end : kBotFileEnds) {
+        const std::string name = fmt::format("maps/{}{}", map.stem().string(), end);
+        const auto entry = std::ranges::find(plan.Files(), name, &PackageEntry::name);
+        if (entry != plan.Files().end() && !entry->disk.empty())
+            continue;
+        if (const auto bytes = source.Read(name))
+            WarnOfPackedBotFile(map, *bytes, source.Location(name), log);
+    }
+}
+
+/// What both stages start with: the maps that the arguments name, what they need, and where that is.
+struct Packing {
+    std::vector<fs::path> maps;
+    VirtualFileSystem vfs;
+    PackageSource source;
+    EngineScripts scripts;
+    MapNeeds needs;
+    Exclusions exclusions;
+
+    Packing(const StageContext &context, const PackOptions &options, const std::vector<fs::path> &given)
+        : maps(given), vfs(OpenGameFiles(context.options, GameFolders(context.options, context.words, context.program),
+                                         context.log)),
+          source(vfs, FoldersOf(maps), options.basePaks),
+          scripts(ReadScripts(source, *context.options.game, context.log)) {
+        for (const fs::path &map : maps) {
+            context.log.Print("Loading {}\n", map.string());
+            AddNeeds(ReadBspFile(map, context.options.Format(), context.log), map.stem().string(),
+                     *context.options.game, needs);
+        }
+        exclusions = LoadExclusions(context, options);
+    }
+};
+
+void PrintList(std::string_view title, std::string_view sign, const std::vector<std::string> &lines, Log &log) {
+    if (lines.empty())
+        return;
+    log.Print("{} {}:\n", lines.size(), title);
+    for (const std::string &line : lines)
+        log.Print("  {} {}\n", sign, line);
+}
+
+/// Prints what is missing, and returns the exit status.
+int Finish(const PackagePlan &plan, RunReport &report, Log &log) {
+    PrintList("not there, and not needed", "~fail", plan.absent, log);
+    PrintList("missing", "!FAIL!", plan.missing, log);
+    if (!plan.missing.empty())
+        report.Conclude(Counted(plan.missing.size(), "files missing"));
+    return plan.missing.empty() ? 0 : 1;
+}
+
+void RemoveOld(const fs::path &path) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+}
+
+} // namespace
+
+int PackStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    log.Section("Pk3");
+    PackOptions options;
+    TakeSettings(PackSettings(), options, arguments, log);
+    const std::vector<fs::path> maps = MapsOf(TakeMaps(context, arguments), false);
+    const std::string name = maps.back().stem().string();
+    const fs::path folder = OutputFolder(context, options);
+    const fs::path path = folder / (name + "_autopacked.pk3"), failed = folder / (name + "_FAILEDpack.pk3");
+    const FileGuard files = GuardPackage({path, failed}, maps, context);
+    Packing packing(context, options, maps);
+    PackagePlan plan = MakePlan(packing.needs, packing.source, packing.scripts,
+                                {.exclusions = packing.exclusions, .png = options.png, .list = options.list}, log);
+    for (const fs::path &map : packing.maps)
+        AddMapFiles(map, packing.needs.externalPages, *context.options.game, packing.source, plan);
+    for (const fs::path &map : packing.maps)
+        WarnOfBotFiles(map, packing.source, plan, log);
+    files.CheckUnchanged();
+    const fs::path written = WritePackage(path, failed, options.level, packing.source, plan, log);
+    RemoveOld(written == path ? failed : path);
+    return Finish(plan, context.report, log);
+}
+
+int RepackStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    log.Section("Repack");
+    RepackOptions options;
+    TakeSettings(RepackSettings(), options, arguments, log);
+    const std::vector<fs::path> maps = MapsOf(TakeMaps(context, arguments), true);
+    const std::string name = maps.back().stem().string();
+    const fs::path folder = options.onlyList ? fs::path() : OutputFolder(context, options);
+    const fs::path path = folder / (name + "_repacked.pk3"), script = folder / (name + "_strippedBYrepacker.shader");
+    const FileGuard files =
+        GuardPackage(options.onlyList ? std::vector<fs::path>{} : std::vector{path, script}, maps, context);
+    Packing packing(context, options, maps);
+    if (const fs::path more = context.program.parent_path() / "repack.exclude"; fs::exists(more))
+        packing.exclusions.Add(ReadExclusions(ReadTextFile(more), more.string()));
+    PackagePlan plan =
+        MakePlan(packing.needs, packing.source, packing.scripts,
+                 {.exclusions = packing.exclusions, .png = options.png, .wholeScripts = false, .list = true}, log);
+    if (!options.onlyList) {
+        files.CheckUnchanged();
+        std::string text;
+        for (const EngineShader *shader : plan.strippedShaders)
+            text += '\n' + StrippedText(*shader);
+        log.Print("Writing {}\n", script.string());
+        ReplaceTextFile(script, text);
+        WritePackage(path, path, options.level, packing.source, plan, log);
+    }
+    return Finish(plan, context.report, log);
+}
+
+// ---- q3map2 -shreport ----
+
+int SHReportStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    log.Section("SH report");
+    const SHReportOptions options = ParseSHReportOptions(arguments, log);
+    const auto bspPath = ExistingBsp(TakeFile(context, arguments, {}).file);
+    PrintChangedOptions(arguments, log);
+    const auto path =
+        options.output.empty() ? WithExtension(bspPath, ".html") : std::filesystem::absolute(options.output);
+    FileGuard guard(context);
+    guard.Needs(bspPath);
+    guard.Writes(path, SizeOfFile(bspPath) / 4);
+    const auto folders = GameFolders(context.options, context.words, context.program);
+    if (options.textureSize > 0)
+        RequireGameFiles(context.options, folders, context.words, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    log.Print("Loading {}\n", bspPath.string());
+    const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
+    const std::filesystem::path folder = GameFolderOfMap(bspPath.string());
+    const PackageSource source(vfs, folder.empty() ? std::vector<std::filesystem::path>{} : std::vector{folder}, {});
+    const Game &game = *context.options.game;
+    const EngineScripts scripts = ReadScripts(source, game, log);
+    const JobPool jobs(context.options.threads);
+    const std::vector<std::byte> package =
+        MakeReportPackage({bspPath, bsp, game, source, scripts}, options.textureSize, jobs, log);
+    const std::string page =
+        PageWithPackage(ViewerPage(), fmt::format("maps/{}.bsp", bspPath.stem().string()), package);
+    log.Print("Writing {}\n", path.string());
+    ReplaceTextFile(path, page);
+    log.Print("Wrote {} bytes, with a package of {} bytes\n", page.size(), package.size());
+    return 0;
+}
+
+} // namespace q3

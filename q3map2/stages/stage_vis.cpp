@@ -1,0 +1,95 @@
+// GPL-2.0-or-later. q3map2 -vis: the .bsp and its .prt in, visibility data into the .bsp.
+#include "common/error.h"
+#include "q3map2/bspfile/map_keys.h"
+#include "q3map2/report/run_report.h"
+#include "q3map2/stages/stage.h"
+#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/written_map.h"
+#include "q3map2/vis/vis.h"
+
+#include <algorithm>
+#include <system_error>
+
+namespace q3 {
+
+namespace {
+
+/// Errors: no file, with the likely reason and what to do.
+void CheckPrtExists(const std::filesystem::path &bspPath, const std::filesystem::path &prtPath) {
+    if (std::filesystem::exists(prtPath))
+        return;
+    const auto leakPath = Beside(bspPath, ".lin");
+    if (std::filesystem::exists(leakPath))
+        throw Error("{} is missing, because the map leaked: {} shows where, load it in the editor, close the leak and "
+                    "compile the map again",
+                    prtPath.string(), leakPath.string());
+    throw Error("{} is missing, which the bsp stage writes for a map without leaks, and -vis deletes: compile the map "
+                "again, and use -saveprt to run -vis more than once",
+                prtPath.string());
+}
+
+void CheckClusters(const Bsp &bsp, const std::filesystem::path &bspPath, const PortalFile &portals,
+                   const std::filesystem::path &prtPath) {
+    int clusters = 0;
+    for (const bspLeaf_t &leaf : bsp.leafs)
+        clusters = std::max(clusters, leaf.cluster + 1);
+    if (clusters != portals.clusters)
+        throw Error("{}:2: {} clusters, expected the {} of {}; compile the map again", prtPath.string(),
+                    portals.clusters, clusters, bspPath.string());
+}
+
+void RemovePrt(const std::filesystem::path &path, Log &log) {
+    std::error_code failed;
+    if (!std::filesystem::remove(path, failed) && failed)
+        log.Warn("file not removed", "{}: cannot be removed: {}", path.string(), failed.message());
+}
+
+} // namespace
+
+int VisStage(const StageContext &context, Arguments arguments) {
+    Log &log = context.log;
+    const std::vector<std::string> given = arguments.Rest();
+    log.Section("Vis");
+    VisStageOptions options = ParseVisOptions(arguments, log);
+    const StageFile file = TakeFile(context, arguments, given);
+    PrintChangedOptions(arguments, log);
+    const auto bspPath = ExistingBsp(file.file);
+    const auto prtPath = Beside(bspPath, ".prt");
+
+    FileGuard guard(context);
+    guard.Needs(bspPath);
+    guard.Reads(prtPath);
+    guard.Writes(bspPath, SizeOfFile(bspPath));
+    log.Print("Loading {}\n", bspPath.string());
+    const BspFormat format = context.options.Format();
+    Bsp bsp = ReadBspFile(bspPath, format, log);
+    CheckPrtExists(bspPath, prtPath);
+    WarnIfSourceIsNewer(bspPath, log);
+    log.Print("Loading {}\n", prtPath.string());
+    const PortalFile portals = ReadPortalFile(prtPath);
+    log.Print("{:6} portalclusters\n{:6} numportals\n{:6} numfaces\n", portals.clusters, portals.portals.size(),
+              portals.faces.size());
+    if (portals.portals.empty()) {
+        log.Print("No portals means no vis, exiting.\n");
+        return 0;
+    }
+    CheckClusters(bsp, bspPath, portals, prtPath);
+    const std::string name = bspPath.string();
+    RecordCommand(bsp, "-vis", name, file.recorded);
+    const Entity world = StoredEntities(bsp.entities, name).front();
+    options.vis.farPlane = FarPlaneOf(world);
+
+    const JobPool jobs(context.options.threads);
+    const Visibility visibility = ComputeVisibility(portals, prtPath.string(), options.vis, jobs, log);
+    PrintStatistics(visibility, options.histogram, log);
+    bsp.visibility = visibility.Lump();
+    guard.CheckUnchanged();
+    const BotCheck bots(bspPath, log);
+    WriteBspFile(bspPath, bsp, format, log);
+    bots.Report(BotCheck::SameGeometry, false);
+    if (!options.savePrt)
+        RemovePrt(prtPath, log);
+    return 0;
+}
+
+} // namespace q3
