@@ -1,9 +1,10 @@
 // GPL-2.0-or-later. Arguments to exit status.
 #include "common/platform/platform.h"
 #include "q3map2/cli/program.h"
+#include "q3map2/stages/stages.h"
 
 int main(int argc, char **argv) {
     const q3::ProcessStart start = q3::StartProcess(argc, argv);
     q3::Log log;
-    return q3::RunProgram(start.arguments, start.program, log);
+    return q3::RunProgram(q3::Stages(), start.arguments, start.program, log);
 }

@@ -9,20 +9,17 @@
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/cli/presets.h"
-#include "q3map2/cli/program.h"
+#include "q3map2/cli/stage.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/editors/editor_files.h"
 #include "q3map2/report/version.h"
 #include "q3map2/shader/shader_directive.h"
-#include "q3map2/stages/stage.h"
-#include "q3map2/stages/stage_files.h"
 
 #include <algorithm>
 #include <charconv>
 #include <sstream>
 
 namespace q3 {
-
-// ---- Documentation that is generated from the declared settings, keys and directives ----
 
 // ---- Documentation of the keys of entities ----
 
@@ -257,17 +254,17 @@ std::string WithoutMarkup(std::string_view text) {
     return result;
 }
 
-std::string MarkdownPage() {
+std::string MarkdownPage(StageList stages) {
     std::string text = fmt::format("<!-- Generated: q3map2 -help markdown > docs/options.md -->\n# Options\n\n"
                                    "    q3map2 [global options] STAGE [options] FILE\n\n{}\n\n"
                                    "| stage | does |\n|---|---|\n",
                                    kRules);
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         text += fmt::format("| `{}` | {} |\n", Cell(stage.usage), Cell(stage.help));
     text += "\n## Global options\n";
     for (const SettingSection &section : GlobalSections())
         text += MarkdownTable(section, "###", "option");
-    for (const Stage &stage : Stages()) {
+    for (const Stage &stage : stages) {
         if (!stage.settings && stage.intro.empty())
             continue;
         text +=
@@ -293,18 +290,18 @@ std::string DirectivesPage() {
     return text;
 }
 
-std::string ManualPage() {
+std::string ManualPage(StageList stages) {
     std::string text = fmt::format(".\\\" Generated: q3map2 \\-help man > docs/q3map2.1\n"
                                    ".TH Q3MAP2 1 \"\" \"q3map2\\-sh {}\"\n.SH NAME\nq3map2 \\- compile maps for games "
                                    "of the Quake III family\n.SH SYNOPSIS\n.B q3map2\n[global options] stage "
                                    "[options] file\n.SH DESCRIPTION\n{}\n.SH STAGES\n",
                                    kVersionNumber, Roff(kRules));
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         text += fmt::format(".TP\n.B q3map2 {}\n{}.\n", Roff(stage.usage), Roff(stage.help));
     text += ".SH GLOBAL OPTIONS\n";
     for (const SettingSection &section : GlobalSections())
         text += RoffSection(section);
-    for (const Stage &stage : Stages()) {
+    for (const Stage &stage : stages) {
         if (!stage.settings && stage.intro.empty())
             continue;
         std::string title(Roff(stage.word));
@@ -355,10 +352,10 @@ int VersionAsNumber() {
 
 } // namespace
 
-void CheckBuildStep(const std::string &step) {
+void CheckBuildStep(StageList stages, const std::string &step) {
     Log quiet([](LogLevel, std::string_view) {});
     Arguments arguments(WordsOfStep(step));
-    const ChosenStage chosen = TakeStage(arguments);
+    const ChosenStage chosen = TakeStage(stages, arguments);
     ExpandPreset(chosen.stage, arguments, quiet);
     const auto sections = chosen.stage.settings ? chosen.stage.settings() : std::vector<SettingSection>();
     for (const SettingSection &section : sections)
@@ -383,7 +380,8 @@ int EditorFilesStage(const StageContext &context, Arguments arguments) {
         presets.push_back(preset.name);
     const std::vector<EditorBuild> builds = EditorBuilds(presets);
     for (const EditorBuild &build : builds)
-        std::ranges::for_each(build.steps, CheckBuildStep);
+        for (const std::string &step : build.steps)
+            CheckBuildStep(context.stages, step);
     for (const std::string_view option : kEditorOptions)
         if (!context.stage.HasOption(option))
             throw Error("{} in the menus of editors: there is no such option", option);

@@ -3,15 +3,13 @@
 #pragma once
 
 #include "common/settings.h"
-#include "q3map2/stages/stage.h"
+#include "q3map2/cli/stage.h"
 
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace q3 {
-
-// ---- Documentation that is generated from the declared settings, keys and directives ----
 
 // ---- Documentation of the keys of entities ----
 
@@ -38,27 +36,25 @@ std::vector<SettingSection> DirectiveSections();
 
 // ---- Files that are generated from the declared settings ----
 
-struct Stage;
-
 /// The settings of a stage, by sections; none for stages without.
 std::vector<SettingSection> SectionsOf(const Stage &stage);
 /// docs/options.md.
-std::string MarkdownPage();
+std::string MarkdownPage(StageList stages);
 /// docs/shader_directives.md.
 std::string DirectivesPage();
 /// docs/q3map2.1.
-std::string ManualPage();
+std::string ManualPage(StageList stages);
 
 /// The help of a setting with its unit, range and default, as one sentence. `complete`: with the default range too.
 std::string FullHelp(const SettingEntry &entry, bool complete);
 /// Text without Markdown for code and links.
 std::string WithoutMarkup(std::string_view text);
 
-/// Takes its options off `arguments`, whose stage word is gone already, and returns the exit status. Beside the table
-/// of stages, since it checks the commands of menus against it.
+/// Takes its options off `arguments`, whose stage word is gone already, and returns the exit status. It checks the
+/// commands of menus against it.
 int EditorFilesStage(const StageContext &context, Arguments arguments);
 
 /// Error if a build step (editors/editor_files.h) names a stage, option or value that does not exist.
-void CheckBuildStep(const std::string &step);
+void CheckBuildStep(StageList stages, const std::string &step);
 
 } // namespace q3

@@ -5,8 +5,6 @@
 #include "common/text/text.h"
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/presets.h"
-#include "q3map2/cli/program.h"
-#include "q3map2/gridformats/grid_formats.h"
 #include "q3map2/report/version.h"
 
 #include <fmt/ranges.h>
@@ -35,13 +33,6 @@ std::vector<std::string> GameNames() {
     return names;
 }
 
-std::vector<std::string> GridFormatNames() {
-    std::vector<std::string> names;
-    for (const GridFormat &format : AllGridFormats())
-        names.emplace_back(format.word);
-    return names;
-}
-
 std::vector<std::string> ParmNames() {
     std::vector<std::string> names;
     for (const SurfaceParm &parm : Games().front().surfaceParms)
@@ -50,9 +41,9 @@ std::vector<std::string> ParmNames() {
     return names;
 }
 
-std::vector<std::string> HelpTopics() {
+std::vector<std::string> HelpTopics(StageList stages) {
     std::vector<std::string> topics{"all", "game", "keys", "shader", "vrad"};
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         topics.emplace_back(stage.word.substr(1));
     return topics;
 }
@@ -70,20 +61,18 @@ std::vector<std::string> ChoiceWords(std::string_view value) {
     return words;
 }
 
-Values ValuesOf(const SettingInfo &info) {
+Values ValuesOf(StageList stages, const SettingInfo &info) {
     using enum Values::Kind;
-    static constexpr struct {
-        std::string_view option;
-        Values::Kind kind;
-        std::vector<std::string> (*words)();
-    } kNamed[] = {{"-game", Words, GameNames},
-                  {"-gridformats", List, GridFormatNames},
-                  {"-format", Words, ConvertFormatNames},
-                  {"-globalflag", Words, ParmNames},
-                  {"-help", Words, HelpTopics}};
-    for (const auto &named : kNamed)
-        if (named.option == info.name)
-            return {named.kind, named.words()};
+    if (info.name == "-game")
+        return {Words, GameNames()};
+    if (info.name == "-globalflag")
+        return {Words, ParmNames()};
+    if (info.name == "-help")
+        return {Words, HelpTopics(stages)};
+    for (const Stage &stage : stages)
+        if (stage.choices)
+            if (std::vector<std::string> words = stage.choices(info.name); !words.empty())
+                return {info.values == "LIST" ? List : Words, std::move(words)};
     const std::string_view first = info.values.substr(0, info.values.find(' '));
     if (first.find('|') != std::string_view::npos)
         return {Words, ChoiceWords(first)};
@@ -108,9 +97,9 @@ std::string NamesOf(const std::vector<SettingSection> &sections) {
     return names;
 }
 
-std::string StageWordList() {
+std::string StageWordList(StageList stages) {
     std::string words;
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         words += fmt::format("{} ", stage.word);
     return words;
 }
@@ -132,13 +121,13 @@ std::string ZshText(std::string_view text) {
 }
 
 /// Branches of `case` by the word before the cursor: options with the same values share one.
-std::string BashValueCases() {
+std::string BashValueCases(StageList stages) {
     std::map<std::string, std::string> patterns; // by action
     std::map<std::string, bool> known;
     const auto add = [&](const SettingInfo &info) {
         if (info.MinValues() == 0 && info.name != "-help")
             return;
-        const Values values = ValuesOf(info);
+        const Values values = ValuesOf(stages, info);
         std::string action = "return";
         if (values.kind == Values::Kind::Words || values.kind == Values::Kind::List)
             action = fmt::format("values=\"{}\"{}", fmt::join(values.words, " "),
@@ -152,7 +141,7 @@ std::string BashValueCases() {
             }
     };
     ForEntries(GlobalSections(), add);
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         ForEntries(SectionsOf(stage), add);
     std::string cases;
     for (const auto &[action, pattern] : patterns)
@@ -161,8 +150,8 @@ std::string BashValueCases() {
 }
 
 /// The values of an option in a specification of zsh.
-std::string ZshValues(const SettingInfo &info) {
-    const Values values = ValuesOf(info);
+std::string ZshValues(StageList stages, const SettingInfo &info) {
+    const Values values = ValuesOf(stages, info);
     std::string action = " ";
     switch (values.kind) {
     case Values::Kind::Words:
@@ -190,8 +179,8 @@ std::string ZshValues(const SettingInfo &info) {
     return text;
 }
 
-std::string FishValues(const SettingInfo &info) {
-    const Values values = ValuesOf(info);
+std::string FishValues(StageList stages, const SettingInfo &info) {
+    const Values values = ValuesOf(stages, info);
     if (info.MinValues() == 0 && values.kind == Values::Kind::Any)
         return "";
     switch (values.kind) {
@@ -211,9 +200,9 @@ std::string FishValues(const SettingInfo &info) {
 
 } // namespace
 
-std::string BashCompletion() {
+std::string BashCompletion(StageList stages) {
     std::string cases;
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         cases += fmt::format("            {}) options=\"{}\" ;;\n", stage.word, NamesOf(SectionsOf(stage)));
     return fmt::format(R"(# Generated: q3map2 -help bash > tools/completions/q3map2.bash
 _q3map2() {{
@@ -241,22 +230,22 @@ _q3map2() {{
 }}
 complete -F _q3map2 q3map2
 )",
-                       BashValueCases(), cases, StageWordList(), NamesOf(SectionsOf(Stages().front())),
+                       BashValueCases(stages), cases, StageWordList(stages), NamesOf(SectionsOf(stages.front())),
                        " " + NamesOf(GlobalSections()));
 }
 
-std::string ZshCompletion() {
-    const auto specifications = [](const std::vector<SettingSection> &sections) {
+std::string ZshCompletion(StageList stages) {
+    const auto specifications = [&](const std::vector<SettingSection> &sections) {
         std::string text;
         ForEntries(sections, [&](const SettingInfo &info) {
-            text += fmt::format("        '*{}[{}]{}'\n", info.name, ZshText(info.help), ZshValues(info));
+            text += fmt::format("        '*{}[{}]{}'\n", info.name, ZshText(info.help), ZshValues(stages, info));
         });
         return text;
     };
-    std::string stages, cases, words;
-    for (const Stage &stage : Stages()) {
+    std::string descriptions, cases, words;
+    for (const Stage &stage : stages) {
         words += fmt::format("{}{}", words.empty() ? "" : "|", stage.word);
-        stages += fmt::format("        '{}[{}]'\n", stage.word, ZshText(stage.help));
+        descriptions += fmt::format("        '{}[{}]'\n", stage.word, ZshText(stage.help));
         cases += fmt::format("    {})\n        arguments+=(\n{}        ) ;;\n", stage.word,
                              specifications(SectionsOf(stage)));
     }
@@ -279,21 +268,21 @@ case $stage in
 esac
 _arguments $arguments
 )",
-                       specifications(GlobalSections()), words, cases, stages);
+                       specifications(GlobalSections()), words, cases, descriptions);
 }
 
-std::string FishCompletion() {
+std::string FishCompletion(StageList stages) {
     std::string text = "# Generated: q3map2 -help fish > tools/completions/q3map2.fish\n";
     const auto add = [&](const std::vector<SettingSection> &sections, std::string_view condition) {
         ForEntries(sections, [&](const SettingInfo &info) {
             text += fmt::format("complete -c q3map2{} -o {} {}-d '{}'\n", condition, info.name.substr(1),
-                                FishValues(info), Quoted(info.help));
+                                FishValues(stages, info), Quoted(info.help));
         });
     };
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         text += fmt::format("complete -c q3map2 -o {} -d '{}'\n", stage.word.substr(1), Quoted(stage.help));
     add(GlobalSections(), "");
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         add(SectionsOf(stage), fmt::format(" -n 'string match -q -- \"* {} *\" (commandline)\" \"'", stage.word));
     return text;
 }
@@ -381,18 +370,18 @@ std::string KeysText() {
     return text;
 }
 
-std::string Overview() {
+std::string Overview(StageList stages) {
     std::string text = fmt::format("{}\nq3map2 [global options] STAGE [options] FILE\n\nStages\n", kVersion);
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         text += fmt::format("  {}\n      {}\n", stage.usage, stage.help);
     text += "\nq3map2 -help STAGE lists the options of a stage, such as -help light; -help OPTION explains one.\n"
             "-help keys lists the keys of entities, -help shader the directives of shaders; -help all prints all.\n";
     return text + GlobalText();
 }
 
-std::string AllText() {
-    std::string text = Overview();
-    for (const Stage &stage : Stages())
+std::string AllText(StageList stages) {
+    std::string text = Overview(stages);
+    for (const Stage &stage : stages)
         text += fmt::format("\n{:-<80}\n{}", "", StageText(stage));
     for (const std::string &more : {VradText(), KeysText(), DirectivesText()})
         text += fmt::format("\n{:-<80}\n{}", "", more);
@@ -413,10 +402,10 @@ void AddEntries(std::string_view owner, const std::vector<SettingSection> &secti
 }
 
 /// Options of that name, wherever they occur.
-std::string OptionHelp(std::string_view topic) {
+std::string OptionHelp(StageList stages, std::string_view topic) {
     std::string text;
     AddEntries("every stage", GlobalSections(), topic, text);
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         if (stage.settings)
             AddEntries(stage.word, stage.settings(), topic, text);
     return text;
@@ -462,9 +451,9 @@ std::string GamesText() {
            "baseoa.\n";
 }
 
-[[noreturn]] void FailUnknown(std::string_view topic, const std::vector<std::string> &topics) {
+[[noreturn]] void FailUnknown(StageList stages, std::string_view topic, const std::vector<std::string> &topics) {
     std::vector<std::string> names = topics;
-    for (const Stage &stage : Stages()) {
+    for (const Stage &stage : stages) {
         names.emplace_back(stage.word);
         for (std::string &name : stage.OptionNames())
             names.push_back(std::move(name));
@@ -478,24 +467,32 @@ std::string GamesText() {
 
 } // namespace
 
-std::string HelpText(std::string_view topic) {
+std::string HelpText(StageList stages, std::string_view topic) {
     std::string_view bare = topic;
     while (bare.starts_with('-'))
         bare.remove_prefix(1);
     if (bare.empty())
-        return Overview();
-    const std::map<std::string, std::string (*)()> pages = {
-        {"common", GlobalText},     {"keys", KeysText},         {"game", GamesText},
-        {"all", AllText},           {"markdown", MarkdownPage}, {"man", ManualPage},
-        {"bash", BashCompletion},   {"zsh", ZshCompletion},     {"fish", FishCompletion},
-        {"shader", DirectivesText}, {"vrad", VradText},         {"shadermarkdown", DirectivesPage}};
+        return Overview(stages);
+    const std::map<std::string, std::string (*)(StageList)> pages = {
+        {"common", [](StageList) { return GlobalText(); }},
+        {"keys", [](StageList) { return KeysText(); }},
+        {"game", [](StageList) { return GamesText(); }},
+        {"shader", [](StageList) { return DirectivesText(); }},
+        {"vrad", [](StageList) { return VradText(); }},
+        {"all", AllText},
+        {"markdown", MarkdownPage},
+        {"shadermarkdown", [](StageList) { return DirectivesPage(); }},
+        {"man", ManualPage},
+        {"bash", BashCompletion},
+        {"zsh", ZshCompletion},
+        {"fish", FishCompletion}};
     if (const auto page = pages.find(LowerCase(bare)); page != pages.end())
-        return page->second();
+        return page->second(stages);
     std::string text;
-    for (const Stage &stage : Stages())
+    for (const Stage &stage : stages)
         if (EqualNoCase(stage.word.substr(1), bare))
             text += StageText(stage);
-    const std::string options = OptionHelp(bare), words = MapWordHelp(bare);
+    const std::string options = OptionHelp(stages, bare), words = MapWordHelp(bare);
     if (text.empty())
         text = options + words;
     else if (!options.empty()) // the word is an option of other stages too
@@ -504,7 +501,7 @@ std::string HelpText(std::string_view topic) {
         std::vector<std::string> topics;
         for (const auto &[name, page] : pages)
             topics.push_back(name);
-        FailUnknown(topic, topics);
+        FailUnknown(stages, topic, topics);
     }
     return text;
 }

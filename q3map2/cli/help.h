@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. q3map2 -help, and completion of the command line in shells.
 #pragma once
 
-#include "common/log.h"
+#include "q3map2/cli/stage.h"
 
 #include <string>
 #include <string_view>
@@ -9,12 +9,12 @@
 namespace q3 {
 
 /// tools/completions/q3map2.bash, _q3map2 and q3map2.fish.
-std::string BashCompletion();
-std::string ZshCompletion();
-std::string FishCompletion();
+std::string BashCompletion(StageList stages);
+std::string ZshCompletion(StageList stages);
+std::string FishCompletion(StageList stages);
 
 /// What -help TOPIC prints: a stage, an option or a key by its name, "game", "keys", "all", or a generated file
 /// (documentation.h). Without a topic an overview. Errors: an unknown topic.
-std::string HelpText(std::string_view topic);
+std::string HelpText(StageList stages, std::string_view topic);
 
 } // namespace q3

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Version and build of the program.
 #include "q3map2/report/version.h"
 
-#include "q3map2/light/batch/lanes.h"
+#include "common/simd.h"
 #include "q3map2/report/commit.h"
 
 #if Q3_EMBREE_MAJOR == 3
@@ -19,7 +19,7 @@ namespace {
 /// The widest SIMD instructions that both the program and this machine have.
 std::string_view SimdLevel() {
 #if Q3_VECTOR_CLONES
-    // The choice that the loader makes among the clones of light/batch/lanes.h.
+    // The choice that the loader makes among the clones of common/simd.h.
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
         __builtin_cpu_supports("avx512dq"))

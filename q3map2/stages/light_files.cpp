@@ -7,8 +7,8 @@
 #include "common/text/text.h"
 #include "q3map2/bspfile/bspx.h"
 #include "q3map2/bspfile/prop_light.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/light/options/light_options.h"
-#include "q3map2/stages/stage_files.h"
 
 #include <zlib.h>
 

@@ -3,6 +3,8 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/text/text.h"
+#include "q3map2/cli/global_options.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/convert/bsp_info.h"
 #include "q3map2/convert/convert_options.h"
 #include "q3map2/convert/game/game_flags.h"
@@ -15,10 +17,8 @@
 #include "q3map2/gridformats/grid_formats.h"
 #include "q3map2/map/map_parse.h"
 #include "q3map2/report/run_report.h"
-#include "q3map2/stages/global_options.h"
 #include "q3map2/stages/light_files.h"
-#include "q3map2/stages/stage.h"
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 
 #include <fmt/ranges.h>
@@ -175,6 +175,15 @@ constexpr ConvertFormat kFormats[] = {
     {"map_220", FormatKind::Source, [](const ConvertJob &job) { WriteSource(MapForm::Valve, job); }},
 };
 
+std::vector<std::string> FormatNames() {
+    std::vector<std::string> names;
+    for (const ConvertFormat &format : kFormats)
+        names.emplace_back(format.name);
+    for (const Game &game : Games())
+        names.emplace_back(game.name);
+    return names;
+}
+
 ConvertFormat FindFormat(std::string_view name) {
     if (name.empty())
         return kFormats[0];
@@ -186,7 +195,7 @@ ConvertFormat FindFormat(std::string_view name) {
             return format;
         expected += fmt::format("{}, ", format.name);
     }
-    throw Error("-format {}: unknown, expected {}or a game{}", name, expected, DidYouMean(name, ConvertFormatNames()));
+    throw Error("-format {}: unknown, expected {}or a game{}", name, expected, DidYouMean(name, FormatNames()));
 }
 
 bool ReadsMap(const std::string &file, const ConvertOptions &options, const ConvertFormat &format) {
@@ -243,13 +252,8 @@ void DropEmptyWords(Arguments &arguments) {
 
 } // namespace
 
-std::vector<std::string> ConvertFormatNames() {
-    std::vector<std::string> names;
-    for (const ConvertFormat &format : kFormats)
-        names.emplace_back(format.name);
-    for (const Game &game : Games())
-        names.emplace_back(game.name);
-    return names;
+std::vector<std::string> ConvertChoices(std::string_view option) {
+    return option == "-format" ? FormatNames() : std::vector<std::string>();
 }
 
 int ConvertStage(const StageContext &context, Arguments arguments) {

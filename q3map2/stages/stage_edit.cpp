@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. q3map2 -scale, -shift, -mergebsp and -fixaas.
 #include "common/error.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/edit/merge_maps.h"
 #include "q3map2/edit/scale_shift.h"
 #include "q3map2/report/run_report.h"
-#include "q3map2/stages/stage.h"
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 
 #include <algorithm>

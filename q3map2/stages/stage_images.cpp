@@ -4,13 +4,13 @@
 #include "common/text/text.h"
 #include "libs/math/packed_color.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/cli/global_options.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/convert/preview/tone_picture.h"
 #include "q3map2/minimap/minimap.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/ssbump/ssbump_files.h"
-#include "q3map2/stages/global_options.h"
-#include "q3map2/stages/stage.h"
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/stages.h"
 
 namespace q3 {
 

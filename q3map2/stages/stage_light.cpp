@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
 #include "common/error.h"
 #include "q3map2/bspfile/light_keys.h"
+#include "q3map2/cli/global_options.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/edit/edit_lumps.h"
 #include "q3map2/lightmap/light_stage.h"
@@ -9,10 +11,8 @@
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 #include "q3map2/lightmap/vertex/prop_lighting.h"
 #include "q3map2/report/run_report.h"
-#include "q3map2/stages/global_options.h"
 #include "q3map2/stages/light_files.h"
-#include "q3map2/stages/stage.h"
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. q3map2 -vis: the .bsp and its .prt in, visibility data into the .bsp.
 #include "common/error.h"
 #include "q3map2/bspfile/map_keys.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/report/run_report.h"
-#include "q3map2/stages/stage.h"
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 #include "q3map2/vis/vis.h"
 

@@ -4,9 +4,9 @@
 #include "common/error.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/shader/games.h"
-#include "q3map2/stages/stage_files.h"
 
 #include <algorithm>
 

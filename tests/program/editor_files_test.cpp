@@ -3,8 +3,8 @@
 #include "common/files/files.h"
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/presets.h"
-#include "q3map2/cli/program.h"
 #include "q3map2/editors/editor_files.h"
+#include "q3map2/stages/stages.h"
 #include "tests/program/run_program.h"
 
 #include <gmock/gmock.h>
@@ -53,14 +53,14 @@ TEST(EditorSteps, OfEveryPresetAreFoundSound) {
     for (const EditorBuild &build : builds) {
         EXPECT_THAT(page, HasSubstr("\n| " + build.label + " | "));
         for (const std::string &step : build.steps)
-            EXPECT_NO_THROW(CheckBuildStep(step)) << step;
+            EXPECT_NO_THROW(CheckBuildStep(Stages(), step)) << step;
     }
 }
 
 TEST(EditorSteps, WithWhatThereIsNotAreErrors) {
     for (const char *step : {"-light -zork", "-ligth -preset draft", "-light -preset nice", "-vis -preset draft -sh",
                              "-light -gridsh 64 64", "-light stray", "-preset draft"})
-        EXPECT_THROW(CheckBuildStep(step), Error) << step;
+        EXPECT_THROW(CheckBuildStep(Stages(), step), Error) << step;
 }
 
 TEST_F(EditorFilesTest, QuotesThatAnEditorLeavesAroundWordsAreNoPartOfThem) {

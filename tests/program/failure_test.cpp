@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The program when something is wrong: exit status, one clear line, the old map untouched.
 #include "common/error.h"
 #include "common/files/files.h"
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/stages/written_map.h"
 #include "tests/program/run_program.h"
 

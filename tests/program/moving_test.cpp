@@ -2,8 +2,8 @@
 #include "common/files/files.h"
 #include "common/text/text.h"
 #include "q3map2/cli/documentation.h"
-#include "q3map2/cli/program.h"
 #include "q3map2/shader/shader_library.h"
+#include "q3map2/stages/stages.h"
 #include "tests/common/game_folder.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The path of a map on the command line: how it may be written, and what is said if there is none.
 #include "common/files/files.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/shader/games.h"
-#include "q3map2/stages/stage_files.h"
 #include "tests/program/run_program.h"
 
 #include <gmock/gmock.h>

@@ -5,8 +5,8 @@
 
 #include "common/files/files.h"
 #include "common/text/text.h"
-#include "q3map2/cli/program.h"
 #include "q3map2/report/version.h"
+#include "q3map2/stages/stages.h"
 
 #include <gmock/gmock.h>
 
@@ -25,12 +25,12 @@ std::string FileText(const std::string &path) {
 
 /// To write them again: q3map2 -help markdown > docs/options.md, and so on.
 TEST(GeneratedFiles, AreUpToDate) {
-    EXPECT_EQ(FileText("docs/options.md"), MarkdownPage()) << "q3map2 -help markdown > docs/options.md";
+    EXPECT_EQ(FileText("docs/options.md"), MarkdownPage(Stages())) << "q3map2 -help markdown > docs/options.md";
     EXPECT_EQ(FileText("docs/shader_directives.md"), DirectivesPage()) << "q3map2 -help shadermarkdown";
-    EXPECT_EQ(FileText("docs/q3map2.1"), ManualPage()) << "q3map2 -help man > docs/q3map2.1";
-    EXPECT_EQ(FileText("tools/completions/q3map2.bash"), BashCompletion());
-    EXPECT_EQ(FileText("tools/completions/_q3map2"), ZshCompletion());
-    EXPECT_EQ(FileText("tools/completions/q3map2.fish"), FishCompletion());
+    EXPECT_EQ(FileText("docs/q3map2.1"), ManualPage(Stages())) << "q3map2 -help man > docs/q3map2.1";
+    EXPECT_EQ(FileText("tools/completions/q3map2.bash"), BashCompletion(Stages()));
+    EXPECT_EQ(FileText("tools/completions/_q3map2"), ZshCompletion(Stages()));
+    EXPECT_EQ(FileText("tools/completions/q3map2.fish"), FishCompletion(Stages()));
 }
 
 /// Calls use(entry) for every option of the program.
@@ -155,9 +155,9 @@ TEST_F(ProgramTest, UnknownTopicIsAnErrorWithTheNearestName) {
 }
 
 TEST_F(ProgramTest, HelpWritesTheGeneratedFiles) {
-    EXPECT_EQ(RunWell("-help -markdown").text, MarkdownPage());
-    EXPECT_EQ(RunWell("-help man").text, ManualPage());
-    EXPECT_EQ(RunWell("-help bash").text, BashCompletion());
+    EXPECT_EQ(RunWell("-help -markdown").text, MarkdownPage(Stages()));
+    EXPECT_EQ(RunWell("-help man").text, ManualPage(Stages()));
+    EXPECT_EQ(RunWell("-help bash").text, BashCompletion(Stages()));
 }
 
 TEST_F(ProgramTest, VersionSaysWhatTheProgramIs) {

@@ -5,6 +5,7 @@
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/cli/program.h"
 #include "q3map2/report/version.h"
+#include "q3map2/stages/stages.h"
 #include "tests/common/game_folder.h"
 #include "tests/vis/portal_maps.h"
 #include "tools/vis_check/sight_check.h"
@@ -61,7 +62,7 @@ class VisStageTest : public testing::Test {
     int Run(std::vector<std::string> words) {
         text_.clear();
         words.push_back((folder_ / "row.map").string());
-        return RunProgram(words, "/games/bin/q3map2", log_);
+        return RunProgram(Stages(), words, "/games/bin/q3map2", log_);
     }
     void ExpectRefused(const std::string &message) {
         const auto before = ReadFile(Bspath());

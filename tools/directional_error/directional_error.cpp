@@ -4,8 +4,8 @@
 #include "common/files/files.h"
 #include "common/tool_main.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/cli/global_options.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
-#include "q3map2/stages/global_options.h"
 #include "q3map2/stages/light_files.h"
 #include "tools/directional_error/measure.h"
 

@@ -3,7 +3,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/tool_main.h"
-#include "q3map2/stages/global_options.h"
+#include "q3map2/cli/global_options.h"
 #include "tools/lightmap_compare/compare.h"
 
 #include <optional>

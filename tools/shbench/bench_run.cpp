@@ -2,7 +2,7 @@
 #include "tools/shbench/bench_run.h"
 
 #include "common/error.h"
-#include "q3map2/cli/program.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/stages/light_files.h"
 #include "tools/shbench/plain.h"
 #include "tools/shbench/raw.h"

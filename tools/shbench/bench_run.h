@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The benchmark of one map: reference, bakes, errors.
 #pragma once
 
-#include "q3map2/stages/global_options.h"
+#include "q3map2/cli/global_options.h"
 #include "tools/shbench/error_list.h"
 #include "tools/shbench/error_plan.h"
 #include "tools/shbench/report.h"

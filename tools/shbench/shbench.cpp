@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. shbench: error of the SH light grid against time and size.
 #include "common/error.h"
 #include "common/files/files.h"
-#include "q3map2/cli/program.h"
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/cli/stage_files.h"
 #include "tools/shbench/bench_run.h"
 #include "tools/shbench/drawing.h"
 #include "tools/shbench/lightmap_passes.h"

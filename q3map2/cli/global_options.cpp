@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Options that every stage accepts, and the game and its files that they select.
-#include "q3map2/stages/global_options.h"
+#include "q3map2/cli/global_options.h"
 
 #include "common/error.h"
 #include "common/platform/platform.h"

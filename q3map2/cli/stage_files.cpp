@@ -1,10 +1,10 @@
 // GPL-2.0-or-later. The files that a stage reads and writes: the map that a word means, files beside it, and what may
 // go wrong with them.
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/cli/stage_files.h"
 
 #include "common/error.h"
 #include "common/text/text.h"
-#include "q3map2/stages/stage.h"
+#include "q3map2/cli/stage.h"
 
 #include <fmt/ranges.h>
 

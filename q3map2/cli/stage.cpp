@@ -1,9 +1,9 @@
-// GPL-2.0-or-later. What a stage is, what it gets, and the words that it takes off its line.
-#include "q3map2/stages/stage.h"
+// GPL-2.0-or-later. What a stage is, what it gets, and the words of a command line that choose it and that it takes.
+#include "q3map2/cli/stage.h"
 
 #include "common/error.h"
 #include "common/text/text.h"
-#include "q3map2/stages/stage_files.h"
+#include "q3map2/cli/stage_files.h"
 
 #include <fmt/ranges.h>
 
@@ -12,6 +12,33 @@
 namespace q3 {
 
 namespace {
+
+/// Names that users of other compilers may give.
+constexpr std::string_view kOtherStages[] = {"-vlight", "-ent"};
+
+const Stage *FindStage(StageList stages, std::string_view word) {
+    const auto found = std::ranges::find_if(stages, [&](const Stage &s) { return EqualNoCase(s.word, word); });
+    return found == stages.end() ? nullptr : &*found;
+}
+
+/// Position of the stage word. A word other than the first is not one if another stage on the line has an option of
+/// that name, such as -export with -light.
+std::optional<std::size_t> FindStageWord(StageList stages, const std::vector<std::string> &words) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < words.size(); ++i)
+        if (FindStage(stages, words[i]))
+            found.push_back(i);
+    const auto isOptionOfAnother = [&](std::size_t i) {
+        return std::ranges::any_of(found, [&](std::size_t other) {
+            return other != i && FindStage(stages, words[other])->HasOption(words[i]);
+        });
+    };
+    std::erase_if(found, [&](std::size_t i) { return i > 0 && isOptionOfAnother(i); });
+    for (const std::size_t i : found)
+        if (!EqualNoCase(words[i], words[found.front()]))
+            throw Error("{} and {} on one line: run one stage after the other", words[found.front()], words[i]);
+    return found.empty() ? std::nullopt : std::optional(found.front());
+}
 
 constexpr std::string_view kMapExtensions[] = {".map", ".bsp", ".reg", ".ent", ".prt", ".srf"};
 
@@ -169,6 +196,24 @@ std::vector<std::string> TakeFiles(const StageContext &context, Arguments &argum
             files.push_back(arguments.TakeAt(i));
     ReportUnknown(context, arguments);
     return files;
+}
+
+ChosenStage TakeStage(StageList stages, Arguments &arguments) {
+    if (arguments.Empty())
+        throw Error("no arguments; q3map2 -help lists what there is");
+    if (const auto at = FindStageWord(stages, arguments.Rest())) {
+        const Stage stage = *FindStage(stages, arguments.TakeAt(*at));
+        arguments.SetBeforeStage(*at);
+        return {stage, true};
+    }
+    for (const std::string_view name : kOtherStages)
+        if (EqualNoCase(arguments.Rest().front(), name)) {
+            std::vector<std::string_view> words;
+            for (const Stage &stage : stages)
+                words.push_back(stage.word);
+            throw Error("{} is not a stage of this version; it has {}", name, fmt::join(words, ", "));
+        }
+    return {stages.front(), false};
 }
 
 } // namespace q3

@@ -1,9 +1,9 @@
-// GPL-2.0-or-later. What a stage is, what it gets, and the words that it takes off its line.
+// GPL-2.0-or-later. What a stage is, what it gets, and the words of a command line that choose it and that it takes.
 #pragma once
 
 #include "common/arguments.h"
 #include "common/settings.h"
-#include "q3map2/stages/global_options.h"
+#include "q3map2/cli/global_options.h"
 
 #include <filesystem>
 #include <span>
@@ -16,11 +16,14 @@ namespace q3 {
 struct Stage;
 class RunReport;
 
+/// All stages of the program; the first is the one that runs without a stage word.
+using StageList = std::span<const Stage>;
+
 /// What a stage gets besides its arguments.
 struct StageContext {
     const GlobalOptions &options;
     const Stage &stage;
-    std::span<const Stage> stages;  ///< all of them, for hints about words of other stages
+    StageList stages;               ///< all of them, for hints about words of other stages
     bool stageGiven;                ///< false: no stage word, which means the bsp stage
     std::filesystem::path program;  ///< real path of the executable
     std::vector<std::string> words; ///< the whole command line, which may contain the engine path
@@ -36,6 +39,9 @@ struct Stage {
     std::string_view intro; ///< for the documentation page
     int (*run)(const StageContext &, Arguments);
     std::vector<SettingSection> (*settings)(); ///< null: no options of its own
+
+    /// The words that the value of an option may be, for completion; null or an empty list: the option's help says so.
+    std::vector<std::string> (*choices)(std::string_view option) = nullptr;
 
     /// Names and aliases of its options and of those that every stage accepts.
     std::vector<std::string> OptionNames() const;
@@ -55,32 +61,15 @@ StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vecto
 /// Takes all words without a dash off `arguments`, as files; there may be none. Options left are unknown, as above.
 std::vector<std::string> TakeFiles(const StageContext &context, Arguments &arguments);
 
-// The stages, each in the source stage_*.cpp of its words. Each takes its options off `arguments`, whose stage word is
-// gone already, and returns the exit status.
-int BspStage(const StageContext &context, Arguments arguments);
-int LightStage(const StageContext &context, Arguments arguments);
-int VisStage(const StageContext &context, Arguments arguments);
-int ExportStage(const StageContext &context, Arguments arguments);
-int ImportStage(const StageContext &context, Arguments arguments);
-int ToneMapStage(const StageContext &context, Arguments arguments);
-int JsonStage(const StageContext &context, Arguments arguments);
-int ConvertStage(const StageContext &context, Arguments arguments);
-int ConvertGridStage(const StageContext &context, Arguments arguments);
-int InfoStage(const StageContext &context, Arguments arguments);
-int MinimapStage(const StageContext &context, Arguments arguments);
-int ExportEntitiesStage(const StageContext &context, Arguments arguments);
-int AnalyzeStage(const StageContext &context, Arguments arguments);
-int PreviewStage(const StageContext &context, Arguments arguments);
-int SsbumpStage(const StageContext &context, Arguments arguments);
-int PackStage(const StageContext &context, Arguments arguments);
-int SHReportStage(const StageContext &context, Arguments arguments);
-int RepackStage(const StageContext &context, Arguments arguments);
-int ScaleStage(const StageContext &context, Arguments arguments);
-int ShiftStage(const StageContext &context, Arguments arguments);
-int MergeStage(const StageContext &context, Arguments arguments);
-int FixAasStage(const StageContext &context, Arguments arguments);
+/// A stage of the list and whether the line names it.
+struct ChosenStage {
+    Stage stage;
+    bool given = false;
+};
 
-/// The values of -format of the stage -convert.
-std::vector<std::string> ConvertFormatNames();
+/// Takes the stage word off `arguments`, after the global options were taken. It may stand anywhere; without one the
+/// first of `stages` is meant. Errors: no words at all, two stages, and a first word that is a stage of other compilers
+/// only.
+ChosenStage TakeStage(StageList stages, Arguments &arguments);
 
 } // namespace q3
