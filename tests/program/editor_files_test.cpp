@@ -5,7 +5,7 @@
 #include "q3map2/cli/presets.h"
 #include "q3map2/cli/program.h"
 #include "q3map2/editors/editor_files.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,7 @@
 #include "common/files/files.h"
 #include "q3map2/shader/games.h"
 #include "q3map2/stages/stage_files.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 

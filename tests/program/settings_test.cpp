@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Declared settings: generated files, help, and that every declared option is taken.
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/help.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include "common/files/files.h"
 #include "common/text/text.h"

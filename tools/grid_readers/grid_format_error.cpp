@@ -7,8 +7,8 @@
 #include "q3map2/gridformats/grid_formats.h"
 #include "q3map2/gridformats/grid_source.h"
 #include "q3map2/gridformats/legacy_encode.h"
-#include "tools/grid_readers/legacy_reader.h"
-#include "tools/grid_readers/octree_reader.h"
+#include "tests/support/grid_readers/legacy_reader.h"
+#include "tests/support/grid_readers/octree_reader.h"
 
 #include <algorithm>
 #include <cstdio>

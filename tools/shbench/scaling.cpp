@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/files.h"
-#include "tools/scene/scene_builder.h"
+#include "tests/support/scene/scene_builder.h"
 #include "tools/shbench/report.h"
 #include "tools/shbench/truth_lights.h"
 

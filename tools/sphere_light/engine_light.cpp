@@ -6,7 +6,7 @@
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/light_keys.h"
-#include "tools/grid_readers/legacy_reader.h"
+#include "tests/support/grid_readers/legacy_reader.h"
 
 #include <algorithm>
 #include <cmath>
