@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 using EditorFilesTest = ProgramTest;
 
-/// To write them again: q3map2 -editorfiles tools/editors
+/// To write them again: q3map2 -editorfiles tools/generated/editors
 TEST_F(EditorFilesTest, TheRepositoryHasWhatTheProgramWrites) {
     RunWell("-editorfiles " + (folder_ / "out").string());
     int files = 0;
@@ -25,7 +25,8 @@ TEST_F(EditorFilesTest, TheRepositoryHasWhatTheProgramWrites) {
         if (entry.is_regular_file()) {
             ++files;
             const auto name = std::filesystem::relative(entry.path(), folder_ / "out");
-            EXPECT_EQ(ReadTextFile(entry.path()), ReadTextFile(std::filesystem::path(SOURCE) / "tools/editors" / name))
+            EXPECT_EQ(ReadTextFile(entry.path()),
+                      ReadTextFile(std::filesystem::path(SOURCE) / "tools/generated/editors" / name))
                 << name;
         }
     EXPECT_EQ(files, 5);

@@ -7,7 +7,7 @@
 #include "q3map2/report/version.h"
 #include "tests/support/game_folder.h"
 #include "tests/vis/portal_maps.h"
-#include "tools/vis_check/sight_check.h"
+#include "tools/measure/vis_check/sight_check.h"
 
 #include <algorithm>
 

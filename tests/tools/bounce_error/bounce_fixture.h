@@ -3,7 +3,7 @@
 
 #include "tests/support/game_folder.h"
 #include "tests/support/scene/scene_builder.h"
-#include "tools/bounce_error/reference.h"
+#include "tools/measure/bounce_error/reference.h"
 
 #include "q3map2/light/light_setup.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"

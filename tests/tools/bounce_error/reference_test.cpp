@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. References of luxels and positions, and errors against them.
 #include "q3map2/lightmap/light_stage.h"
 #include "tests/tools/bounce_error/bounce_fixture.h"
-#include "tools/bounce_error/bounce_causes.h"
-#include "tools/bounce_error/lit_files.h"
-#include "tools/bounce_error/map_bakes.h"
+#include "tools/measure/bounce_error/bounce_causes.h"
+#include "tools/measure/bounce_error/lit_files.h"
+#include "tools/measure/bounce_error/map_bakes.h"
 
 #include <cmath>
 

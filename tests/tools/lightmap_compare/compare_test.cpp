@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The comparison of lit files: differences made on purpose are found where they are.
-#include "tools/lightmap_compare/compare.h"
+#include "tools/measure/lightmap_compare/compare.h"
 
 #include "common/error.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"

@@ -3,7 +3,7 @@
 
 #include "tests/support/game_folder.h"
 #include "tests/support/scene/scene_builder.h"
-#include "tools/shbench/truth.h"
+#include "tools/measure/shbench/truth.h"
 
 #include <memory>
 #include <string>

@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Errors, reports and charts.
 #include "tests/tools/shbench/bench_fixture.h"
-#include "tools/shbench/bench_run.h"
-#include "tools/shbench/plain.h"
-#include "tools/shbench/raw.h"
-#include "tools/shbench/scaling.h"
+#include "tools/measure/shbench/bench_run.h"
+#include "tools/measure/shbench/plain.h"
+#include "tools/measure/shbench/raw.h"
+#include "tools/measure/shbench/scaling.h"
 
 #include <cmath>
 

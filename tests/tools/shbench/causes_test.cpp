@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Causes of errors in scenes where they are known.
 #include "tests/tools/shbench/bench_fixture.h"
-#include "tools/shbench/causes.h"
-#include "tools/shbench/cell_sight.h"
-#include "tools/shbench/plain.h"
+#include "tools/measure/shbench/causes.h"
+#include "tools/measure/shbench/cell_sight.h"
+#include "tools/measure/shbench/plain.h"
 
 #include <cmath>
 

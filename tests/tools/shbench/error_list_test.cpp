@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Errors by position, as a file.
 #include "tests/tools/shbench/bench_fixture.h"
-#include "tools/shbench/bench_run.h"
+#include "tools/measure/shbench/bench_run.h"
 
 #include <cmath>
 

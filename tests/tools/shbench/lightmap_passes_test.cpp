@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Lightmaps pass by pass: names, rays, shares.
 #include "common/error.h"
 #include "tests/tools/shbench/bench_fixture.h"
-#include "tools/shbench/lightmap_passes.h"
+#include "tools/measure/shbench/lightmap_passes.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Reference light against closed forms.
 #include "q3map2/light/sources/falloff.h"
 #include "tests/tools/shbench/bench_fixture.h"
-#include "tools/shbench/errors.h"
-#include "tools/shbench/truth_lights.h"
+#include "tools/measure/shbench/errors.h"
+#include "tools/measure/shbench/truth_lights.h"
 
 #include <array>
 #include <cmath>

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. What ioquake3 shows on a sphere, and where its camera sees one.
 #include "tests/support/grid_readers/legacy_reader.h"
 #include "tests/support/scene/scene_builder.h"
-#include "tools/sphere_light/engine_light.h"
-#include "tools/sphere_light/sphere_places.h"
+#include "tools/measure/sphere_light/engine_light.h"
+#include "tools/measure/sphere_light/sphere_places.h"
 
 #include <gtest/gtest.h>
 
