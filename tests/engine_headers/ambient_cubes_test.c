@@ -1,5 +1,6 @@
 /* GPL-2.0-or-later. The reader of ambient cubes as a C99 program sees it: cut and hostile files, blending, colors. */
 #include "libs/ambientcubes/ambient_cubes.h"
+#include "tests/engine_headers/check.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,26 +12,12 @@ enum {
 };
 enum { kDirectory = kHeader + kLeafsBytes, kLump = kDirectory + 8 + 32, kFileBytes = kLump + kLumpBytes };
 
-static int failures;
-
-static void Check(int holds, const char *what, int line) {
-    if (!holds) {
-        printf("line %d: does not hold: %s\n", line, what);
-        failures++;
-    }
-}
-#define CHECK(condition) Check((condition) ? 1 : 0, #condition, __LINE__)
-
 static int Near(double a, double b) {
     return fabs(a - b) <= 1e-5 * (1 + fabs(b));
 }
 
 static void Put16(unsigned char *at, uint32_t value) {
     at[0] = (unsigned char)value, at[1] = (unsigned char)(value >> 8);
-}
-
-static void Put32(unsigned char *at, uint32_t value) {
-    Put16(at, value & 0xffff), Put16(at + 2, value >> 16);
 }
 
 static void PutLeafIndex(unsigned char *lump, int leaf, uint32_t count, uint32_t first) {
@@ -204,7 +191,5 @@ int main(void) {
     CHECK(LoadExact(file + 1, kFileBytes) == AMBIENT_CUBES_OK);
     TestBlend(file + 1);
     free(file);
-    if (failures == 0)
-        printf("all checks hold\n");
-    return failures == 0 ? 0 : 1;
+    return CheckResult();
 }

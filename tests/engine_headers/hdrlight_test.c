@@ -1,5 +1,6 @@
 /* GPL-2.0-or-later. The reader of HDR light as a C99 program sees it: good, cut and hostile files. */
 #include "libs/hdrlight/hdrlight.h"
+#include "tests/engine_headers/check.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,22 +11,6 @@ enum { kLightmapsAt = kHeader, kDrawVertsAt = kLightmapsAt + 3 * kTexels };
 enum { kDirectoryAt = kDrawVertsAt + 44 * kVertices, kTexelsAt = kDirectoryAt + 8 + 32 * kEntries };
 enum { kVerticesAt = kTexelsAt + 4 * kTexels, kRnmAt = kVerticesAt + 4 * kVertices };
 enum { kRnmBytes = 20 + 4 + 12 * kSide * kSide, kFileBytes = kRnmAt + kRnmBytes };
-
-static int failures;
-
-static void Check(int holds, const char *what, int line) {
-    if (!holds) {
-        printf("line %d: does not hold: %s\n", line, what);
-        failures++;
-    }
-}
-#define CHECK(condition) Check((condition) ? 1 : 0, #condition, __LINE__)
-
-static void Put32(unsigned char *at, uint32_t value) {
-    int byte;
-    for (byte = 0; byte < 4; byte++)
-        at[byte] = (unsigned char)(value >> (8 * byte));
-}
 
 static void PutLump(unsigned char *file, int slot, uint32_t offset, uint32_t length) {
     Put32(file + 8 + 8 * slot, offset);
@@ -184,7 +169,5 @@ int main(void) {
     TestBad(file);
     TestCut(file);
     free(file);
-    if (failures == 0)
-        printf("all checks hold\n");
-    return failures != 0;
+    return CheckResult();
 }

@@ -1,6 +1,7 @@
 /* GPL-2.0-or-later. The engine-side reader as a C99 program sees it: both containers, cut and hostile files, sampling.
  */
 #include "libs/shgrid/shgrid.h"
+#include "tests/engine_headers/check.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,24 +12,8 @@ enum { kSparseBytes = SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES + 8 
 enum { kTwoLevelsBytes = SHGRID_SPARSE_HEADER_BYTES + 2 * SHGRID_SPARSE_NODE_BYTES + 15 * SHGRID_SPARSE_POINT_BYTES };
 enum { kHeader17 = 8 + 17 * kSlotBytes, kHeader19 = 8 + 19 * kSlotBytes, kText = 12 };
 
-static int failures;
-
-static void Check(int holds, const char *what, int line) {
-    if (!holds) {
-        printf("line %d: does not hold: %s\n", line, what);
-        failures++;
-    }
-}
-#define CHECK(condition) Check((condition) ? 1 : 0, #condition, __LINE__)
-
 static int Near(double a, double b, double tolerance) {
     return fabs(a - b) <= tolerance;
-}
-
-static void Put32(unsigned char *at, uint32_t value) {
-    int byte;
-    for (byte = 0; byte < 4; byte++)
-        at[byte] = (unsigned char)(value >> (8 * byte));
 }
 
 static void PutFloat(unsigned char *at, float value) {
@@ -598,7 +583,5 @@ int main(void) {
     TestMessages();
     TestToneText();
     TestTone();
-    if (failures == 0)
-        printf("all checks hold\n");
-    return failures != 0;
+    return CheckResult();
 }

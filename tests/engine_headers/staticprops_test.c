@@ -1,34 +1,20 @@
 /* GPL-2.0-or-later. The engine-side reader of prop light as a C99 program sees it: good, cut and hostile files. */
 #include "libs/staticprops/staticprops.h"
+#include "tests/engine_headers/check.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 enum { kProps = 2, kMeshes = 3, kColors = 5, kText = 12, kHeader = 8 + 17 * 8, kDirectory = 8 + 2 * 32 };
-enum { kLumpBytes = STATICPROPS_HEADER_BYTES + kProps * STATICPROPS_PROP_BYTES + kMeshes * STATICPROPS_MESH_BYTES +
-                    4 * kColors };
+enum {
+    kLumpBytes =
+        STATICPROPS_HEADER_BYTES + kProps * STATICPROPS_PROP_BYTES + kMeshes * STATICPROPS_MESH_BYTES + 4 * kColors
+};
 enum { kLumpAt = kHeader + kText + kDirectory, kFileBytes = kLumpAt + kLumpBytes };
 
-static int failures;
-
-static void Check(int holds, const char *what, int line) {
-    if (!holds) {
-        printf("line %d: does not hold: %s\n", line, what);
-        failures++;
-    }
-}
-#define CHECK(condition) Check((condition) ? 1 : 0, #condition, __LINE__)
-
-static void Put32(unsigned char *at, uint32_t value) {
-    int byte;
-    for (byte = 0; byte < 4; byte++)
-        at[byte] = (unsigned char)(value >> (8 * byte));
-}
-
 static void PutLump(unsigned char *lump) {
-    static const uint32_t words[] = {1,  kProps, kMeshes, kColors, 3, 10, 20, 0, 2, 7, 11, 21, 2, 1,
-                                     0,  2,      2,       2,       4, 1};
+    static const uint32_t words[] = {1, kProps, kMeshes, kColors, 3, 10, 20, 0, 2, 7, 11, 21, 2, 1, 0, 2, 2, 2, 4, 1};
     size_t i;
     memcpy(lump, "SPL1", 4);
     for (i = 0; i < sizeof words / sizeof *words; i++)
@@ -128,7 +114,5 @@ int main(void) {
     TestGood(file);
     TestBad(file);
     free(file);
-    if (failures == 0)
-        printf("all checks hold\n");
-    return failures != 0;
+    return CheckResult();
 }

@@ -1,4 +1,5 @@
 /* GPL-2.0-or-later. The part of the ioquake3 integration that both renderers share, without the engine. */
+#include "tests/engine_headers/check.h"
 #include "tr_shgrid.h"
 
 #include <ctype.h>
@@ -9,17 +10,9 @@
 enum { kText = 256, kHeader = 8 + 8 * 19, kLump = SHGRID_HEADER_BYTES + SHGRID_POINT_BYTES };
 enum { kFile = kHeader + kText + kLump };
 
-static int failures, lines, warnings;
+static int lines, warnings;
 static char lastLine[512];
 static cvar_t cvars[2];
-
-static void Check(int holds, const char *what, int line) {
-    if (!holds) {
-        printf("line %d: does not hold: %s\n", line, what);
-        failures++;
-    }
-}
-#define CHECK(condition) Check((condition) ? 1 : 0, #condition, __LINE__)
 
 /* Stand-ins for functions of the engine. */
 static void Print(int level, const char *format, ...) {
@@ -227,7 +220,5 @@ int main(void) {
     TestEntity();
     TestTurn();
     TestScale();
-    if (failures == 0)
-        printf("all checks hold\n");
-    return failures != 0;
+    return CheckResult();
 }

@@ -332,62 +332,51 @@ TextureAxes AxesOf(const SurfaceCase &c, int number) {
     return axes;
 }
 
+/// Expects the normals of a square of 5 x 5 luxels to be toward, in s, t and off the surface. The directive of its
+/// shader names textures/test/bump.tga, which is of one color.
+void ExpectBentNormals(const GameFolder &folder, std::string_view directive, const std::string &image,
+                       const Vec3f &toward) {
+    SceneBuilder scene = EmptyRoom();
+    scene.AddQuad(Rectangle(0, 0, 64, 64, 0), Shaded(kA));
+    CaseSettings settings;
+    settings.script = fmt::format("{}\n{{\n{}\n}}\n", kA, directive);
+    folder.Write("textures/test/bump.tga", image);
+    SurfaceCase c(scene, folder, settings);
+    const SurfaceLight surfaces = c.Mapped();
+    const RawLightmap &raw = LightmapOf(c, surfaces, kA);
+    const auto [s, t] = AxesOf(c, raw.surfaces[0]);
+    ASSERT_NE(s, Vec3f{});
+    ASSERT_NE(t, Vec3f{});
+    int mapped = 0;
+    for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
+        if (raw.Mapped(i)) {
+            ++mapped;
+            ExpectVector(raw.normals[i], s * toward.x + t * toward.y + Vec3f{0, 0, 1} * toward.z);
+        }
+    EXPECT_EQ(mapped, 25);
+}
+
 TEST_F(LuxelTest, NormalImagesBendNormals) {
-    struct Case {
-        int red, green;
-        Vec3f toward; ///< in s, t and off the surface
+    constexpr float kFull = 128 / 127.5f, kNone = -127 / 127.5f; // of bytes 255 and 0 beside byte 127
+    const auto expect = [&](int red, int green, const Vec3f &toward) {
+        ExpectBentNormals(folder, "q3map_normalImage textures/test/bump.tga", Tga(red, green, 255), Normalize(toward));
     };
-    for (const Case &bent : {Case{127, 127, {0, 0, 0}}, Case{255, 127, {1, 0, 0}}, Case{127, 0, {0, -1, 0}}}) {
-        SceneBuilder scene = EmptyRoom();
-        scene.AddQuad(Rectangle(0, 0, 64, 64, 0), Shaded(kA));
-        CaseSettings settings;
-        settings.script = "textures/test/a\n{\nq3map_normalImage textures/test/bump.tga\n}\n";
-        folder.Write("textures/test/bump.tga", Tga(bent.red, bent.green, 255));
-        SurfaceCase c(scene, folder, settings);
-        const SurfaceLight surfaces = c.Mapped();
-        const RawLightmap &raw = LightmapOf(c, surfaces, kA);
-        const auto [s, t] = AxesOf(c, raw.surfaces[0]);
-        ASSERT_NE(s, Vec3f{});
-        ASSERT_NE(t, Vec3f{});
-        const Vec3f expected = Normalize(Vec3f{0, 0, 1} * (1 + 128 / 127.5f) + s * (bent.toward.x * 128 / 127.5f) +
-                                         t * (bent.toward.y * 127 / 127.5f));
-        int mapped = 0;
-        for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
-            if (raw.Mapped(i)) {
-                ++mapped;
-                ExpectVector(raw.normals[i], expected);
-            }
-        EXPECT_EQ(mapped, 25);
-    }
+    expect(127, 127, {0, 0, 1 + kFull});
+    expect(255, 127, {kFull, 0, 1 + kFull});
+    expect(127, 0, {0, kNone, 1 + kFull});
 }
 
 TEST_F(LuxelTest, BumpMapsBendNormals) {
-    struct Case {
-        int red, green, blue;
-        Vec3f toward; ///< in s, t and off the surface
+    const auto expect = [&](int red, int green, int blue, const Vec3f &toward) {
+        ExpectBentNormals(folder, "q3map_ssbumpImage textures/test/bump", Tga(red, green, blue), toward);
     };
     const float side = std::sqrt(0.5f), back = std::sqrt(1 / 6.0f), up = std::sqrt(1 / 3.0f);
-    for (const Case &bent : {Case{147, 147, 147, {0, 0, 1}}, Case{0, 0, 0, {0, 0, 1}},
-                             Case{200, 0, 0, {std::sqrt(2 / 3.0f), 0, up}}, Case{0, 30, 0, {-back, side, up}},
-                             Case{0, 0, 255, {-back, -side, up}}, Case{0, 90, 90, Normalize(Vec3f{-back, 0, up})}}) {
-        SceneBuilder scene = EmptyRoom();
-        scene.AddQuad(Rectangle(0, 0, 64, 64, 0), Shaded(kA));
-        CaseSettings settings;
-        settings.script = "textures/test/a\n{\nq3map_ssbumpImage textures/test/bump\n}\n";
-        folder.Write("textures/test/bump.tga", Tga(bent.red, bent.green, bent.blue));
-        SurfaceCase c(scene, folder, settings);
-        const SurfaceLight surfaces = c.Mapped();
-        const RawLightmap &raw = LightmapOf(c, surfaces, kA);
-        const auto [s, t] = AxesOf(c, raw.surfaces[0]);
-        const Vec3f expected = s * bent.toward.x + t * bent.toward.y + Vec3f{0, 0, 1} * bent.toward.z;
-        int mapped = 0;
-        for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
-            if (raw.Mapped(i)) {
-                ++mapped;
-                ExpectVector(raw.normals[i], expected);
-            }
-        EXPECT_EQ(mapped, 25);
-    }
+    expect(147, 147, 147, {0, 0, 1});
+    expect(0, 0, 0, {0, 0, 1});
+    expect(200, 0, 0, {std::sqrt(2 / 3.0f), 0, up});
+    expect(0, 30, 0, {-back, side, up});
+    expect(0, 0, 255, {-back, -side, up});
+    expect(0, 90, 90, Normalize(Vec3f{-back, 0, up}));
 }
 
 TEST_F(LuxelTest, NormalImagesWinOverBumpMaps) {
