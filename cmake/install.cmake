@@ -13,13 +13,13 @@ install(FILES libs/shgrid/shgrid.h libs/shgrid/shgrid.glsl libs/shgrid/shgrid.hl
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs PATTERN "*.1" EXCLUDE)
 install(FILES docs/q3map2.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-install(FILES tools/completions/q3map2.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME q3map2)
-install(FILES tools/completions/_q3map2 DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
-install(FILES tools/completions/q3map2.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
-install(DIRECTORY tools/editors/netradiant tools/editors/gtkradiant tools/editors/trenchbroom
+install(FILES tools/generated/completions/q3map2.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME q3map2)
+install(FILES tools/generated/completions/_q3map2 DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+install(FILES tools/generated/completions/q3map2.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+install(DIRECTORY tools/generated/editors/netradiant tools/generated/editors/gtkradiant tools/generated/editors/trenchbroom
         DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh/editors)
 install(FILES tools/viewer/viewer.html DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh)
-install(DIRECTORY tools/demo_arena tools/demo_lights DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh PATTERN make EXCLUDE)
+install(DIRECTORY tools/demo_data/demo_arena tools/demo_data/demo_lights DESTINATION ${CMAKE_INSTALL_DATADIR}/q3map2-sh PATTERN make EXCLUDE)
 
 # The libraries of this system, with their licences, but for the C library: a part of the TGZ only (cpack_generator.cmake).
 # The program looks for them below the folder that it lies in.

@@ -204,7 +204,7 @@ std::string BashCompletion(StageList stages) {
     std::string cases;
     for (const Stage &stage : stages)
         cases += fmt::format("            {}) options=\"{}\" ;;\n", stage.word, NamesOf(SectionsOf(stage)));
-    return fmt::format(R"(# Generated: q3map2 -help bash > tools/completions/q3map2.bash
+    return fmt::format(R"(# Generated: q3map2 -help bash > tools/generated/completions/q3map2.bash
 _q3map2() {{
     local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}}
     local options="" values="" list="" paths="" before="" word
@@ -250,7 +250,7 @@ std::string ZshCompletion(StageList stages) {
                              specifications(SectionsOf(stage)));
     }
     return fmt::format(R"(#compdef q3map2
-# Generated: q3map2 -help zsh > tools/completions/_q3map2
+# Generated: q3map2 -help zsh > tools/generated/completions/_q3map2
 local -a arguments
 local word stage
 arguments=(
@@ -272,7 +272,7 @@ _arguments $arguments
 }
 
 std::string FishCompletion(StageList stages) {
-    std::string text = "# Generated: q3map2 -help fish > tools/completions/q3map2.fish\n";
+    std::string text = "# Generated: q3map2 -help fish > tools/generated/completions/q3map2.fish\n";
     const auto add = [&](const std::vector<SettingSection> &sections, std::string_view condition) {
         ForEntries(sections, [&](const SettingInfo &info) {
             text += fmt::format("complete -c q3map2{} -o {} {}-d '{}'\n", condition, info.name.substr(1),

@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// tools/completions/q3map2.bash, _q3map2 and q3map2.fish.
+/// tools/generated/completions/q3map2.bash, _q3map2 and q3map2.fish.
 std::string BashCompletion(StageList stages);
 std::string ZshCompletion(StageList stages);
 std::string FishCompletion(StageList stages);

@@ -59,7 +59,7 @@ std::vector<EditorBuild> EditorBuilds(std::span<const std::string_view> presets)
 
 namespace {
 
-constexpr std::string_view kGeneratedBy = "Generated: q3map2 -editorfiles tools/editors";
+constexpr std::string_view kGeneratedBy = "Generated: q3map2 -editorfiles tools/generated/editors";
 
 /// A quoted string in TrenchBroom's files.
 std::string Quoted(std::string_view text) {

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Entity text of the lump and of map sources.
 #include "common/files/files.h"
 #include "q3map2/bspfile/entities.h"
-#include "tests/bspfile/sample_bsp.h"
+#include "tests/support/sample_bsp.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The lump of prop light, against bytes put together here, and damaged ones.
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/prop_light.h"
-#include "tests/bspfile/sample_bsp.h"
+#include "tests/support/sample_bsp.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

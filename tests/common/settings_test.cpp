@@ -2,7 +2,7 @@
 #include "common/settings.h"
 
 #include "common/error.h"
-#include "tests/common/game_folder.h"
+#include "tests/support/game_folder.h"
 
 #include <gmock/gmock.h>
 

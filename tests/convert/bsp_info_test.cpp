@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. The table of -info.
 #include "q3map2/convert/bsp_info.h"
-#include "tests/convert/small_bsp.h"
+#include "tests/support/small_bsp.h"
 
 #include <gmock/gmock.h>
 

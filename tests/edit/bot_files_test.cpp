@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Checksums of bot navigation files.
 #include "common/error.h"
 #include "q3map2/edit/bot_files.h"
-#include "tests/common/game_folder.h"
+#include "tests/support/game_folder.h"
 
 #include <bit>
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# GPL-2.0-or-later. The menus of tools/editors, read, expanded and run as editors do.
+# GPL-2.0-or-later. The menus of tools/generated/editors, read, expanded and run as editors do.
 """usage: fake_editor_test.py PROGRAM [unittest options]"""
 
 import importlib.machinery
@@ -14,13 +14,14 @@ import unittest
 from pathlib import Path
 
 sys.dont_write_bytecode = True
-EDITORS = Path(__file__).resolve().parents[2] / "tools" / "editors"
-sys.path.insert(0, str(EDITORS))
+TOOLS = Path(__file__).resolve().parents[2] / "tools"
+SCRIPTS, EDITORS = TOOLS / "scripts/editors", TOOLS / "generated/editors"
+sys.path.insert(0, str(SCRIPTS))
 import menus
 
 
 def load_fake_editor():
-    loader = importlib.machinery.SourceFileLoader("fake_editor", str(EDITORS / "fake_editor"))
+    loader = importlib.machinery.SourceFileLoader("fake_editor", str(SCRIPTS / "fake_editor"))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader("fake_editor", loader))
     sys.modules["fake_editor"] = module
     loader.exec_module(module)

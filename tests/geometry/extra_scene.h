@@ -3,7 +3,7 @@
 
 #include "q3map2/geometry/faces/draw_surface.h"
 #include "q3map2/map/map_brush.h"
-#include "tests/common/game_folder.h"
+#include "tests/support/game_folder.h"
 
 #include <cstddef>
 #include <memory>

@@ -3,7 +3,7 @@
 
 #include "q3map2/map/map.h"
 #include "q3map2/map/map_parse.h"
-#include "tests/shader/library_fixture.h"
+#include "tests/support/library_fixture.h"
 
 #include <string>
 #include <string_view>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/minimap/minimap.h"
-#include "tests/shader/library_fixture.h"
+#include "tests/support/library_fixture.h"
 
 #include <algorithm>
 #include <string_view>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "q3map2/pk3/package_plan.h"
-#include "tests/common/game_folder.h"
-#include "tests/convert/small_bsp.h"
+#include "tests/support/game_folder.h"
+#include "tests/support/small_bsp.h"
 
 #include <algorithm>
 

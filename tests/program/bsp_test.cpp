@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The bsp stage as a user runs it: which files it reads, writes and removes.
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include "common/files/files.h"
 #include "q3map2/bspfile/bspfile.h"

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The stream that an editor gets (-connect).
 #include "common/files/files.h"
 #include "tests/program/editor_listener.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. q3map2 -convert as editors call it.
 #include "common/files/files.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 namespace q3::test {
 

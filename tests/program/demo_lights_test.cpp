@@ -3,7 +3,7 @@
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/prop_light.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <algorithm>
 #include <array>

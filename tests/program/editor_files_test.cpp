@@ -5,7 +5,7 @@
 #include "q3map2/cli/presets.h"
 #include "q3map2/editors/editor_files.h"
 #include "q3map2/stages/stages.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 
@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 using EditorFilesTest = ProgramTest;
 
-/// To write them again: q3map2 -editorfiles tools/editors
+/// To write them again: q3map2 -editorfiles tools/generated/editors
 TEST_F(EditorFilesTest, TheRepositoryHasWhatTheProgramWrites) {
     RunWell("-editorfiles " + (folder_ / "out").string());
     int files = 0;
@@ -25,7 +25,8 @@ TEST_F(EditorFilesTest, TheRepositoryHasWhatTheProgramWrites) {
         if (entry.is_regular_file()) {
             ++files;
             const auto name = std::filesystem::relative(entry.path(), folder_ / "out");
-            EXPECT_EQ(ReadTextFile(entry.path()), ReadTextFile(std::filesystem::path(SOURCE) / "tools/editors" / name))
+            EXPECT_EQ(ReadTextFile(entry.path()),
+                      ReadTextFile(std::filesystem::path(SOURCE) / "tools/generated/editors" / name))
                 << name;
         }
     EXPECT_EQ(files, 5);

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Game files that are not where the options say: an error that names the folders searched.
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include "common/files/files.h"
 #include "q3map2/bspfile/bspfile.h"

@@ -4,7 +4,7 @@
 #include "common/image/image.h"
 #include "libs/math/packed_color.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 

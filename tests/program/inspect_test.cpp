@@ -3,7 +3,7 @@
 #include "common/image/image.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 

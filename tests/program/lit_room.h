@@ -3,7 +3,7 @@
 
 #include "common/image/float_image.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <nlohmann/json.hpp>
 

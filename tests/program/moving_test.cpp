@@ -4,7 +4,7 @@
 #include "q3map2/cli/documentation.h"
 #include "q3map2/shader/shader_library.h"
 #include "q3map2/stages/stages.h"
-#include "tests/common/game_folder.h"
+#include "tests/support/game_folder.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -4,7 +4,7 @@
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/edit/bot_files.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 namespace q3::test {
 

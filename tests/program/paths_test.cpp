@@ -2,7 +2,7 @@
 #include "common/files/files.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/shader/games.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. -preset, -shsmall, and the line about the size of the SH grid.
 #include "q3map2/cli/presets.h"
 #include "q3map2/stages/light_files.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include "common/files/files.h"
 

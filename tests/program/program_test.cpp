@@ -2,7 +2,7 @@
 #include "common/files/files.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <algorithm>
 #include <cstring>

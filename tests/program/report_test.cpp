@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. -log, -report, and color on terminals.
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include "common/files/files.h"
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Declared settings: generated files, help, and that every declared option is taken.
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/help.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include "common/files/files.h"
 #include "common/text/text.h"
@@ -28,9 +28,9 @@ TEST(GeneratedFiles, AreUpToDate) {
     EXPECT_EQ(FileText("docs/options.md"), MarkdownPage(Stages())) << "q3map2 -help markdown > docs/options.md";
     EXPECT_EQ(FileText("docs/shader_directives.md"), DirectivesPage()) << "q3map2 -help shadermarkdown";
     EXPECT_EQ(FileText("docs/q3map2.1"), ManualPage(Stages())) << "q3map2 -help man > docs/q3map2.1";
-    EXPECT_EQ(FileText("tools/completions/q3map2.bash"), BashCompletion(Stages()));
-    EXPECT_EQ(FileText("tools/completions/_q3map2"), ZshCompletion(Stages()));
-    EXPECT_EQ(FileText("tools/completions/q3map2.fish"), FishCompletion(Stages()));
+    EXPECT_EQ(FileText("tools/generated/completions/q3map2.bash"), BashCompletion(Stages()));
+    EXPECT_EQ(FileText("tools/generated/completions/_q3map2"), ZshCompletion(Stages()));
+    EXPECT_EQ(FileText("tools/generated/completions/q3map2.fish"), FishCompletion(Stages()));
 }
 
 /// Calls use(entry) for every option of the program.
@@ -123,10 +123,10 @@ TEST_F(ProgramTest, HelpFitsATerminal) {
 
 /// What bash offers after these words, the last of which is being typed.
 std::string Completed(const std::string &words) {
-    const std::string script = fmt::format(
-        "source {}/tools/completions/q3map2.bash; COMP_WORDS=({}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _q3map2; "
-        "echo \"${{COMPREPLY[*]}}\"",
-        SOURCE, words);
+    const std::string script = fmt::format("source {}/tools/generated/completions/q3map2.bash; COMP_WORDS=({}); "
+                                           "COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _q3map2; "
+                                           "echo \"${{COMPREPLY[*]}}\"",
+                                           SOURCE, words);
     std::string text;
     if (FILE *pipe = popen(fmt::format("bash -c '{}'", script).c_str(), "r")) {
         char buffer[4096];

@@ -2,7 +2,7 @@
 #include "common/files/archive.h"
 #include "common/files/files.h"
 #include "common/image/image.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <glib.h>
 

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Vector code gives the bytes of plain loops.
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <cstdlib>
 #include <fstream>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The stage -ssbump, as a user runs it.
 #include "common/files/files.h"
 #include "common/image/image.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 

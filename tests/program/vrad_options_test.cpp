@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Options of VRAD in the light stage.
 #include "q3map2/cli/presets.h"
-#include "tests/program/run_program.h"
+#include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 

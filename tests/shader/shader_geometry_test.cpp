@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Directives that shape surfaces, and sizes of images.
-#include "tests/shader/library_fixture.h"
+#include "tests/support/library_fixture.h"
 
 #include <gmock/gmock.h>
 

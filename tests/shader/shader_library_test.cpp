@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Finding scripts, shaders, images and colors.
 #include "common/files/files.h"
 #include "q3map2/shader/image_formats.h"
-#include "tests/shader/library_fixture.h"
+#include "tests/support/library_fixture.h"
 
 #include <turbojpeg.h>
 

@@ -3,8 +3,8 @@
 #include "common/image/image.h"
 #include "common/text/text.h"
 #include "q3map2/shreport/report_package.h"
-#include "tests/common/game_folder.h"
-#include "tests/convert/small_bsp.h"
+#include "tests/support/game_folder.h"
+#include "tests/support/small_bsp.h"
 
 #include <algorithm>
 

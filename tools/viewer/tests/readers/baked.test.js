@@ -10,7 +10,7 @@ import { readGrids } from '../../src/bsp/grids.js';
 import { readMap } from '../../src/bsp/map.js';
 
 const { PROGRAM, PROBE } = process.env;
-const kArena = join(import.meta.dirname, '../../../demo_arena');
+const kArena = join(import.meta.dirname, '../../../demo_data/demo_arena');
 const skip = PROGRAM && PROBE ? false : 'PROGRAM and PROBE are not set';
 let folder;
 let bsp;

@@ -1,0 +1,53 @@
+// GPL-2.0-or-later. Runs the built program as a user would.
+#pragma once
+
+#include "tests/support/game_folder.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace q3::test {
+
+/// How the program ended.
+struct Outcome {
+    int status = -1;  ///< exit status; -1 when a signal ended it
+    std::string text; ///< standard output and standard error
+    bool Printed(std::string_view part) const { return text.find(part) != std::string::npos; }
+    /// The lines after the error header but those of every run's end; empty when there was no error.
+    std::vector<std::string> ErrorLines() const;
+};
+
+/// Runs PROGRAM with these arguments and HOME set to `home`; it is killed after two minutes, or as soon as it has
+/// written that many bytes of output.
+Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
+                       std::size_t killAfter = std::size_t(-1));
+
+/// The same with standard output and standard error on a terminal, which begins lines with a carriage return.
+Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::filesystem::path &home);
+
+/// One lump of a .bsp file on disk.
+std::vector<std::byte> LumpOf(const std::vector<std::byte> &file, std::size_t lump);
+std::int32_t IntOf(const std::vector<std::byte> &file, std::size_t at);
+
+/// A game folder with the demo map in it.
+class ProgramTest : public testing::Test {
+  protected:
+    ProgramTest();
+    /// q3map2 -fs_basepath FOLDER and these words, split at blanks; MAP stands for the path of the map.
+    Outcome Run(std::string_view words, std::size_t killAfter = std::size_t(-1));
+    /// Run, and expects exit status 0.
+    Outcome RunWell(std::string_view words);
+    /// Expects exit status 1, one error line that holds `text`, and the map untouched.
+    void ExpectError(std::string_view words, std::string_view text);
+
+    std::filesystem::path Map(std::string_view extension) const { return maps_ / ("demo" + std::string(extension)); }
+    std::vector<std::byte> MapBytes() const;
+
+    GameFolder folder_;
+    std::filesystem::path game_, maps_;
+};
+
+} // namespace q3::test

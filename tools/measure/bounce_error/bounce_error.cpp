@@ -1,0 +1,302 @@
+// GPL-2.0-or-later. bounce_error: error of bounced light in lightmaps and SH grids against a path tracer.
+//
+// Luxels are drawn by area, positions uniformly where a player can be. Bounced light is the light of a bake with
+// bounces minus that of one without: at the luxel, or of the grid on 26 normals. Reference: path_tracer.h.
+#include "common/arguments.h"
+#include "common/error.h"
+#include "common/text/text.h"
+#include "common/tool_main.h"
+#include "q3map2/cli/global_options.h"
+#include "q3map2/light/sources/light_sources.h"
+#include "q3map2/stages/light_files.h"
+#include "tools/measure/bounce_error/bounce_causes.h"
+#include "tools/measure/bounce_error/lit_files.h"
+#include "tools/measure/shbench/truth.h"
+
+#include <cmath>
+#include <glib.h>
+
+#include <cstdio>
+#include <map>
+#include <numeric>
+
+namespace q3::bounce {
+
+namespace {
+
+constexpr std::string_view kUsage = R"(usage: bounce_error [options] MAP.bsp...
+  --bounce N,N...      settings to measure, inf: all bounces (1,4)
+  --bake "NAME: LIGHT OPTIONS"   a setting to measure, with its -bounce; repeatable
+  --options "LIGHT OPTIONS"   for the reference, and put before those of each setting
+  --luxels N           luxels of each map, drawn by area (2000)
+  --points N           positions where a player can be, for the SH grid; 0: no grid (500)
+  --paths N            paths for each (4096)
+  --seed N             of luxels and positions (1)
+  --all-bounces        the reference has all bounces, not as many as the setting
+  --worst N            lists the worst luxels of each setting
+  --causes             shares of the error of one bounce
+  --check              compares direct light of the reference with baked luxels
+  --lit-direct A.bsp, --lit-bounced B.bsp, --lit-limit N   measures the lightmaps of these files of the map in place of
+                       bakes, at --luxels points; N bounces (0: all)
+  --cache FOLDER, --no-cache   of the reference (the user's cache folder, q3map2-sh/bounce_error)
+  -fs_basepath DIR, -fs_game MOD, -game NAME, -threads N   as for q3map2
+Prints a table by map. Displayed errors, in bytes of 255: direct light with baked bounces against the same direct light
+with path traced ones, both cut to 0..255, over luxels (or positions and 26 normals) and channels. bias: their mean,
+signed. energy: sum of baked over sum of traced bounces. noise: standard error of the reference, RMS.
+)";
+
+/// Rays per luxel of --causes.
+constexpr int kCauseRays = 1024;
+
+struct BakeText {
+    std::string name, options;
+};
+
+struct BounceCommand {
+    GlobalOptions game;
+    std::vector<BakeText> bakes;
+    std::string options;
+    int luxels = 2000, points = 500, paths = 4096, worst = 0;
+    std::uint64_t seed = 1;
+    bool allBounces = false, causes = false, check = false;
+    std::filesystem::path cache;
+    std::string litDirect, litBounced;
+    int litLimit = 0;
+    std::vector<std::string> maps;
+};
+
+void AddBounces(std::string_view list, BounceCommand &command) {
+    while (!list.empty()) {
+        const std::size_t comma = std::min(list.find(','), list.size());
+        const std::string number(list.substr(0, comma));
+        if (number != "inf" && IntegerFromText(number) < 1)
+            throw Error("--bounce {}: expected whole numbers of at least 1, or inf", number);
+        if (number != "inf" && !command.allBounces)
+            LimitOf(IntegerFromText(number));
+        command.bakes.push_back({fmt::format("-bounce {}", number), fmt::format("-bounce {}", number)});
+        list.remove_prefix(std::min(comma + 1, list.size()));
+    }
+}
+
+BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
+    BounceCommand command;
+    command.allBounces = arguments.TakeFlag("--all-bounces");
+    bool any = false;
+    while (const auto text = arguments.TakeValue("--bounce"))
+        AddBounces(*text, command), any = true;
+    while (const auto text = arguments.TakeValue("--bake")) {
+        const std::size_t colon = text->find(':');
+        if (colon == 0 || colon == std::string::npos)
+            throw Error("--bake \"{}\": expected a name, a colon and light options", *text);
+        command.bakes.push_back({text->substr(0, colon), text->substr(colon + 1)}), any = true;
+    }
+    if (!any)
+        AddBounces("1,4", command);
+    while (const auto text = arguments.TakeValue("--options"))
+        command.options = *text;
+    command.luxels = arguments.TakeWhole("--luxels", command.luxels, 1);
+    command.points = arguments.TakeWhole("--points", command.points, 0);
+    command.paths = arguments.TakeWhole("--paths", command.paths, 2 * kPathGroup);
+    command.seed = std::uint64_t(arguments.TakeWhole("--seed", 1, 0));
+    command.worst = arguments.TakeWhole("--worst", 0, 0);
+    command.causes = arguments.TakeFlag("--causes");
+    command.check = arguments.TakeFlag("--check");
+    while (const auto text = arguments.TakeValue("--lit-direct"))
+        command.litDirect = *text;
+    while (const auto text = arguments.TakeValue("--lit-bounced"))
+        command.litBounced = *text;
+    command.litLimit = arguments.TakeWhole("--lit-limit", 0, 0);
+    if (command.litDirect.empty() != command.litBounced.empty())
+        throw Error("--lit-direct, --lit-bounced: expected both");
+    command.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "bounce_error";
+    while (const auto text = arguments.TakeValue("--cache"))
+        command.cache = *text;
+    if (arguments.TakeFlag("--no-cache"))
+        command.cache.clear();
+    command.game = ParseGlobalOptions(arguments, log);
+    command.maps = arguments.Rest();
+    if (command.maps.empty())
+        throw Error("expected a .bsp");
+    return command;
+}
+
+/// Options of a bake without its -bounce: bakes with the same options share direct light.
+std::string WithoutBounces(const std::string &text) {
+    std::string rest = text;
+    if (const std::size_t at = rest.find("-bounce "); at != std::string::npos)
+        rest.erase(at, rest.find(' ', at + std::string_view("-bounce ").size()) - at);
+    rest.erase(std::remove(rest.begin(), rest.end(), ' '), rest.end());
+    return rest;
+}
+
+void PrintErrors(const std::string &map, std::string_view where, const std::string &name, double seconds,
+                 const BounceErrors &e) {
+    fmt::print("| {} | {} | {} | {:.2f} | {:.3f} | {:.2f} | {:.2f} | {:+.3f} | {:.4f} | {:.3f} | {:.2f} |\n", map, name,
+               where, seconds, e.rmse, e.percentile95, e.percentile99, e.bias, e.energy, e.noise, e.meanLight);
+    std::fflush(stdout);
+}
+
+std::string VectorText(const Vec3f &v) {
+    return fmt::format("{:.1f} {:.1f} {:.1f}", v.x, v.y, v.z);
+}
+
+void PrintWorst(const CauseInputs &inputs, std::span<const ComparedLight> light, int count) {
+    const Bsp &bsp = inputs.in.bsp;
+    const Receivers &receivers = inputs.receivers;
+    std::vector<std::size_t> order(light.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    const auto shown = std::min(order.size(), std::size_t(count));
+    std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(shown), order.end(),
+                      [&](std::size_t a, std::size_t b) { return SquaredError(light[a]) > SquaredError(light[b]); });
+    for (std::size_t i = 0; i < shown; ++i) {
+        const LuxelReceiver &at = receivers.luxels[order[i]];
+        const ComparedLight &one = light[order[i]];
+        const auto &shader = bsp.shaders[std::size_t(bsp.drawSurfaces[std::size_t(at.surface)].shaderNum)];
+        fmt::print("  error {:.2f} at {} normal {:.2f} {:.2f} {:.2f}: direct {}, bounced {}, traced {} +- {}; {}; {}\n",
+                   std::sqrt(SquaredError(one) / 3), VectorText(at.position), at.normal.x, at.normal.y, at.normal.z,
+                   VectorText(one.direct), VectorText(one.bounced), VectorText(one.traced), VectorText(one.tracedError),
+                   FieldName(shader.shader), SurroundingsText(inputs, at));
+    }
+}
+
+/// One map: its reference and its bakes.
+class MapMeasure {
+  public:
+    MapMeasure(const BounceCommand &command, const MapFiles &map, const JobPool &jobs)
+        : command_(command), map_(map), jobs_(jobs), setup_(map, SettingsOf("")), in_{setup_.light.bsp,
+                                                                                      setup_.light.space,
+                                                                                      setup_.light.scene,
+                                                                                      setup_.light.table,
+                                                                                      setup_.light.options,
+                                                                                      setup_.settings.lightmap,
+                                                                                      setup_.light.world,
+                                                                                      jobs,
+                                                                                      map.log},
+          direct_(BakeLuxels(setup_, 0, jobs, map.log, &surfaces_)), lights_(in_, SurfaceLights()),
+          tracer_(in_, surfaces_, lights_) {}
+
+    /// Measures lit files instead of bakes.
+    void RunLit() {
+        const int side = command_.game.game->lightmapSize;
+        const auto direct = compare::LitMap::Load(command_.litDirect, side, map_.log);
+        const auto all = compare::LitMap::Load(command_.litBounced, side, map_.log);
+        const LitFiles files{direct, all};
+        const auto points = LitPoints(in_, tracer_.Scene(), files, command_.luxels, command_.seed);
+        receivers_ = ReceiversOf(points);
+        Trace();
+        const auto light = CompareLit(points, reference_, LimitOf(command_.litLimit), files);
+        PrintErrors(map_.inputs.name, "lightmap points", command_.litBounced, 0, ErrorsOf(light));
+        fmt::print(stderr, "{} points are not too bright\n", light.size());
+    }
+
+    void Run() {
+        receivers_.luxels =
+            LuxelsByArea(in_, surfaces_, tracer_.Scene(), command_.luxels, command_.seed, &receivers_.hiddenShare);
+        if (command_.points > 0)
+            receivers_.positions =
+                bench::PlayerPositions(map_.bsp, setup_.light.space, map_.inputs.name, command_.points, command_.seed);
+        Trace();
+        const CauseInputs causes{in_, surfaces_, tracer_, lights_, receivers_, direct_};
+        if (command_.check)
+            fmt::print("{}", DirectCheckText(causes));
+        for (const BakeText &bake : command_.bakes) {
+            const bench::LightmapSettings settings = SettingsOf(bake.options);
+            const std::size_t limit = command_.allBounces ? kAllBounces : LimitOf(settings.lightmap.bounces);
+            const auto light = MeasureLuxels(bake, settings, limit);
+            PrintWorst(causes, light, command_.worst);
+            if (command_.causes && settings.lightmap.bounces == 1)
+                fmt::print("{}", CausesText(causes, light, std::min(command_.paths, kCauseRays)));
+            if (!receivers_.positions.empty())
+                MeasureGrid(bake, settings, limit);
+        }
+    }
+
+  private:
+    void Trace() {
+        reference_ = MakeReference(in_, tracer_, lights_, receivers_, command_.paths, command_.cache);
+        fmt::print(stderr,
+                   "{}: {} lights, {} luxels, hidden {:.1f} % of area, {} positions, reference {:.1f} CPU s{}\n",
+                   map_.inputs.name, lights_.Lights().size(), receivers_.luxels.size(), 100 * receivers_.hiddenShare,
+                   receivers_.positions.size(), reference_.cpuSeconds, reference_.fromCache ? " (from the cache)" : "");
+    }
+    bench::LightmapSettings SettingsOf(const std::string &options) const {
+        return bench::LightmapSettingsFrom(command_.options + " " + options, *command_.game.game);
+    }
+    std::vector<Light> SurfaceLights() const {
+        int culled = 0;
+        return SetupEnvelopes(setup_.light.lights, LightPass::Surfaces, setup_.light.options, setup_.light.space,
+                              setup_.light.skySeenFrom, culled, setup_.settings.lightmap.fastPoint);
+    }
+
+    std::vector<ComparedLight> MeasureLuxels(const BakeText &bake, const bench::LightmapSettings &settings,
+                                             std::size_t limit) {
+        const std::string key = WithoutBounces(bake.options);
+        std::unique_ptr<MapSetup> own;
+        if (!key.empty())
+            own = std::make_unique<MapSetup>(map_, settings);
+        const MapSetup &setup = own ? *own : setup_;
+        if (own && !otherDirect_.contains(key))
+            otherDirect_.emplace(key, BakeLuxels(setup, 0, jobs_, map_.log));
+        const BakedLuxels &direct = own ? otherDirect_.at(key) : direct_;
+        const BakedLuxels baked = BakeLuxels(setup, settings.lightmap.bounces, jobs_, map_.log);
+        auto light = CompareLuxels(receivers_, reference_, limit, direct, baked);
+        PrintErrors(map_.inputs.name, "luxels", bake.name, baked.cpuSeconds - direct.cpuSeconds, ErrorsOf(light));
+        return light;
+    }
+
+    void MeasureGrid(const BakeText &bake, const bench::LightmapSettings &settings, std::size_t limit) {
+        const std::string key = WithoutBounces(bake.options);
+        if (!grids_.contains(key))
+            grids_.emplace(key, BakeGrid(map_, settings, 0, jobs_));
+        const BakedGrid &direct = grids_.at(key);
+        const BakedGrid baked = BakeGrid(map_, settings, settings.lightmap.bounces, jobs_);
+        const auto light = ComparePositions(receivers_, reference_, limit, direct.bsp, baked.bsp);
+        PrintErrors(map_.inputs.name, "SH grid", bake.name, baked.cpuSeconds - direct.cpuSeconds, ErrorsOf(light));
+    }
+
+    const BounceCommand &command_;
+    const MapFiles &map_;
+    const JobPool &jobs_;
+    const MapSetup setup_;
+    const SurfaceInputs in_;
+    SurfaceLight surfaces_;
+    const BakedLuxels direct_;
+    const DirectLights lights_;
+    const PathTracer tracer_;
+    Receivers receivers_;
+    Reference reference_;
+    std::map<std::string, BakedLuxels> otherDirect_;
+    std::map<std::string, BakedGrid> grids_;
+};
+
+int Run(const std::vector<std::string> &words) {
+    Arguments arguments(words);
+    if (arguments.TakeFlag({"--help", "-h"}) || arguments.Empty()) {
+        fmt::print("{}", kUsage);
+        return 0;
+    }
+    Log log(PrintWarnings);
+    const BounceCommand command = ParseBounceCommand(arguments, log);
+    const VirtualFileSystem files = OpenGameFiles(command.game, GameFolders(command.game, {}, {}), log);
+    const JobPool jobs(command.game.threads);
+    fmt::print("| map | setting | light | CPU s over direct | RMSE | 95 % | 99 % | bias | energy | noise | mean |\n"
+               "|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (const std::string &name : command.maps) {
+        const MapFiles map{files, *command.game.game, ReadBspFile(name, command.game.Format(), log),
+                           ReadLightInputs(name, log), log};
+        MapMeasure measure(command, map, jobs);
+        if (command.litDirect.empty())
+            measure.Run();
+        else
+            measure.RunLit();
+    }
+    return 0;
+}
+
+} // namespace
+
+} // namespace q3::bounce
+
+int main(int count, char **words) {
+    return q3::RunTool("bounce_error", count, words, q3::bounce::Run);
+}

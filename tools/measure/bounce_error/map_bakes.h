@@ -1,0 +1,56 @@
+// GPL-2.0-or-later. Bakes of a map, to compare with the reference.
+#pragma once
+
+#include "common/files/vfs.h"
+#include "q3map2/light/light_setup.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
+#include "tools/measure/shbench/lightmap_passes.h"
+
+#include <memory>
+
+namespace q3::bounce {
+
+/// A compiled map and the inputs of its lighting.
+struct MapFiles {
+    const VirtualFileSystem &files;
+    const Game &game;
+    Bsp bsp;
+    LightInputs inputs;
+    Log &log;
+};
+
+/// The map, its shaders with images and its lights, for one set of options. Keeps a reference to the files.
+class MapSetup {
+  public:
+    /// Errors: as LightWorld; options that the reference does not support.
+    MapSetup(const MapFiles &map, const bench::LightmapSettings &settings);
+    MapSetup(const MapSetup &) = delete;
+    MapSetup &operator=(const MapSetup &) = delete;
+
+    const bench::LightmapSettings settings;
+
+  private:
+    std::unique_ptr<ShaderLibrary> library_;
+
+  public:
+    const LightSetup light;
+};
+
+/// Light of style 0 by raw lightmap and luxel, after all passes. Byte scale; red below 0: not used.
+struct BakedLuxels {
+    std::vector<std::vector<Vec3f>> light;
+    double cpuSeconds = 0; ///< of all passes over surfaces
+};
+/// Runs the passes over surfaces with that number of bounces. `surfaces`, if given, receives their final state.
+BakedLuxels BakeLuxels(const MapSetup &map, int bounces, const JobPool &jobs, Log &log,
+                       SurfaceLight *surfaces = nullptr);
+
+/// A copy of the map with an SH grid.
+struct BakedGrid {
+    Bsp bsp;
+    double cpuSeconds = 0; ///< of the grid alone
+};
+/// Lights the SH grid with bounced light, or with direct light alone for 0 bounces.
+BakedGrid BakeGrid(const MapFiles &map, bench::LightmapSettings settings, int bounces, const JobPool &jobs);
+
+} // namespace q3::bounce

@@ -1,0 +1,83 @@
+// GPL-2.0-or-later. A map with everything that its reference light is computed from.
+#include "tools/measure/shbench/bench_map.h"
+
+#include "common/error.h"
+#include "common/settings.h"
+#include "q3map2/light/sources/light_sources.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <sstream>
+
+namespace q3::bench {
+
+namespace {
+
+LightOptions WithoutShortcuts(LightOptions options) {
+    options.skip.reach = false;
+    options.fastGrid = options.faster = options.cheapGrid = false;
+    return options;
+}
+
+std::vector<Entity> StoredEntities(const Bsp &bsp, const std::string &name) {
+    std::vector<Entity> stored = ParseEntities(bsp.entities, name);
+    if (stored.empty())
+        stored.push_back({{{"classname", "worldspawn"}}});
+    return stored;
+}
+
+/// Lights of the .map replace those that the .bsp kept, unless _keepLights.
+std::vector<Entity> WithLights(std::vector<Entity> entities, const LightInputs &inputs) {
+    const auto isLight = [](const Entity &entity) { return StartsWithNoCase(entity.ClassName(), "light"); };
+    if (!inputs.mapEntities || entities.front().Flag("_keepLights"))
+        return entities;
+    std::erase_if(entities, isLight);
+    std::copy_if(inputs.mapEntities->begin(), inputs.mapEntities->end(), std::back_inserter(entities), isLight);
+    return entities;
+}
+
+std::vector<Light> LightsInReach(const BenchMap &map) {
+    int culled = 0;
+    auto lights = SetupEnvelopes(map.created, LightPass::GridSH, map.options, map.space, {}, culled);
+    std::erase_if(lights, [](const Light &light) { return light.style != 0; });
+    return lights;
+}
+
+} // namespace
+
+BenchMap::BenchMap(Bsp map, LightInputs files, const LightOptions &lightOptions, ShaderLibrary &library, Log &log)
+    : bsp(std::move(map)), inputs(std::move(files)), options(WithoutShortcuts(lightOptions)),
+      stored(StoredEntities(bsp, inputs.name)), world(ReadWorldLight(stored.front(), options)),
+      table(MakeSurfaceTable(bsp, stored, inputs.surfaceFile, inputs.name + ".srf", library, log)),
+      space(bsp, OpaqueBrushes(bsp, library)),
+      created(CreateLights(space, WithLights(stored, inputs), table, options, world, library, log)),
+      scene(bsp, table, options, 0), lights(LightsInReach(*this)) {}
+
+LightOptions LightOptionsFrom(std::string_view text, const Game &game) {
+    std::istringstream in{std::string(text)};
+    std::vector<std::string> words{"-sh"};
+    for (std::string word; in >> word;)
+        words.push_back(word);
+    Arguments arguments(words);
+    std::string unknown;
+    LightOptions options;
+    {
+        Log log([&](LogLevel, std::string_view line) { unknown += line; });
+        options = ParseLightOptions(arguments, game, log);
+        WarnOfUnknown(arguments, log);
+    }
+    if (!unknown.empty()) {
+        std::replace(unknown.begin(), unknown.end(), '\n', ' ');
+        throw Error("light options \"{}\": {}", text, unknown);
+    }
+    return options;
+}
+
+Log::Sink WarningsOnly() {
+    return [](LogLevel level, std::string_view text) {
+        if (level != LogLevel::Normal)
+            std::fwrite(text.data(), 1, text.size(), stderr);
+    };
+}
+
+} // namespace q3::bench

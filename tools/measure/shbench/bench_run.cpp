@@ -1,0 +1,220 @@
+// GPL-2.0-or-later. The benchmark of one map: reference, bakes, errors.
+#include "tools/measure/shbench/bench_run.h"
+
+#include "common/error.h"
+#include "q3map2/cli/stage_files.h"
+#include "q3map2/stages/light_files.h"
+#include "tools/measure/shbench/plain.h"
+#include "tools/measure/shbench/raw.h"
+
+#include <algorithm>
+#include <functional>
+#include <sstream>
+
+namespace q3::bench {
+
+namespace {
+
+/// A line of the report and how it is made.
+struct Contender {
+    BenchLine line;
+    std::function<Baked()> bake;
+};
+
+/// Layout of the grid that a line of the report measures.
+GridLayout LayoutOf(const BenchMap &map, const Baked &baked, BakedFormat format) {
+    if (format == BakedFormat::GridSH) {
+        const bspGridSHHeader_t &header = baked.bsp.gridSH->header;
+        return {header.gridMins, header.gridSize, header.gridBounds};
+    }
+    Log silent([](LogLevel, std::string_view) {});
+    Entity world = map.stored.front();
+    return SetupGrid(map.bsp, world, silent);
+}
+
+/// Lists, and draws if asked for, the worst positions of one setting.
+void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &settings, const Contender &one,
+                 const Baked &baked, const ShownLight &shown, const JobPool &jobs, BenchResult &result) {
+    const std::vector<PositionErrors> errors = ErrorsByPlace(truth, shown);
+    const auto causes = FindCauses(map, LayoutOf(map, baked, one.line.format), truth, errors, jobs);
+    const auto worst = WorstPositions(truth, shown, settings.worst, settings.worstBy);
+    result.worst = WorstText(truth, worst, errors, causes, one.line.name);
+    if (!settings.plan)
+        return;
+    const bool isBake = one.line.name != kPlainName &&
+                        one.line.format == BakedFormat::GridSH; // `options` of the other lines is plain text
+    const std::string options = settings.options + (isBake ? " " + one.line.options : "");
+    std::string setting = one.line.name;
+    if (options.find('-') != std::string::npos)
+        setting += ": " + options;
+    const std::string grid = one.line.format == BakedFormat::LegacyGrid ? "legacy grid" : "SH grid";
+    result.plan = MakeErrorPlan(map, {truth, errors, causes, worst, settings.worstBy, grid, setting}, jobs);
+}
+
+/// The words of the text with one blank between them.
+std::string OneSpaced(const std::string &text) {
+    std::istringstream words(text);
+    std::string spaced;
+    for (std::string word; words >> word;)
+        spaced += (spaced.empty() ? "" : " ") + word;
+    return spaced;
+}
+
+/// Enters the errors of the listed setting and of the legacy grid.
+void AddToErrorList(const Truth &truth, const BenchSettings &settings, const Contender &one, const ShownLight &shown,
+                    ErrorList &list) {
+    if (one.line.name == settings.errorsOf) {
+        list.setting = one.line.name;
+        list.options = OneSpaced(settings.options + " " + one.line.options);
+        list.sh = ShownErrorsByPlace(truth, shown);
+    } else if (one.line.name == kLegacyName) {
+        list.legacy = ShownErrorsByPlace(truth, shown);
+    }
+}
+
+/// Bakes all contenders in turn, so that changes of the clock rate affect them alike, and keeps the least time of each.
+/// Bare Embree is measured between the bakes for the same reason.
+void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const Truth &truth,
+                const EmbreeThroughput *raw, const BenchSettings &settings, const JobPool &jobs, Log &progress,
+                BenchResult &result) {
+    ErrorList list;
+    std::vector<double> &rates = result.report.raw;
+    const auto measureRaw = [&] {
+        if (raw)
+            rates.push_back(raw->PerSecond(settings.rawSeconds));
+    };
+    measureRaw();
+    for (int repeat = 0; repeat < settings.repeats; ++repeat)
+        for (Contender &one : contenders) {
+            progress.Print("{} ({} of {})\n", one.line.name, repeat + 1, settings.repeats);
+            const Baked baked = one.bake();
+            measureRaw();
+            if (raw && rates.back() > 0) {
+                const double around = (rates[rates.size() - 2] + rates.back()) / 2;
+                one.line.sharesOfRaw.push_back(double(baked.cost.rays) / baked.cost.cpuSeconds / around);
+            }
+            if (repeat == 0 || baked.cost.cpuSeconds < one.line.cost.cpuSeconds)
+                one.line.cost = baked.cost;
+            if (repeat > 0)
+                continue;
+            const ShownLight shown = ShownBy(one.line.format, baked.bsp);
+            one.line.errors = MeasureErrors(truth, shown);
+            if (settings.worst > 0 && one.line.name == settings.worstOf)
+                ReportWorst(map, truth, settings, one, baked, shown, jobs, result);
+            if (settings.errorList)
+                AddToErrorList(truth, settings, one, shown, list);
+        }
+    if (settings.errorList)
+        result.errors = ErrorListJson(map.inputs.name, truth, list);
+}
+
+std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, const BenchSettings &settings,
+                                  const Game &game, const bspGridSHHeader_t &layout, const JobPool &jobs) {
+    std::vector<Contender> all;
+    const auto add = [&](std::string_view name, std::string_view text, BakedFormat format,
+                         const LightOptions &options) {
+        all.push_back({{std::string(name), std::string(text), format, {}, {}, {}},
+                       [&map, &library, &jobs, options, format] { return Bake(map, options, format, library, jobs); }});
+    };
+    for (const BakeSetting &setting : settings.bakes) {
+        const LightOptions options = LightOptionsFrom(settings.options + " " + setting.options, game);
+        add(setting.name, setting.options, FormatOf(options), options);
+    }
+    if (!settings.baselines)
+        return all;
+    all.push_back({{std::string(kPlainName), "one ray per light and point", BakedFormat::GridSH, {}, {}, {}},
+                   [&map, &jobs, layout] { return BakePlain(map, layout, jobs); }});
+    const LightOptions options = LightOptionsFrom(settings.options, game);
+    add(kLegacyName, "no -sh", BakedFormat::LegacyGrid, options);
+    add(kCubesName, "-ambientcubes", BakedFormat::AmbientCubes, options);
+    return all;
+}
+
+/// Errors: the settings whose positions are listed are not measured, or of another kind.
+void CheckListed(const std::vector<Contender> &contenders, const BenchSettings &settings) {
+    const auto formatOf = [&](std::string_view list, const std::string &name) {
+        for (const Contender &one : contenders)
+            if (one.line.name == name)
+                return one.line.format;
+        throw Error("{} of {}: expected the name of a setting that is measured", list, name);
+    };
+    if (settings.worst > 0) {
+        const BakedFormat format = formatOf("worst positions", settings.worstOf);
+        if (format == BakedFormat::AmbientCubes || format == BakedFormat::SparseGridSH)
+            throw Error("worst positions of {}: expected a setting whose grid has cells of one size", settings.worstOf);
+    }
+    if (settings.errorList) {
+        const BakedFormat format = formatOf("errors", settings.errorsOf);
+        if (format == BakedFormat::AmbientCubes || format == BakedFormat::LegacyGrid)
+            throw Error("errors of {}: expected a setting with an SH grid", settings.errorsOf);
+    }
+}
+
+} // namespace
+
+std::vector<BakeSetting> DefaultBakes() {
+    return {{std::string(kDefaultName), ""},
+            {"fast", "-fast"},
+            {"noskip", "-noskip"},
+            {"gridscalesh 1", "-gridscalesh 1"},
+            {"gridscalesh 1.5", "-gridscalesh 1.5"},
+            {"gridscalesh 3", "-gridscalesh 3"},
+            {"gridsh 64", "-gridsh 64 64 64"},
+            {"fit", "-shfit"},
+            {"64 64 64 fit", "-gridsh 64 64 64 -shfit"},
+            {"adaptive 3", "-sherrortarget 3"},
+            {"adaptive 1.5", "-sherrortarget 1.5"},
+            {"adaptive 0.75", "-sherrortarget 0.75"}};
+}
+
+BenchFiles::BenchFiles(const GlobalOptions &global, const std::vector<std::string> &words,
+                       const std::filesystem::path &program, const std::filesystem::path &bspPath,
+                       const LightOptions &options, Log &log)
+    : vfs_(OpenGameFiles(global, GameFolders(global, words, program), log)),
+      library_(std::make_unique<ShaderLibrary>(vfs_, *global.game, options.shader, log)),
+      map_(std::make_unique<BenchMap>(ReadBspFile(bspPath, global.Format(), log), ReadLightInputs(bspPath, log),
+                                      options, *library_, log)) {}
+
+bspGridSHHeader_t DefaultLayout(const BenchMap &map) {
+    Log silent([](LogLevel, std::string_view) {});
+    Entity world = map.stored.front();
+    const GridLayout legacy = SetupGrid(map.bsp, world, silent);
+    const GridLayout layout = SetupGridSH(map.bsp, legacy.size, map.options, silent);
+    return {layout.mins, layout.size, layout.bounds, std::int32_t(layout.Count())};
+}
+
+BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &given, const Game &game,
+                     const JobPool &jobs, Log &progress) {
+    BenchSettings settings = given;
+    if (settings.bakes.empty())
+        settings.bakes = DefaultBakes();
+    if (settings.errorsOf.empty())
+        settings.errorsOf = settings.bakes.front().name;
+    BenchResult result;
+    BenchReport &report = result.report;
+    report.map = map.inputs.name;
+    report.lights = map.lights.size();
+    report.areaLights = std::size_t(std::count_if(map.lights.begin(), map.lights.end(),
+                                                  [](const Light &light) { return light.type == LightType::Area; }));
+    report.repeats = settings.repeats;
+    report.threads = jobs.Threads();
+
+    const bspGridSHHeader_t layout = DefaultLayout(map);
+    auto contenders = Contenders(map, library, settings, game, layout, jobs);
+    CheckListed(contenders, settings);
+    progress.Print("truth\n");
+    const Truth truth = CachedTruth(map, settings.truth, jobs, settings.cache, report.truthFromCache);
+    report.positions = truth.points.size();
+    report.truthNoise = truth.noise, report.truthRays = truth.rays, report.truthCpuSeconds = truth.cpuSeconds;
+    report.floor = FloorError(truth);
+
+    std::unique_ptr<EmbreeThroughput> raw;
+    if (settings.raw)
+        raw = std::make_unique<EmbreeThroughput>(map, layout, settings.truth.seed);
+    BakeInTurn(map, contenders, truth, raw.get(), settings, jobs, progress, result);
+    for (Contender &one : contenders)
+        report.lines.push_back(std::move(one.line));
+    return result;
+}
+
+} // namespace q3::bench

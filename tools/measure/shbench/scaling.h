@@ -1,0 +1,40 @@
+// GPL-2.0-or-later. How time grows with lights and with grid points.
+#pragma once
+
+#include "tools/measure/shbench/bakes.h"
+#include "tools/measure/shbench/chart.h"
+
+#include <string>
+#include <vector>
+
+namespace q3::bench {
+
+/// One bake of a series.
+struct ScalingStep {
+    std::string series;
+    double size = 0; ///< lights or points
+    BakeCost cost;
+};
+
+/// A hall of 2048 x 2048 x 512 units with pillars, lit by `lights` lights of a constant total intensity at random
+/// positions: point lights, or ceiling lamps (two area lights each).
+struct LightHall {
+    Bsp bsp;
+    std::string shaderText; ///< of the lamps
+};
+LightHall MakeLightHall(int lights, bool lamps);
+
+/// Least CPU time of `repeats` for 1, 10, ... up to `most` point lights, and lamps.
+std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &game, const JobPool &jobs, int most,
+                                     int repeats, Log &progress);
+/// The same for -gridscalesh 1, 1.5, 2, 3, 4.
+std::vector<ScalingStep> ScaleCells(const BenchMap &map, ShaderLibrary &library, const LightOptions &options,
+                                    const JobPool &jobs, int repeats, Log &progress);
+
+std::string ScalingTable(const std::vector<ScalingStep> &steps, const std::string &sizeName);
+std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string &sizeName);
+/// CPU seconds, and rays, against size; both axes logarithmic, with a line of slope one.
+Chart ScalingChart(const std::vector<ScalingStep> &steps, const std::string &sizeName, const std::string &title,
+                   bool rays);
+
+} // namespace q3::bench
