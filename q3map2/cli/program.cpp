@@ -39,13 +39,13 @@ namespace q3 {
 namespace {
 
 /// The sections, with the section of presets in front.
-std::vector<SettingSection> AfterPresets(std::vector<SettingSection> sections) {
+std::vector<SettingSection> WithPresets(std::vector<SettingSection> sections) {
     sections.insert(sections.begin(), PresetSection());
     return sections;
 }
 
 std::vector<SettingSection> LightSections() {
-    std::vector<SettingSection> sections = AfterPresets(Describe(LightOptionSettings()));
+    std::vector<SettingSection> sections = WithPresets(Describe(LightOptionSettings()));
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
     sections.push_back(VradSection());
@@ -55,7 +55,7 @@ std::vector<SettingSection> LightSections() {
     return sections;
 }
 
-/// From the map source to the lit map, and looks into it.
+/// The stages from the map source to the lit map, and those that print, export or show what is in it.
 std::vector<Stage> CompilingStages() {
     return {
         {"-bsp", "[-bsp] [options] maps/x.map", "Compile a map: maps/x.map to x.bsp, x.srf and x.prt",
@@ -65,11 +65,11 @@ std::vector<Stage> CompilingStages() {
          "or `.lin` that does not belong to them and an old `.reg` are removed; a run that fails leaves all as they "
          "were. A map that leaks gets `x.lin` in place of `x.prt`; that is a warning, and the exit status is 0. A map "
          "without an entity in the open is an error, because nothing tells its inside from its outside.",
-         BspStage, [] { return AfterPresets(Describe(BspSettings())); }},
+         BspStage, [] { return WithPresets(Describe(BspSettings())); }},
         {"-vis", "-vis [options] maps/x.bsp", "Compute what can be seen from where, from maps/x.prt",
          "Reads `x.bsp` and `x.prt`, which the bsp stage wrote, and puts visibility data into `x.bsp`. "
          "[vis.md](vis.md) explains when to use what.",
-         VisStage, [] { return AfterPresets(Describe(VisSettings())); }},
+         VisStage, [] { return WithPresets(Describe(VisSettings())); }},
         {"-light", "-light [options] maps/x.bsp", "Light a compiled map: lightmaps, vertices and light grids", "",
          LightStage, LightSections},
         {"-convertgrid", "-convertgrid -gridformats LIST [options] maps/x.bsp",
@@ -162,8 +162,8 @@ std::vector<Stage> EditingStages() {
          EditorFilesStage, nullptr}};
 }
 
-/// Names that users of other compilers may give.
-constexpr std::string_view kOtherStages[] = {"-vlight", "-ent"};
+/// Stages that other compilers have.
+constexpr std::string_view kForeignStages[] = {"-vlight", "-ent"};
 
 const Stage *FindStage(const std::vector<Stage> &stages, std::string_view word) {
     const auto found = std::ranges::find_if(stages, [&](const Stage &s) { return EqualNoCase(s.word, word); });
@@ -205,16 +205,16 @@ ChosenStage TakeStage(Arguments &arguments) {
     if (const auto at = FindStageWord(stages, arguments.Rest())) {
         const Stage stage = *FindStage(stages, arguments.TakeAt(*at));
         arguments.SetBeforeStage(*at);
-        return {stage, true};
+        return {.stage = stage, .isNamed = true};
     }
-    for (const std::string_view name : kOtherStages)
+    for (const std::string_view name : kForeignStages)
         if (EqualNoCase(arguments.Rest().front(), name)) {
             std::vector<std::string_view> words;
             for (const Stage &stage : stages)
                 words.push_back(stage.word);
             throw Error("{} is not a stage of this version; it has {}", name, fmt::join(words, ", "));
         }
-    return {stages.front(), false};
+    return {.stage = stages.front(), .isNamed = false};
 }
 
 // ---- From the command line to a stage ----
@@ -235,14 +235,16 @@ void AddLogFile(const std::string &path, Log &log) {
 std::vector<std::string> Unquoted(std::vector<std::string> words) {
     struct Quotes {
         std::string_view left, right;
-        bool single; ///< also where only one of them is there
+        bool areRemovedSingly; ///< also where only one of them is there
     };
-    constexpr std::array<Quotes, 3> kQuotes = {{{"\"", "\"", true}, {"'", "'", false}, {"\u201C", "\u201D", false}}};
+    constexpr std::array<Quotes, 3> kQuotes = {{{.left = "\"", .right = "\"", .areRemovedSingly = true},
+                                                {.left = "'", .right = "'", .areRemovedSingly = false},
+                                                {.left = "\u201C", .right = "\u201D", .areRemovedSingly = false}}};
     for (std::string &word : words)
         for (const Quotes &quotes : kQuotes) {
             const bool left = word.starts_with(quotes.left), right = word.ends_with(quotes.right);
             const std::size_t length = (left ? quotes.left.size() : 0) + (right ? quotes.right.size() : 0);
-            if (length < word.size() && ((left && right) || (quotes.single && (left || right))))
+            if (length < word.size() && ((left && right) || (quotes.areRemovedSingly && (left || right))))
                 word = word.substr(left ? quotes.left.size() : 0, word.size() - length);
         }
     return words;
@@ -268,10 +270,10 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     TranslateVradOptions(chosen.stage, arguments, log);
     ExpandPreset(chosen.stage, arguments, log);
     const std::vector<Stage> stages = Stages();
-    const StageContext context{options, chosen.stage, stages, chosen.given, program, arguments.Rest(), log, report};
+    const StageContext context{options, chosen.stage, stages, chosen.isNamed, program, arguments.Rest(), log, report};
     const int status = chosen.stage.run(context, std::move(arguments));
     log.FlushWarnings();
-    report.PrintEnd(status != 0, log);
+    report.PrintEnd(status == 0 ? RunEnd::Done : RunEnd::Failed, log);
     return status;
 }
 
@@ -300,7 +302,7 @@ int RunProgram(const std::vector<std::string> &given, const std::filesystem::pat
     const auto fail = [&](std::string_view text) {
         log.FlushWarnings();
         log.Write(LogLevel::Error, fmt::format("************ ERROR ************\n{}\n", text));
-        report.PrintEnd(true, log);
+        report.PrintEnd(RunEnd::Failed, log);
         return end(1, text);
     };
     if (reports)

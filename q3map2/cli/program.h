@@ -16,7 +16,7 @@ std::vector<Stage> Stages();
 /// A stage of Stages() and whether the line names it.
 struct ChosenStage {
     Stage stage;
-    bool given = false;
+    bool isNamed = false;
 };
 
 /// Takes the stage word off `arguments`, after the global options were taken. It may stand anywhere; without one the

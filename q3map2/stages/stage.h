@@ -21,7 +21,7 @@ struct StageContext {
     const GlobalOptions &options;
     const Stage &stage;
     std::span<const Stage> stages;  ///< all of them, for hints about words of other stages
-    bool stageGiven;                ///< false: no stage word, which means the bsp stage
+    bool stageIsNamed;              ///< false: no stage word, which means the bsp stage
     std::filesystem::path program;  ///< real path of the executable
     std::vector<std::string> words; ///< the whole command line, which may contain the engine path
     Log &log;
@@ -42,10 +42,10 @@ struct Stage {
     bool HasOption(std::string_view word) const;
 };
 
-/// The input file of a stage, and the other words, for worldspawn's key _q3map2_cmdline.
+/// The input file of a stage, and the other words of the command line.
 struct StageFile {
     std::string file;
-    std::vector<std::string> recorded;
+    std::vector<std::string> wordsToRecord; ///< in worldspawn's key _q3map2_cmdline
 };
 
 /// Takes the input file off `arguments`, after the options of the stage were taken: the last word without a dash.
