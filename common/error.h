@@ -10,7 +10,8 @@
 namespace q3 {
 
 /// Bad input, bad arguments or a failing file system. The text is one line that names the file, the line or entry, and
-/// what was expected. Only main() turns it into an exit status; libraries neither print nor exit.
+/// what was expected. Only RunProgram (q3map2/cli/program.h), or RunTool in the programs of tools/, turns it into an
+/// exit status; libraries neither print nor exit.
 class Error : public std::runtime_error {
   public:
     explicit Error(const std::string &text) : std::runtime_error(text) {}

@@ -46,52 +46,52 @@ Log::Sink Log::StandardOutput() {
 
 void Log::AddSink(Sink sink, MarkSink marks) {
     const std::lock_guard lock(mutex_);
-    sink_ = Both(std::move(sink_), sink);
-    added_ = added_ ? Both(std::move(added_), sink) : sink;
+    allSinks_ = Both(std::move(allSinks_), sink);
+    addedSinks_ = addedSinks_ ? Both(std::move(addedSinks_), sink) : sink;
     if (marks)
         markSink_ = std::move(marks);
     else
-        unmarked_ = Both(std::move(unmarked_), std::move(sink));
+        textSinks_ = Both(std::move(textSinks_), std::move(sink));
 }
 
 void Log::Write(LogLevel level, std::string_view text) {
     const std::lock_guard lock(mutex_);
-    sink_(level, text);
+    allSinks_(level, text);
 }
 
-void Log::SectionText(std::string_view name, bool print) {
+void Log::SectionText(std::string_view name, Printed printed) {
     const std::lock_guard lock(mutex_);
     if (observer_)
         observer_->OnSection(name);
-    if (print)
-        sink_(LogLevel::Normal, fmt::format("--- {} ---\n", name));
+    if (IsShown(printed))
+        allSinks_(LogLevel::Normal, fmt::format("--- {} ---\n", name));
 }
 
-void Log::CountText(long long value, std::string_view name, bool print) {
+void Log::CountText(long long value, std::string_view name, Printed printed) {
     const std::lock_guard lock(mutex_);
     if (observer_)
         observer_->OnCount(value, name);
-    if (print)
-        sink_(LogLevel::Normal, fmt::format("{:9} {}\n", value, value == 1 ? Singular(name) : std::string(name)));
+    if (IsShown(printed))
+        allSinks_(LogLevel::Normal, fmt::format("{:9} {}\n", value, value == 1 ? Singular(name) : std::string(name)));
 }
 
 void Log::Setting(std::string_view name, std::string_view value, std::string_view source, std::string_view initial) {
     const std::lock_guard lock(mutex_);
     if (observer_)
         observer_->OnSetting(name, value, source, initial);
-    sink_(LogLevel::Normal, fmt::format("  {}{}{} ({}{}{})\n", name, value.empty() ? "" : " ", value, source,
-                                        initial.empty() ? "" : "; default ", initial));
+    allSinks_(LogLevel::Normal, fmt::format("  {}{}{} ({}{}{})\n", name, value.empty() ? "" : " ", value, source,
+                                            initial.empty() ? "" : "; default ", initial));
 }
 
 void Log::WriteLive(std::string_view text) {
     const std::lock_guard lock(mutex_);
-    own_(LogLevel::Normal, text);
+    mainSink_(LogLevel::Normal, text);
 }
 
 void Log::WriteAdded(std::string_view text) {
     const std::lock_guard lock(mutex_);
-    if (added_)
-        added_(LogLevel::Normal, text);
+    if (addedSinks_)
+        addedSinks_(LogLevel::Normal, text);
 }
 
 void Log::Mark(LogLevel level, std::string_view text, const LogMark &mark) {
@@ -101,11 +101,12 @@ void Log::Mark(LogLevel level, std::string_view text, const LogMark &mark) {
 }
 
 bool Log::CountWarning(std::string_view kind) {
-    ++totals_.try_emplace(std::string(kind), 0).first->second;
-    auto found = warnings_.find(kind);
-    if (found == warnings_.end())
-        found = warnings_.emplace(kind, 0).first;
-    return ++found->second == 1 || verbose_;
+    ++warningTotals_.try_emplace(std::string(kind), 0).first->second;
+    auto found = unflushedWarnings_.find(kind);
+    if (found == unflushedWarnings_.end())
+        found = unflushedWarnings_.emplace(kind, 0).first;
+    const bool isFirst = ++found->second == 1;
+    return isFirst || verbose_;
 }
 
 void Log::WarnText(std::string_view kind, std::string text) {
@@ -113,7 +114,7 @@ void Log::WarnText(std::string_view kind, std::string text) {
     if (observer_)
         observer_->OnWarning(kind, text, nullptr);
     if (CountWarning(kind))
-        sink_(LogLevel::Warning, "WARNING: " + text + "\n");
+        allSinks_(LogLevel::Warning, "WARNING: " + text + "\n");
 }
 
 void Log::WarnAt(std::string_view kind, const LogMark &mark, std::string text) {
@@ -121,44 +122,44 @@ void Log::WarnAt(std::string_view kind, const LogMark &mark, std::string text) {
     if (observer_)
         observer_->OnWarning(kind, text, &mark);
     if (CountWarning(kind))
-        unmarked_(LogLevel::Warning, "WARNING: " + text + "\n");
+        textSinks_(LogLevel::Warning, "WARNING: " + text + "\n");
     if (markSink_)
         markSink_(LogLevel::Warning, text, mark);
 }
 
 void Log::FlushWarnings() {
     const std::lock_guard lock(mutex_);
-    for (const auto &[kind, count] : warnings_)
+    for (const auto &[kind, count] : unflushedWarnings_)
         if (count > 1 && !verbose_)
-            sink_(LogLevel::Normal, fmt::format("{:9} more warning{} of this kind: {} (-v lists {})\n", count - 1,
-                                                count == 2 ? "" : "s", kind, count == 2 ? "it" : "them"));
-    warnings_.clear();
+            allSinks_(LogLevel::Normal, fmt::format("{:9} more warning{} of this kind: {} (-v lists {})\n", count - 1,
+                                                    count == 2 ? "" : "s", kind, count == 2 ? "it" : "them"));
+    unflushedWarnings_.clear();
 }
 
 std::map<std::string, int, std::less<>> Log::WarningTotals() const {
     const std::lock_guard lock(mutex_);
-    return totals_;
+    return warningTotals_;
 }
 
-void Log::Repeat(std::string line) {
+void Log::AddToSummary(std::string line) {
     const std::lock_guard lock(mutex_);
-    repeated_.push_back(std::move(line));
+    summaryLines_.push_back(std::move(line));
 }
 
-std::vector<std::string> Log::Repeated() const {
+std::vector<std::string> Log::SummaryLines() const {
     const std::lock_guard lock(mutex_);
-    return repeated_;
+    return summaryLines_;
 }
 
 int Log::WarningCount(std::string_view kind) const {
     const std::lock_guard lock(mutex_);
-    const auto found = warnings_.find(kind);
-    return found == warnings_.end() ? 0 : found->second;
+    const auto found = unflushedWarnings_.find(kind);
+    return found == unflushedWarnings_.end() ? 0 : found->second;
 }
 
 // ---- Progress of a pass ----
 
-constexpr int kSteps = 40;
+constexpr int kProgressMarks = 40; ///< digits and dots of a finished pass
 constexpr double kRedrawSeconds = 0.2;
 
 Progress::Progress(Log &log, std::int64_t total) : log_(log), total_(total), terminal_(IsTerminal()) {}
@@ -172,11 +173,11 @@ void Progress::DrawLive(std::int64_t done, std::uint64_t rays) {
     if (seconds - lastShown_ < kRedrawSeconds || done == 0)
         return;
     lastShown_ = seconds;
-    const double share = double(done) / double(total_);
-    std::string line = fmt::format("\r{:3.0f} %  ", 100 * share);
+    const double finished = double(done) / double(total_);
+    std::string line = fmt::format("\r{:3.0f} %  ", 100 * finished);
     if (rays > 0)
         line += fmt::format("{:.1f} million rays/s  ", double(rays) / seconds / 1e6);
-    log_.WriteLive(line + fmt::format("{:.0f} s left   ", seconds * (1 - share) / share));
+    log_.WriteLive(line + fmt::format("{:.0f} s left   ", seconds * (1 - finished) / finished));
 }
 
 void Progress::Update(std::int64_t done, std::uint64_t rays) {
@@ -185,7 +186,7 @@ void Progress::Update(std::int64_t done, std::uint64_t rays) {
     if (terminal_)
         DrawLive(done, rays);
     std::string steps;
-    for (; step_ < kSteps && done * kSteps >= std::int64_t(step_ + 1) * total_; ++step_)
+    for (; step_ < kProgressMarks && done * kProgressMarks >= std::int64_t(step_ + 1) * total_; ++step_)
         steps += step_ % 4 == 0 ? fmt::format("{}", step_ / 4) : ".";
     if (steps.empty())
         return;

@@ -46,7 +46,7 @@ class Log {
     using MarkSink = std::function<void(LogLevel, std::string_view, const LogMark &)>;
 
     explicit Log(Sink sink = StandardOutput(), bool verbose = false)
-        : own_(sink), sink_(sink), unmarked_(std::move(sink)), verbose_(verbose) {}
+        : mainSink_(sink), allSinks_(sink), textSinks_(std::move(sink)), verbose_(verbose) {}
     ~Log() { FlushWarnings(); }
     Log(const Log &) = delete;
     Log &operator=(const Log &) = delete;
@@ -70,13 +70,15 @@ class Log {
             Write(LogLevel::Normal, fmt::format(format, std::forward<Args>(args)...));
     }
     /// "--- Name ---" on a line of its own.
-    void Section(std::string_view name) { SectionText(name, true); }
+    void Section(std::string_view name) { SectionText(name, Printed::Always); }
     /// One count in the format of q3map2: the value right-aligned in nine columns, then its name.
-    template <std::integral T> void Count(T value, std::string_view name) { CountText((long long)(value), name, true); }
+    template <std::integral T> void Count(T value, std::string_view name) {
+        CountText((long long)(value), name, Printed::Always);
+    }
     /// The same, only printed under -v. An observer is told in any case.
-    void VerboseSection(std::string_view name) { SectionText(name, verbose_); }
+    void VerboseSection(std::string_view name) { SectionText(name, Printed::IfVerbose); }
     template <std::integral T> void VerboseCount(T value, std::string_view name) {
-        CountText((long long)(value), name, verbose_);
+        CountText((long long)(value), name, Printed::IfVerbose);
     }
     /// A setting that is not at its default; see LogObserver::OnSetting.
     void Setting(std::string_view name, std::string_view value, std::string_view source, std::string_view initial);
@@ -91,8 +93,8 @@ class Log {
     /// How many warnings of each kind there were so far, flushed or not.
     std::map<std::string, int, std::less<>> WarningTotals() const;
     /// Keeps a line that the summary at the end of the run prints again.
-    void Repeat(std::string line);
-    std::vector<std::string> Repeated() const;
+    void AddToSummary(std::string line);
+    std::vector<std::string> SummaryLines() const;
     /// Warnings of that kind since the last flush, for tests.
     int WarningCount(std::string_view kind) const;
 
@@ -107,22 +109,25 @@ class Log {
     void WarnAt(std::string_view kind, const LogMark &mark, std::string text);
 
   private:
-    void SectionText(std::string_view name, bool print);
-    void CountText(long long value, std::string_view name, bool print);
+    enum class Printed { Always, IfVerbose };
+
+    void SectionText(std::string_view name, Printed printed);
+    void CountText(long long value, std::string_view name, Printed printed);
+    bool IsShown(Printed printed) const { return printed == Printed::Always || verbose_; }
     void WarnText(std::string_view kind, std::string text);
     /// Whether to print one more warning of that kind.
     bool CountWarning(std::string_view kind);
 
-    Sink own_;          ///< the sink of the constructor
-    Sink added_;        ///< the sinks of AddSink; null if none
-    Sink sink_;         ///< own_ and added_
+    Sink mainSink_;     ///< the sink of the constructor
+    Sink addedSinks_;   ///< the sinks of AddSink; null if none
+    Sink allSinks_;     ///< mainSink_ and addedSinks_
     MarkSink markSink_; ///< null: no sink takes marks
-    Sink unmarked_;     ///< the sinks that get text only
+    Sink textSinks_;    ///< those of allSinks_ that take no marks
     bool verbose_ = false;
     LogObserver *observer_ = nullptr;
     mutable std::mutex mutex_;
-    std::map<std::string, int, std::less<>> warnings_, totals_;
-    std::vector<std::string> repeated_;
+    std::map<std::string, int, std::less<>> unflushedWarnings_, warningTotals_; ///< counts by kind
+    std::vector<std::string> summaryLines_;
 };
 
 /// Prints the progress of a pass. Terminals get one live line with percent, rays per second and time left; files and

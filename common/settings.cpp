@@ -15,11 +15,14 @@ namespace q3 {
 
 namespace {
 
-std::size_t CountValues(std::string_view values, bool withOptional) {
+/// Which of the values that SettingInfo::values names are counted.
+enum class Counting { RequiredValues, AllValues };
+
+std::size_t CountValues(std::string_view values, Counting counting) {
     std::size_t count = 0;
     for (std::size_t at = 0; at < values.size();) {
         const std::size_t end = std::min(values.find(' ', at), values.size());
-        count += end > at && (withOptional || values[at] != '[');
+        count += end > at && (counting == Counting::AllValues || values[at] != '[');
         at = end + 1;
     }
     return count;
@@ -36,19 +39,20 @@ std::string SettingRange::Text() const {
 }
 
 bool SettingInfo::Names(std::string_view word) const {
-    return EqualNoCase(name, word) ||
-           std::ranges::any_of(aliases, [&](std::string_view a) { return !a.empty() && EqualNoCase(a, word); });
+    return EqualNoCase(name, word) || std::ranges::any_of(aliases, [&](std::string_view alias) {
+               return !alias.empty() && EqualNoCase(alias, word);
+           });
 }
 
 std::size_t SettingInfo::MinValues() const {
-    return CountValues(values, false);
+    return CountValues(values, Counting::RequiredValues);
 }
 
 std::size_t SettingInfo::MaxValues() const {
-    return CountValues(values, true);
+    return CountValues(values, Counting::AllValues);
 }
 
-// ---- Settings declared once ----
+// ---- Values of the command line, checked against what is declared ----
 
 namespace {
 
@@ -56,8 +60,8 @@ bool IsNumber(std::string_view word, SettingKind kind) {
     return kind == SettingKind::Integer ? WholeInteger(word).has_value() : WholeNumber(word).has_value();
 }
 
-/// The expected value in words, for messages about a bad one.
-std::string Expected(const SettingInfo &info, SettingKind kind) {
+/// The expected value in words, for messages about a bad one: "a whole number from 1 to 8 (luxels)".
+std::string ExpectedValue(const SettingInfo &info, SettingKind kind) {
     std::string text = kind == SettingKind::Integer ? "a whole number" : "a number";
     if (info.MinValues() > 1)
         text = fmt::format("{} numbers", info.MinValues());
@@ -72,7 +76,7 @@ std::string Expected(const SettingInfo &info, SettingKind kind) {
 double CheckedNumber(const SettingInfo &info, SettingKind kind, std::string_view name, std::string_view word,
                      Log &log) {
     if (!IsNumber(word, kind))
-        throw Error("{} {}: expected {}", name, word, Expected(info, kind));
+        throw Error("{} {}: expected {}", name, word, ExpectedValue(info, kind));
     const double number = *WholeNumber(word);
     if (info.range.Contains(number)) {
         if (info.floor > -kMaxSetting && number < info.floor)
@@ -80,10 +84,10 @@ double CheckedNumber(const SettingInfo &info, SettingKind kind, std::string_view
                      info.floor);
         return info.floor > -kMaxSetting ? std::max(number, info.floor) : number;
     }
-    const double used = info.outside == OutOfRange::Clamp ? info.range.Clamp(number) : info.outsideValue;
     if (info.outside == OutOfRange::Refuse)
-        throw Error("{} {}: expected {}", name, word, Expected(info, kind));
-    log.Warn("value out of range", "{} {}: expected {}; {:g} is used", name, word, Expected(info, kind), used);
+        throw Error("{} {}: expected {}", name, word, ExpectedValue(info, kind));
+    const double used = info.outside == OutOfRange::Clamp ? info.range.Clamp(number) : info.outsideValue;
+    log.Warn("value out of range", "{} {}: expected {}; {:g} is used", name, word, ExpectedValue(info, kind), used);
     return used;
 }
 

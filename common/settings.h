@@ -198,9 +198,13 @@ void TakeSettings(const std::vector<SettingGroup<Options>> &table, Options &opti
             settings.push_back(&setting);
     std::vector<std::vector<SettingValues>> found(settings.size());
     for (std::size_t at = 0; at < arguments.Rest().size();) {
+        const auto takesWord = [&](std::size_t i) {
+            const SettingInfo &info = settings[i]->info;
+            const bool isTakenAlready = info.firstOnly && !found[i].empty();
+            return info.Names(arguments.Rest()[at]) && !isTakenAlready;
+        };
         std::size_t which = 0;
-        while (which < settings.size() && !(settings[which]->info.Names(arguments.Rest()[at]) &&
-                                            !(settings[which]->info.firstOnly && !found[which].empty())))
+        while (which < settings.size() && !takesWord(which))
             ++which;
         if (which == settings.size())
             ++at;

@@ -187,6 +187,11 @@ void RequireFolder(const fs::path &folder) {
         throw Error("{}: cannot write to this folder: {} is write protected", folder.string(), there.string());
 }
 
+std::uint64_t DiskOf(const fs::path &path) {
+    struct stat info {};
+    return stat(path.string().c_str(), &info) == 0 ? std::uint64_t(info.st_dev) : 0;
+}
+
 FileState FileState::Of(const fs::path &path) {
     FileState state;
     std::error_code failed;

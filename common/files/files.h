@@ -98,6 +98,9 @@ struct FileState {
     bool operator==(const FileState &) const = default;
 };
 
+/// A number that all paths of one disk (file system) share. If there is no such path: 0.
+std::uint64_t DiskOf(const std::filesystem::path &path);
+
 /// Makes the folder and its parents if they do not exist. Errors: Error if that fails.
 void MakeFolder(const std::filesystem::path &folder);
 

@@ -65,8 +65,9 @@ struct VirtualFileSystem::State {
     /// Calls use(path) or use(archive) for each occurrence of a safe name, the winner first, until one returns true.
     template <typename UsePath, typename UseArchive>
     void Visit(const std::string &name, UsePath usePath, UseArchive useArchive) const;
+    enum class Occurrences { First, All };
     /// Contents of every occurrence, or of the first readable one. Unreadable ones give a warning.
-    std::vector<std::vector<std::byte>> Contents(std::string_view name, bool all) const;
+    std::vector<std::vector<std::byte>> Contents(std::string_view name, Occurrences wanted) const;
 };
 
 void VirtualFileSystem::State::MountArchive(const fs::path &path) {
@@ -94,7 +95,8 @@ void VirtualFileSystem::State::Visit(const std::string &name, UsePath usePath, U
             return;
 }
 
-std::vector<std::vector<std::byte>> VirtualFileSystem::State::Contents(std::string_view name, bool all) const {
+std::vector<std::vector<std::byte>> VirtualFileSystem::State::Contents(std::string_view name,
+                                                                       Occurrences wanted) const {
     std::vector<std::vector<std::byte>> found;
     const auto take = [&](auto read) {
         try {
@@ -102,7 +104,7 @@ std::vector<std::vector<std::byte>> VirtualFileSystem::State::Contents(std::stri
         } catch (const Error &error) {
             log.Warn("unreadable game file", "{}", error.what());
         }
-        return !all && !found.empty();
+        return wanted == Occurrences::First && !found.empty();
     };
     const std::string safe = SafeName(name);
     Visit(
@@ -147,14 +149,14 @@ void VirtualFileSystem::Mount(const fs::path &folder, std::string_view archiveEx
 }
 
 std::optional<std::vector<std::byte>> VirtualFileSystem::Read(std::string_view name) const {
-    auto found = state_->Contents(name, false);
+    auto found = state_->Contents(name, State::Occurrences::First);
     if (found.empty())
         return std::nullopt;
     return std::move(found.front());
 }
 
 std::vector<std::vector<std::byte>> VirtualFileSystem::ReadAll(std::string_view name) const {
-    return state_->Contents(name, true);
+    return state_->Contents(name, State::Occurrences::All);
 }
 
 bool VirtualFileSystem::Exists(std::string_view name) const {

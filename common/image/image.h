@@ -56,7 +56,7 @@ std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> texels, int width
                                  TgaRows rows);
 
 /// A PNG file with texels of 3 (RGB) or 4 (RGBA) channels, row 0 on top, width * height of them. `name` is for
-/// messages.
+/// messages. Errors: another number of channels or of texels, and a size that CheckImageSize refuses.
 std::vector<std::byte> EncodePng(std::span<const std::uint8_t> texels, int width, int height, int channels,
                                  std::string_view name);
 /// A JPEG file of the colors, without alpha; chroma at half the resolution. `quality`: 1 to 100. `name` is for

@@ -9,12 +9,20 @@ namespace q3 {
 
 namespace {
 
-// A block of 8 x 8 texels takes at least one bit.
+/// A block of 8 x 8 texels takes at least one bit.
 constexpr std::uint64_t kMaxJpegTexelsPerByte = 8 * 64;
 
 struct Destroy {
     void operator()(void *decoder) const { tjDestroy(decoder); }
 };
+
+/// Whether a warning says that texels are missing. TurboJPEG tells warnings apart by libjpeg's text alone:
+/// JWRN_JPEG_EOF where the file ends before its end marker, JWRN_HIT_MARKER where a marker ends the data of a scan too
+/// early.
+bool IsTruncation(std::string_view warning) {
+    return warning.find("Premature end of JPEG file") != std::string_view::npos ||
+           warning.find("premature end of data segment") != std::string_view::npos;
+}
 
 } // namespace
 
@@ -39,8 +47,8 @@ Image DecodeJpeg(std::span<const std::byte> file, std::string_view name) {
     if (tjDecompress2(decoder.get(), data, size, image.rgba.data(), image.width, 0, image.height, TJPF_RGBA, flags) !=
         0) {
         const std::string_view message = tjGetErrorStr2(decoder.get());
-        // Odd markers are only a warning, as games show such files; a truncated file is an error.
-        if (tjGetErrorCode(decoder.get()) != TJERR_WARNING || message.find("remature end") != std::string_view::npos)
+        // Games show files with odd markers, so those are accepted.
+        if (tjGetErrorCode(decoder.get()) != TJERR_WARNING || IsTruncation(message))
             throw Error("{}: JPEG: {}", name, message);
     }
     return image;

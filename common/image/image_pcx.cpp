@@ -9,7 +9,9 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kPcxHeader = 128;
-constexpr unsigned kMark = 10, kRuns = 1, kRunBits = 0xC0, kLengthBits = 0x3F;
+constexpr unsigned kMark = 10, kRuns = 1; ///< the first byte of a file; the encoding in its third
+/// A byte with both of kRunBits begins a run: the other bits are its length, the next byte its value.
+constexpr unsigned kRunBits = 0xC0, kLengthBits = 0x3F;
 
 class PcxReader {
   public:

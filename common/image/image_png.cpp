@@ -56,7 +56,7 @@ bool ReadInfo(PngReader &reader) {
     return true;
 }
 
-bool AskForIndexes(PngReader &reader) {
+bool SetUpIndexes(PngReader &reader) {
     if (setjmp(png_jmpbuf(reader.png)))
         return false;
     png_set_packing(reader.png); // one byte per index, whatever the bit depth
@@ -64,7 +64,7 @@ bool AskForIndexes(PngReader &reader) {
     return true;
 }
 
-bool AskForRgba(PngReader &reader) {
+bool SetUpRgba(PngReader &reader) {
     if (setjmp(png_jmpbuf(reader.png)))
         return false;
     png_set_expand(reader.png);
@@ -75,7 +75,7 @@ bool AskForRgba(PngReader &reader) {
     return true;
 }
 
-bool AskForDeepRgba(PngReader &reader) {
+bool SetUpDeepRgba(PngReader &reader) {
     if (setjmp(png_jmpbuf(reader.png)))
         return false;
     png_set_expand_16(reader.png);
@@ -104,7 +104,8 @@ void Begin(PngReader &reader) {
     if (!reader.info)
         throw Error("{}: PNG: out of memory", reader.name);
     png_set_read_fn(reader.png, &reader, OnRead);
-    png_set_chunk_malloc_max(reader.png, png_alloc_size_t(8) << 20);
+    constexpr png_alloc_size_t kMaxChunkBytes = 8 << 20; // of a text or a color profile, unpacked
+    png_set_chunk_malloc_max(reader.png, kMaxChunkBytes);
     if (!ReadInfo(reader))
         throw Error("{}: PNG: {}", reader.name, reader.message);
     reader.width = png_get_image_width(reader.png, reader.info);
@@ -115,12 +116,12 @@ void Begin(PngReader &reader) {
                     reader.height);
 }
 
-/// `ask`: sets up the conversion to that many channels of type T.
-template <typename T> std::vector<T> Texels(PngReader &reader, std::size_t channels, bool (*ask)(PngReader &)) {
+/// `setUp` asks libpng for a conversion to that many channels of type T.
+template <typename T> std::vector<T> Texels(PngReader &reader, std::size_t channels, bool (*setUp)(PngReader &)) {
     std::vector<T> texels(channels * reader.width * reader.height);
     for (std::size_t row = 0; row < reader.height; ++row)
         reader.rows.push_back(reinterpret_cast<png_bytep>(texels.data() + channels * reader.width * row));
-    if (!ask(reader) || !ReadRows(reader, channels * sizeof(T)))
+    if (!setUp(reader) || !ReadRows(reader, channels * sizeof(T)))
         throw Error("{}: PNG: {}", reader.name, reader.message);
     return texels;
 }
@@ -130,7 +131,7 @@ template <typename T> std::vector<T> Texels(PngReader &reader, std::size_t chann
 Image DecodePng(std::span<const std::byte> file, std::string_view name) {
     PngReader reader(file, name);
     Begin(reader);
-    return {int(reader.width), int(reader.height), Texels<std::uint8_t>(reader, 4, AskForRgba)};
+    return {int(reader.width), int(reader.height), Texels<std::uint8_t>(reader, 4, SetUpRgba)};
 }
 
 DeepImage DecodeDeepPng(std::span<const std::byte> file, std::string_view name) {
@@ -138,7 +139,7 @@ DeepImage DecodeDeepPng(std::span<const std::byte> file, std::string_view name) 
     Begin(reader);
     const bool palette = png_get_color_type(reader.png, reader.info) == PNG_COLOR_TYPE_PALETTE;
     const int bits = palette ? 8 : png_get_bit_depth(reader.png, reader.info);
-    return {int(reader.width), int(reader.height), bits, Texels<std::uint16_t>(reader, 4, AskForDeepRgba)};
+    return {int(reader.width), int(reader.height), bits, Texels<std::uint16_t>(reader, 4, SetUpDeepRgba)};
 }
 
 std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std::string_view name) {
@@ -146,12 +147,14 @@ std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std:
     Begin(reader);
     if (png_get_color_type(reader.png, reader.info) != PNG_COLOR_TYPE_PALETTE)
         return std::nullopt;
-    return IndexImage{int(reader.width), int(reader.height), Texels<std::uint8_t>(reader, 1, AskForIndexes)};
+    return IndexImage{int(reader.width), int(reader.height), Texels<std::uint8_t>(reader, 1, SetUpIndexes)};
 }
 
 std::vector<std::byte> EncodePng(std::span<const std::uint8_t> texels, int width, int height, int channels,
                                  std::string_view name) {
     CheckImageSize(std::uint64_t(width), std::uint64_t(height), name);
+    if (channels != 3 && channels != 4)
+        throw Error("{}: cannot write: {} channels a texel, expected 3 or 4", name, channels);
     if (texels.size() != std::size_t(channels) * std::size_t(width) * std::size_t(height))
         throw Error("{}: cannot write: {} bytes of texels, expected {} x {} x {}", name, texels.size(), width, height,
                     channels);

@@ -41,10 +41,10 @@ bool HasCompleteQuotes(std::string_view line) {
 
 } // namespace
 
-std::size_t QuotedEnd(std::string_view text, std::size_t begin, bool escapes) {
+std::size_t QuotedEnd(std::string_view text, std::size_t begin, QuoteEscapes escapes) {
     for (std::size_t at = begin;; ++at) {
         at = std::min(text.find('"', at), text.size());
-        if (!escapes || at == text.size() || at == begin || text[at - 1] != '\\')
+        if (escapes == QuoteEscapes::None || at == text.size() || at == begin || text[at - 1] != '\\')
             return at;
         const std::size_t lineEnd = std::min(text.find('\n', at), text.size());
         if (HasCompleteQuotes(text.substr(at + 1, lineEnd - at - 1)))
@@ -72,13 +72,13 @@ bool TextScanner::HasIncludes() const {
 }
 
 void TextScanner::SkipLine() {
-    for (std::string_view rest; Read(rest, false);) {
+    for (std::string_view rest; Read(rest, Within::Line);) {
     }
 }
 
-bool TextScanner::ReadCopy(std::string &token, bool crossLines) {
+bool TextScanner::ReadCopy(std::string &token, Within within) {
     std::string_view view;
-    const bool got = Read(view, crossLines);
+    const bool got = Read(view, within);
     if (got)
         token = view;
     return got;
@@ -86,12 +86,12 @@ bool TextScanner::ReadCopy(std::string &token, bool crossLines) {
 
 bool TextScanner::NextLongOnLine(std::string &token) {
     maxToken_ = std::string_view::npos;
-    const bool got = ReadCopy(token, false);
+    const bool got = ReadCopy(token, Within::Line);
     maxToken_ = kMaxToken;
     return got;
 }
 
-bool TextScanner::Read(std::string_view &token, bool crossLines) {
+bool TextScanner::Read(std::string_view &token, Within within) {
     if (pushedBack_) {
         pushedBack_ = false;
         token = token_;
@@ -99,8 +99,8 @@ bool TextScanner::Read(std::string_view &token, bool crossLines) {
     }
     for (;;) {
         File &file = files_.back();
-        if (!SkipBlanks(file, crossLines)) {
-            if (!crossLines || files_.size() == 1)
+        if (!SkipBlanks(file, within)) {
+            if (within == Within::Line || files_.size() == 1)
                 return false;
             files_.pop_back();
             continue;
@@ -115,40 +115,36 @@ bool TextScanner::Read(std::string_view &token, bool crossLines) {
     }
 }
 
-/// Moves to the first byte of a token. False: the file, or without crossLines the line, ends first; then the position
-/// is before the line's end or its comment.
-bool TextScanner::SkipBlanks(File &file, bool crossLines) const {
+/// Moves to the first byte of a token. False: the line or the file, as `within` says, ends first; then the position is
+/// before the line's end or its comment.
+bool TextScanner::SkipBlanks(File &file, Within within) const {
     const std::string_view text = *file.text;
-    std::size_t at = file.at;
-    const auto stop = [&](bool found) {
-        file.at = at;
-        return found;
-    };
+    std::size_t &at = file.at;
     for (;;) {
         for (; at < text.size() && IsBlank(text[at]); ++at)
             if (text[at] == '\n') {
-                if (!crossLines)
-                    return stop(false);
+                if (within == Within::Line)
+                    return false;
                 ++file.location.line;
             }
         if (at >= text.size())
-            return stop(false);
+            return false;
         const char c = text[at], next = c == '/' && at + 1 < text.size() ? text[at + 1] : '\0';
-        const bool isMark = (c == ';' || c == '#') && dialect_ != TextDialect::Engine;
-        if (isMark || next == '/') {
-            if (!crossLines)
-                return stop(false);
+        const bool startsComment = (c == ';' || c == '#') && dialect_ != TextDialect::Engine;
+        if (startsComment || next == '/') {
+            if (within == Within::Line)
+                return false;
             at = std::min(text.find('\n', at), text.size());
         } else if (next == '*') {
             const std::size_t close = text.find("*/", at + 2);
             const std::size_t end = close == std::string_view::npos ? text.size() : close + 2;
             const auto lines = std::ranges::count(text.substr(at, end - at), '\n');
-            if (lines > 0 && !crossLines)
-                return stop(false);
+            if (lines > 0 && within == Within::Line)
+                return false;
             file.location.line += int(lines);
             at = end;
         } else {
-            return stop(true);
+            return true;
         }
     }
 }
@@ -161,7 +157,7 @@ void TextScanner::ReadToken(File &file) {
     quoted_ = text[begin] == '"';
     if (quoted_) {
         ++begin;
-        end = QuotedEnd(text, begin, dialect_ == TextDialect::MapSource);
+        end = QuotedEnd(text, begin, dialect_ == TextDialect::MapSource ? QuoteEscapes::Quotes : QuoteEscapes::None);
         file.at = std::min(end + 1, text.size());
         file.location.line += int(std::count(text.begin() + begin, text.begin() + end, '\n'));
     } else {
@@ -182,7 +178,7 @@ void TextScanner::FailLong(std::string_view token) const {
 void TextScanner::OpenInclude() {
     std::string name;
     File &file = files_.back();
-    if (SkipBlanks(file, false)) {
+    if (SkipBlanks(file, Within::Line)) {
         ReadToken(file);
         name = token_;
     }

@@ -26,10 +26,13 @@ struct TextLocation {
 /// see QuotedEnd.
 enum class TextDialect { Compiler, Engine, MapSource };
 
+/// Whether a backslash within a quoted token has a meaning.
+enum class QuoteEscapes { None, Quotes };
+
 /// Offset of the closing quote of the token whose first byte after the opening quote is at `begin`, or of the end of
-/// the text. With `escapes`, \" does not close the token unless the rest of the line consists of complete quoted tokens
-/// or is empty: then the backslash is the last byte of the token, as in the name of a folder.
-std::size_t QuotedEnd(std::string_view text, std::size_t begin, bool escapes);
+/// the text. With QuoteEscapes::Quotes, \" does not close the token unless the rest of the line consists of complete
+/// quoted tokens or is empty: then the backslash is the last byte of the token, as in the name of a folder.
+std::size_t QuotedEnd(std::string_view text, std::size_t begin, QuoteEscapes escapes);
 
 /// Cuts text into tokens. White space is every byte up to 32; comments are `;`, `#`, `//` to the end of the line and
 /// `/* */`. A quoted token runs to the next quote, without escapes; a plain one to white space or `;`. Braces and
@@ -45,13 +48,13 @@ class TextScanner {
 
     /// Reads the next token, on this or a later line; false at the end. Error: a token over 1023 bytes, includes nested
     /// too deep, in a circle or too many.
-    bool Next(std::string &token) { return ReadCopy(token, true); }
+    bool Next(std::string &token) { return ReadCopy(token, Within::File); }
     /// The same without a copy: the token is valid as long as the scanner.
-    bool Next(std::string_view &token) { return Read(token, true); }
+    bool Next(std::string_view &token) { return Read(token, Within::File); }
     /// Reads the next token of the current line; false, and nothing read, when the line (or an included file) ends
     /// first or a comment follows.
-    bool NextOnLine(std::string &token) { return ReadCopy(token, false); }
-    bool NextOnLine(std::string_view &token) { return Read(token, false); }
+    bool NextOnLine(std::string &token) { return ReadCopy(token, Within::Line); }
+    bool NextOnLine(std::string_view &token) { return Read(token, Within::Line); }
     /// NextOnLine for a token that may have any length.
     bool NextLongOnLine(std::string &token);
     /// Whether the last token stood in quotes.
@@ -78,9 +81,12 @@ class TextScanner {
         TextLocation location;
     };
 
-    bool ReadCopy(std::string &token, bool crossLines);
-    bool Read(std::string_view &token, bool crossLines);
-    bool SkipBlanks(File &file, bool crossLines) const;
+    /// How far a read may go for the next token.
+    enum class Within { Line, File };
+
+    bool ReadCopy(std::string &token, Within within);
+    bool Read(std::string_view &token, Within within);
+    bool SkipBlanks(File &file, Within within) const;
     void ReadToken(File &file);
     [[noreturn]] void FailLong(std::string_view token) const;
     void OpenInclude();

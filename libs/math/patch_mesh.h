@@ -46,6 +46,20 @@ template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
 /// Upper bound of the length of the curve with these control points; 0 when it is nearly straight or a point.
 float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c);
 
+/// The longest of the curves in a patch of width x height control points, game units.
+template <typename Vert> float LongestCurve(int width, int height, const Vert *verts) {
+    const auto at = [&](int x, int y) {
+        return Vec3f(verts[std::size_t(y) * std::size_t(width) + std::size_t(x)].xyz);
+    };
+    float longest = 0;
+    for (int y = 0; y + 2 < height; y += 2)
+        for (int x = 0; x + 2 < width; x += 2) {
+            longest = std::max(longest, CurveLength(at(x, y), at(x + 1, y), at(x + 2, y)));
+            longest = std::max(longest, CurveLength(at(x, y), at(x, y + 1), at(x, y + 2)));
+        }
+    return longest;
+}
+
 /// Steps of Tessellated.
 namespace patch {
 

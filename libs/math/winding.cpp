@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// Tolerances, game units.
+/// Game units: distance up to which a point is on a plane, and length up to which an edge does not count.
 constexpr double kOnPlane = 0.1, kTinyEdge = 0.2;
 constexpr double kBaseHalfEdge = 2 * kMaxWorldCoord;
 
@@ -71,13 +71,16 @@ void WalkCut(const Winding<T> &w, const PointSides &sides, const Plane &plane, T
     }
 }
 
-void Clip(const Polygon &w, const Plane &plane, double epsilon, bool keepOn, Polygon &front, Polygon &back) {
+/// Where ClipPolygon puts a polygon that lies in the plane.
+enum class InPlane { Dropped, Back };
+
+void Clip(const Polygon &w, const Plane &plane, double epsilon, InPlane inPlane, Polygon &front, Polygon &back) {
     if (&w == &front || &w == &back)
-        return Clip(Polygon(w), plane, epsilon, keepOn, front, back);
+        return Clip(Polygon(w), plane, epsilon, inPlane, front, back);
     front.clear(), back.clear();
     const PointSides sides(w, plane, epsilon);
     if (!sides.Any(kFront)) {
-        if (keepOn || sides.Any(kBack))
+        if (inPlane == InPlane::Back || sides.Any(kBack))
             back = w;
         return;
     }
@@ -109,11 +112,11 @@ template <typename T> bool Chop(Winding<T> &w, const Plane &plane, double epsilo
 } // namespace
 
 void ClipPolygon(const Polygon &w, const Plane &plane, double epsilon, Polygon &front, Polygon &back) {
-    Clip(w, plane, epsilon, false, front, back);
+    Clip(w, plane, epsilon, InPlane::Dropped, front, back);
 }
 
 void ClipPolygonKeepOn(const Polygon &w, const Plane &plane, double epsilon, Polygon &front, Polygon &back) {
-    Clip(w, plane, epsilon, true, front, back);
+    Clip(w, plane, epsilon, InPlane::Back, front, back);
 }
 
 bool ChopPolygon(Polygon &w, const Plane &plane, double epsilon) {

@@ -9,8 +9,6 @@
 
 namespace q3 {
 
-// ---- Convex planar polygons ----
-
 template <typename T> using Winding = std::vector<Vec3<T>>;
 
 struct Plane {

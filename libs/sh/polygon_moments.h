@@ -55,23 +55,23 @@ inline double TriangleSolidAngle(const Vec3d &a, const Vec3d &b, const Vec3d &c)
 
 /// Size, distance and height of a polygon relative to the receiver p, for the choice of formulas.
 struct PolygonAspect {
-    Vec3d normal;         ///< unit, away from p if p is in front; zero for a polygon without area
-    double size2 = 0;     ///< square of the longest distance from the first corner
-    double distance2 = 0; ///< square of the distance from p to the first corner
-    double height = 0;    ///< of p over the plane; negative behind
+    Vec3d normal;               ///< unit, away from p if p is in front; zero for a polygon without area
+    double sizeSquared = 0;     ///< of the longest distance from the first corner to another
+    double distanceSquared = 0; ///< of the distance from p to the first corner
+    double height = 0;          ///< of p over the plane; negative behind
 
     PolygonAspect(std::span<const Vec3f> corners, const Vec3d &p) {
         const Vec3d origin(corners[0]), first = origin - p;
         Vec3d area, middle, last = Vec3d(corners[1]) - origin;
-        size2 = Dot(last, last), middle = last;
+        sizeSquared = Dot(last, last), middle = last;
         for (std::size_t i = 2; i < corners.size(); ++i) {
             const Vec3d next = Vec3d(corners[i]) - origin;
             area += Cross(last, next), middle += next;
-            size2 = std::max(size2, Dot(next, next));
+            sizeSquared = std::max(sizeSquared, Dot(next, next));
             last = next;
         }
         normal = Normalize(area);
-        distance2 = Dot(first, first);
+        distanceSquared = Dot(first, first);
         height = Dot(first + middle / double(corners.size()), normal);
     }
 };
@@ -83,16 +83,16 @@ inline void AddFarTriangle(PolygonMoments &m, const Vec3d &a, const Vec3d &ab, c
     constexpr double kInner = (6 - kRoot15) / 21, kOuter = (6 + kRoot15) / 21;
     constexpr double kInnerWeight = (155 - kRoot15) / 1200, kOuterWeight = (155 + kRoot15) / 1200;
     const double volume = Dot(a, Cross(ab, ac)) * 0.5;
-    const auto add = [&](double shareB, double shareC, double weight) {
-        const Vec3d at = a + ab * shareB + ac * shareC;
+    const auto add = [&](double b, double c, double weight) { // barycentric coordinates
+        const Vec3d at = a + ab * b + ac * c;
         const double inverse = 1 / Length(at);
         m.Add(at * inverse, volume * weight * inverse * inverse * inverse);
     };
     add(1.0 / 3, 1.0 / 3, 9.0 / 40);
-    for (const auto &[share, weight] : {std::pair(kInner, kInnerWeight), std::pair(kOuter, kOuterWeight)}) {
-        add(share, share, weight);
-        add(1 - 2 * share, share, weight);
-        add(share, 1 - 2 * share, weight);
+    for (const auto &[b, weight] : {std::pair(kInner, kInnerWeight), std::pair(kOuter, kOuterWeight)}) {
+        add(b, b, weight);
+        add(1 - 2 * b, b, weight);
+        add(b, 1 - 2 * b, weight);
     }
 }
 
@@ -129,7 +129,7 @@ inline PolygonMoments MomentsByEdges(std::span<const Vec3f> corners, const Vec3d
     PolygonMoments m;
     // Near the polygon, triangles from the foot of the perpendicular lose fewer digits; farther away, triangles that
     // fan out from the first corner. The arguments of the factors add up to half the solid angle, which is below pi.
-    const bool fan = 4 * aspect.size2 < aspect.distance2;
+    const bool fan = 4 * aspect.sizeSquared < aspect.distanceSquared;
     const SeenCorner first{Vec3d(corners[0]) - p};
     std::complex<double> half = 1;
     SeenCorner a{Vec3d(corners.back()) - p};
@@ -165,16 +165,17 @@ inline PolygonMoments MomentsOfPolygon(std::span<const Vec3f> corners, const Vec
     if (corners.size() < 3)
         return {};
     const PolygonAspect aspect(corners, p);
-    if (aspect.size2 * 64 * 64 < aspect.distance2) {
+    constexpr double kFar = 64; // distance / size
+    if (aspect.sizeSquared * kFar * kFar < aspect.distanceSquared) {
         PolygonMoments m;
         const Vec3d origin(corners[0]);
         for (std::size_t i = 2; i < corners.size(); ++i)
             AddFarTriangle(m, origin - p, Vec3d(corners[i - 1]) - origin, Vec3d(corners[i]) - origin);
         return m.solidAngle > 0 ? m : PolygonMoments{};
     }
-    constexpr double kInPlane = 1e-14; // heights under this share of the distance are rounding
-    return aspect.height > kInPlane * std::sqrt(aspect.distance2) ? MomentsByEdges(corners, p, aspect)
-                                                                  : PolygonMoments{};
+    constexpr double kInPlane = 1e-14; // height / distance; anything less is rounding
+    return aspect.height > kInPlane * std::sqrt(aspect.distanceSquared) ? MomentsByEdges(corners, p, aspect)
+                                                                        : PolygonMoments{};
 }
 
 } // namespace q3

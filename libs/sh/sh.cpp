@@ -8,7 +8,7 @@ namespace q3 {
 
 namespace {
 
-/// Minimum left above zero, as a share of the mean: rounding nine coefficients to float changes their sum by less than
+/// Minimum left above zero, divided by the mean: rounding nine coefficients to float changes their sum by less than
 /// 5e-7 of the mean.
 constexpr double kMargin = 1e-6;
 /// Below this mean, floats may have too few digits to stay above zero.

@@ -108,6 +108,8 @@ class BspPieces {
 
     /// Errors: those of WriteBsp.
     BspPieces(const Bsp &bsp, const BspFormat &format);
+    BspPieces(const BspPieces &) = delete; // pieces view headers of this object
+    BspPieces &operator=(const BspPieces &) = delete;
     std::uint64_t Size() const { return plan_.size; }
     /// Appends all bytes of the file in order.
     void Write(const Append &append) const;

@@ -79,7 +79,7 @@ class Tokenizer {
     }
 
     Token Quoted(Token token) {
-        const std::size_t close = QuotedEnd(rest_, 1, isMap_);
+        const std::size_t close = QuotedEnd(rest_, 1, isMap_ ? QuoteEscapes::Quotes : QuoteEscapes::None);
         if (close == rest_.size())
             Fail(line_, "a string is opened here and never closed");
         token.kind = Token::Quoted;

@@ -114,7 +114,7 @@ std::vector<SettingSection> DirectiveSections() {
 
 namespace {
 
-constexpr std::string_view kRules =
+constexpr std::string_view kOptionRules =
     "Option names are whole words, case-insensitive. Their order does not matter; options, the stage word and the file "
     "may stand anywhere on the line. The extension of the file is replaced by the one that the stage needs. A value "
     "must be a whole word and a number of the range given, or the program stops with an error; where another value is "
@@ -127,12 +127,23 @@ bool HasRange(const SettingEntry &entry) {
     return entry.info.kind == SettingKind::Integer || entry.info.kind == SettingKind::Number;
 }
 
-/// Range and unit, and what becomes of values outside: "from 1 to 8 luxels". The default range is shown only if
-/// `complete`.
-std::string Limits(const SettingEntry &entry, bool complete) {
+/// The range in words. Limits of one billion or more only keep numbers computable, so they are not named.
+std::string RangeInWords(const SettingRange &range) {
+    constexpr double kBillion = 1e9;
+    if (range.high < kBillion)
+        return range.Text();
+    if (range.low <= -kBillion)
+        return "";
+    return range.aboveLow ? fmt::format("over {:.12g}", range.low) : fmt::format("{:.12g} or more", range.low);
+}
+
+/// Range and unit, and what becomes of values outside: "from 1 to 8 luxels".
+std::string Limits(const SettingEntry &entry, ShownRanges ranges) {
     const SettingInfo &info = entry.info;
-    const bool shown = HasRange(entry) && (complete || !info.range.IsDefault());
-    std::string text = shown ? info.range.Text() : "";
+    std::string text;
+    if (HasRange(entry) && (ranges == ShownRanges::All || !info.range.IsDefault()))
+        text = RangeInWords(info.range);
+    const bool shown = !text.empty();
     if (!info.unit.empty())
         text += (text.empty() ? "in " : " ") + std::string(info.unit);
     if (shown && info.outside == OutOfRange::Clamp)
@@ -145,11 +156,11 @@ std::string Limits(const SettingEntry &entry, bool complete) {
 }
 
 /// The stages that a directive is for, in words.
-std::string_view StageText(std::string_view stage) {
+std::string_view DirectiveStageText(std::string_view stage) {
     return stage == "both" ? "bsp, light" : stage == "none" ? "" : stage;
 }
 
-/// A cell of a table.
+/// The text as it stands in a cell of a Markdown table.
 std::string Cell(std::string_view text) {
     std::string cell;
     for (const char c : text)
@@ -169,7 +180,7 @@ std::string NamesCell(const SettingInfo &info) {
 /// Help, limits and details as sentences.
 std::string EffectText(const SettingEntry &entry) {
     std::string effect(entry.info.help);
-    if (const std::string limits = Limits(entry, false); !limits.empty())
+    if (const std::string limits = Limits(entry, ShownRanges::Declared); !limits.empty())
         effect += fmt::format(" ({})", limits);
     effect += ".";
     if (!entry.info.details.empty())
@@ -194,11 +205,12 @@ std::string DirectiveTable(const SettingSection &section) {
         text += fmt::format("{}\n\n", section.intro);
     text += "| directive | stage | default | effect |\n|---|---|---|---|\n";
     for (const SettingEntry &entry : section.entries)
-        text += fmt::format("| {} | {} | {} | {} |\n", NamesCell(entry.info), StageText(entry.stage),
+        text += fmt::format("| {} | {} | {} | {} |\n", NamesCell(entry.info), DirectiveStageText(entry.stage),
                             Cell(entry.initial), Cell(EffectText(entry)));
     return text;
 }
 
+/// The text without Markdown, as it stands in a manual page.
 std::string Roff(std::string_view text) {
     std::string result;
     for (const char c : WithoutMarkup(text)) {
@@ -217,7 +229,7 @@ std::string RoffSection(const SettingSection &section) {
         text += fmt::format(".TP\n.B {}", Roff(entry.info.name));
         if (!entry.info.values.empty())
             text += fmt::format(" {}", Roff(entry.info.values));
-        text += fmt::format("\n{}\n", Roff(FullHelp(entry, false)));
+        text += fmt::format("\n{}\n", Roff(FullHelp(entry, ShownRanges::Declared)));
         if (!entry.info.details.empty())
             text += Roff(entry.info.details) + "\n";
     }
@@ -230,12 +242,12 @@ std::vector<SettingSection> SectionsOf(const Stage &stage) {
     return stage.settings ? stage.settings() : std::vector<SettingSection>();
 }
 
-std::string FullHelp(const SettingEntry &entry, bool complete) {
-    std::string extra = Limits(entry, complete);
+std::string FullHelp(const SettingEntry &entry, ShownRanges ranges) {
+    std::string extra = Limits(entry, ranges);
     const auto add = [&](const std::string &more) { extra += (extra.empty() ? "" : "; ") + more; };
     if (!entry.initial.empty() && !(entry.info.kind == SettingKind::Flag && entry.initial == "off"))
         add(fmt::format("default: {}", entry.initial));
-    if (const std::string_view stage = StageText(entry.stage); !stage.empty())
+    if (const std::string_view stage = DirectiveStageText(entry.stage); !stage.empty())
         add(fmt::format("stage: {}", stage));
     return fmt::format("{}{}", entry.info.help, extra.empty() ? "" : fmt::format(" ({})", extra));
 }
@@ -258,7 +270,7 @@ std::string MarkdownPage(StageList stages) {
     std::string text = fmt::format("<!-- Generated: q3map2 -help markdown > docs/options.md -->\n# Options\n\n"
                                    "    q3map2 [global options] STAGE [options] FILE\n\n{}\n\n"
                                    "| stage | does |\n|---|---|\n",
-                                   kRules);
+                                   kOptionRules);
     for (const Stage &stage : stages)
         text += fmt::format("| `{}` | {} |\n", Cell(stage.usage), Cell(stage.help));
     text += "\n## Global options\n";
@@ -295,7 +307,7 @@ std::string ManualPage(StageList stages) {
                                    ".TH Q3MAP2 1 \"\" \"q3map2\\-sh {}\"\n.SH NAME\nq3map2 \\- compile maps for games "
                                    "of the Quake III family\n.SH SYNOPSIS\n.B q3map2\n[global options] stage "
                                    "[options] file\n.SH DESCRIPTION\n{}\n.SH STAGES\n",
-                                   kVersionNumber, Roff(kRules));
+                                   kVersionNumber, Roff(kOptionRules));
     for (const Stage &stage : stages)
         text += fmt::format(".TP\n.B q3map2 {}\n{}.\n", Roff(stage.usage), Roff(stage.help));
     text += ".SH GLOBAL OPTIONS\n";
@@ -365,7 +377,7 @@ void CheckBuildStep(StageList stages, const std::string &step) {
                     TakeOccurrence(entry.info, entry.info.kind, arguments, at, quiet);
                 else
                     ++at;
-    if (!chosen.given || !arguments.Empty())
+    if (!chosen.isNamed || !arguments.Empty())
         throw Error("\"{}\" in the menus of editors: there is no {}", step,
                     arguments.Empty() ? "stage" : arguments.Rest().front());
 }

@@ -16,8 +16,8 @@ namespace q3 {
 inline constexpr std::string_view kKeyRules =
     "Key names are case-insensitive. Of several names of a key the first one present counts. Text that is not a "
     "number, a number with something after it, and a number out of range are warnings that name the entity and the "
-    "key; for the last the nearest number of the range is used. Numbers of keys without a range may be from -1000000 "
-    "to 1000000.";
+    "key; for the last the nearest number of the range is used. Numbers of keys whose range is not named may be at "
+    "least from -1000000 to 1000000.";
 
 /// All declared keys, by kind of entity.
 std::vector<SettingSection> EntitySections();
@@ -45,8 +45,11 @@ std::string DirectivesPage();
 /// docs/q3map2.1.
 std::string ManualPage(StageList stages);
 
-/// The help of a setting with its unit, range and default, as one sentence. `complete`: with the default range too.
-std::string FullHelp(const SettingEntry &entry, bool complete);
+/// Which ranges of numbers are shown: all, or only those that a setting declares itself.
+enum class ShownRanges { Declared, All };
+
+/// The help of a setting with its unit, range and default, as one sentence.
+std::string FullHelp(const SettingEntry &entry, ShownRanges ranges);
 /// Text without Markdown for code and links.
 std::string WithoutMarkup(std::string_view text);
 

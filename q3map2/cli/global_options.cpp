@@ -15,7 +15,7 @@
 
 namespace q3 {
 
-// ---- Options that every stage accepts ----
+// ---- The game and its files, from the options ----
 
 namespace {
 
@@ -31,7 +31,7 @@ void AddUnique(std::vector<std::string> &list, std::string value) {
 }
 
 /// Slashes instead of backslashes, and every path once.
-void Normalize(std::vector<std::string> &list) {
+void TidyPaths(std::vector<std::string> &list) {
     std::vector<std::string> unique;
     for (std::string &path : list)
         AddUnique(unique, std::move(path));
@@ -103,7 +103,7 @@ GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
     ChooseGame(options, log);
     for (std::vector<std::string> *list :
          {&options.forbidden, &options.basePaths, &options.gameDirs, &options.pakPaths})
-        Normalize(*list);
+        TidyPaths(*list);
     return options;
 }
 
@@ -155,7 +155,7 @@ VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<
     return vfs;
 }
 
-// ---- Declares the options that every stage accepts ----
+// ---- Options declared: name, range, default, help ----
 
 namespace {
 
@@ -355,7 +355,8 @@ std::string HintOfMap(const std::vector<std::string> &words, const Game &game) {
     return {};
 }
 
-void Report(bool force, std::string_view kind, std::string_view text, Log &log) {
+/// Error, or a warning with -force.
+void FailOrWarn(bool force, std::string_view kind, std::string_view text, Log &log) {
     if (!force)
         throw Error("{}; -force goes on without", text);
     log.Warn(kind, "{}", text);
@@ -419,7 +420,7 @@ void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> 
     };
     for (const std::string &path : options.basePaths)
         if (!IsFolder(path))
-            return Report(
+            return FailOrWarn(
                 options.force, "no base path",
                 fmt::format(
                     "no game files: -fs_basepath {} is not a folder; it must be the one that holds {} (searched: "
@@ -431,17 +432,17 @@ void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> 
         std::copy_if(folders.begin(), folders.end(), std::back_inserter(searched),
                      [&](const fs::path &folder) { return isGameDir(folder, gameDir); });
         if (std::none_of(searched.begin(), searched.end(), IsFolder))
-            return Report(options.force, "no mod folder",
-                          fmt::format("-fs_game {}: no such folder; correct it or -fs_basepath (searched: {})", gameDir,
-                                      Joined(searched)),
-                          log);
+            return FailOrWarn(options.force, "no mod folder",
+                              fmt::format("-fs_game {}: no such folder; correct it or -fs_basepath (searched: {})",
+                                          gameDir, Joined(searched)),
+                              log);
     }
     if (std::none_of(folders.begin(), folders.end(),
                      [&](const fs::path &folder) { return HoldsGameFiles(folder, *options.game); }))
-        Report(options.force, "no game files",
-               fmt::format("no game files found; give the folder that holds {} by -fs_basepath (searched: {}){}", base,
-                           Joined(folders), HintOfMap(words, *options.game)),
-               log);
+        FailOrWarn(options.force, "no game files",
+                   fmt::format("no game files found; give the folder that holds {} by -fs_basepath (searched: {}){}",
+                               base, Joined(folders), HintOfMap(words, *options.game)),
+                   log);
 }
 
 } // namespace q3

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <set>
 
 namespace q3 {
 
@@ -123,7 +124,7 @@ std::string ZshText(std::string_view text) {
 /// Branches of `case` by the word before the cursor: options with the same values share one.
 std::string BashValueCases(StageList stages) {
     std::map<std::string, std::string> patterns; // by action
-    std::map<std::string, bool> known;
+    std::set<std::string_view> known;
     const auto add = [&](const SettingInfo &info) {
         if (info.MinValues() == 0 && info.name != "-help")
             return;
@@ -135,7 +136,7 @@ std::string BashValueCases(StageList stages) {
         else if (values.kind != Values::Kind::Any)
             action = values.kind == Values::Kind::Files ? "paths=-f" : "paths=-d";
         for (const std::string_view name : {info.name, info.aliases[0], info.aliases[1]})
-            if (!name.empty() && known.emplace(name, true).second) {
+            if (!name.empty() && known.insert(name).second) {
                 std::string &pattern = patterns[action];
                 pattern += fmt::format("{}{}", pattern.empty() ? "" : "|", name);
             }
@@ -312,7 +313,7 @@ std::string Wrapped(std::string_view text, std::size_t indent, std::size_t colum
 }
 
 /// "  -name VALUES          help (default, range)".
-std::string EntryLine(const SettingEntry &entry, bool complete = false) {
+std::string EntryLine(const SettingEntry &entry, ShownRanges ranges = ShownRanges::Declared) {
     std::string name = "  " + std::string(entry.info.name);
     for (const std::string_view alias : entry.info.aliases)
         if (!alias.empty())
@@ -321,7 +322,7 @@ std::string EntryLine(const SettingEntry &entry, bool complete = false) {
         name += fmt::format(" {}", entry.info.values);
     std::string line = name.size() < kNameColumn ? name + std::string(kNameColumn - name.size(), ' ')
                                                  : name + "\n" + std::string(kNameColumn, ' ');
-    return line + Wrapped(WithoutMarkup(FullHelp(entry, complete)), kNameColumn, kNameColumn) + "\n";
+    return line + Wrapped(WithoutMarkup(FullHelp(entry, ranges)), kNameColumn, kNameColumn) + "\n";
 }
 
 std::string SectionText(const SettingSection &section) {
@@ -374,8 +375,10 @@ std::string Overview(StageList stages) {
     std::string text = fmt::format("{}\nq3map2 [global options] STAGE [options] FILE\n\nStages\n", kVersion);
     for (const Stage &stage : stages)
         text += fmt::format("  {}\n      {}\n", stage.usage, stage.help);
-    text += "\nq3map2 -help STAGE lists the options of a stage, such as -help light; -help OPTION explains one.\n"
-            "-help keys lists the keys of entities, -help shader the directives of shaders; -help all prints all.\n";
+    text += "\n`q3map2 -help light` lists the options of the stage -light, and so on for each stage.\n"
+            "`q3map2 -help samples` explains the option -samples, and so on for each option, key and directive.\n"
+            "`q3map2 -help keys` lists the keys of entities, `q3map2 -help shader` the directives of shaders.\n"
+            "`q3map2 -help all` prints everything.\n";
     return text + GlobalText();
 }
 
@@ -394,7 +397,9 @@ void AddEntries(std::string_view owner, const std::vector<SettingSection> &secti
     for (const SettingSection &section : sections)
         for (const SettingEntry &entry : section.entries)
             if (entry.info.Names(topic) || entry.info.Names(fmt::format("-{}", topic))) {
-                text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry, entry.stage.empty()));
+                // Directives have no common default range.
+                const ShownRanges ranges = entry.stage.empty() ? ShownRanges::All : ShownRanges::Declared;
+                text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry, ranges));
                 if (!entry.info.details.empty())
                     text += fmt::format("{:{}}{}\n", "", kNameColumn,
                                         Wrapped(WithoutMarkup(entry.info.details), kNameColumn, kNameColumn));

@@ -50,15 +50,17 @@ bool HasWord(const std::vector<std::string> &words, std::string_view option) {
     return std::ranges::any_of(words, [&](const std::string &word) { return EqualNoCase(word, option); });
 }
 
-/// Whether the line asks for an SH grid and leaves its cell to the preset.
+/// Whether the line asks for an SH grid and leaves the size of its cells to the preset.
 bool TakesGridSH(const std::vector<std::string> &words) {
-    constexpr std::string_view kGrids[] = {"-sh", "-shbspx", "-shradiance", "-gridformats"};
+    constexpr std::string_view kGridOptions[] = {"-sh",         "-shbspx",   "-shradiance",
+                                                 "-shadaptive", "-shbudget", "-gridformats"};
     return !HasWord(words, "-shsmall") &&
-           std::ranges::any_of(kGrids, [&](std::string_view option) { return HasWord(words, option); });
+           std::ranges::any_of(kGridOptions, [&](std::string_view option) { return HasWord(words, option); });
 }
 
 const Preset &FindPreset(std::string_view name) {
-    const auto found = std::ranges::find_if(kPresets, [&](const Preset &p) { return EqualNoCase(p.name, name); });
+    const auto found =
+        std::ranges::find_if(kPresets, [&](const Preset &preset) { return EqualNoCase(preset.name, name); });
     if (found != kPresets.end())
         return *found;
     std::vector<std::string> names;

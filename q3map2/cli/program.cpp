@@ -32,14 +32,16 @@ void AddLogFile(const std::string &path, Log &log) {
 std::vector<std::string> Unquoted(std::vector<std::string> words) {
     struct Quotes {
         std::string_view left, right;
-        bool single; ///< also where only one of them is there
+        bool areRemovedSingly; ///< also where only one of them is there
     };
-    constexpr std::array<Quotes, 3> kQuotes = {{{"\"", "\"", true}, {"'", "'", false}, {"\u201C", "\u201D", false}}};
+    constexpr std::array<Quotes, 3> kQuotes = {{{.left = "\"", .right = "\"", .areRemovedSingly = true},
+                                                {.left = "'", .right = "'", .areRemovedSingly = false},
+                                                {.left = "\u201C", .right = "\u201D", .areRemovedSingly = false}}};
     for (std::string &word : words)
         for (const Quotes &quotes : kQuotes) {
             const bool left = word.starts_with(quotes.left), right = word.ends_with(quotes.right);
             const std::size_t length = (left ? quotes.left.size() : 0) + (right ? quotes.right.size() : 0);
-            if (length < word.size() && ((left && right) || (quotes.single && (left || right))))
+            if (length < word.size() && ((left && right) || (quotes.areRemovedSingly && (left || right))))
                 word = word.substr(left ? quotes.left.size() : 0, word.size() - length);
         }
     return words;
@@ -65,10 +67,10 @@ int Run(StageList stages, const std::vector<std::string> &words, const std::file
     const ChosenStage chosen = TakeStage(stages, arguments);
     TranslateVradOptions(chosen.stage, arguments, log);
     ExpandPreset(chosen.stage, arguments, log);
-    const StageContext context{options, chosen.stage, stages, chosen.given, program, arguments.Rest(), log, report};
+    const StageContext context{options, chosen.stage, stages, chosen.isNamed, program, arguments.Rest(), log, report};
     const int status = chosen.stage.run(context, std::move(arguments));
     log.FlushWarnings();
-    report.PrintEnd(status != 0, log);
+    report.PrintEnd(status == 0 ? RunEnd::Done : RunEnd::Failed, log);
     return status;
 }
 
@@ -98,7 +100,7 @@ int RunProgram(StageList stages, const std::vector<std::string> &given, const st
     const auto fail = [&](std::string_view text) {
         log.FlushWarnings();
         log.Write(LogLevel::Error, fmt::format("************ ERROR ************\n{}\n", text));
-        report.PrintEnd(true, log);
+        report.PrintEnd(RunEnd::Failed, log);
         return end(1, text);
     };
     if (reports)

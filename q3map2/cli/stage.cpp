@@ -13,8 +13,8 @@ namespace q3 {
 
 namespace {
 
-/// Names that users of other compilers may give.
-constexpr std::string_view kOtherStages[] = {"-vlight", "-ent"};
+/// Stages that other compilers have.
+constexpr std::string_view kForeignStages[] = {"-vlight", "-ent"};
 
 const Stage *FindStage(StageList stages, std::string_view word) {
     const auto found = std::ranges::find_if(stages, [&](const Stage &s) { return EqualNoCase(s.word, word); });
@@ -92,7 +92,7 @@ std::size_t FindFile(const StageContext &context, const std::vector<std::string>
 /// The names that an unknown word is compared with, to propose the nearest.
 std::vector<std::string> KnownNames(const StageContext &context) {
     std::vector<std::string> names = context.stage.OptionNames();
-    if (!context.stageGiven)
+    if (!context.stageIsNamed)
         for (const Stage &stage : context.stages)
             names.emplace_back(stage.word);
     return names;
@@ -108,10 +108,10 @@ std::string OwnerHint(const StageContext &context, std::string_view word) {
 }
 
 /// What an unknown word may have been meant to be: an option of another stage, one written with =, or a near name.
-std::string Hint(const StageContext &context, const std::string &word, bool &ofOthers) {
+std::string HintFor(const StageContext &context, const std::string &word, bool &isOfOtherStage) {
     const std::string owners = OwnerHint(context, word);
-    ofOthers = !owners.empty();
-    if (ofOthers)
+    isOfOtherStage = !owners.empty();
+    if (isOfOtherStage)
         return owners;
     const std::size_t equals = word.find('=');
     const std::string name = word.substr(0, equals);
@@ -130,25 +130,28 @@ std::string ValuesAfter(const std::vector<std::string> &words, std::size_t at) {
                                         fmt::join(values, " "), values.size() == 1 ? "is" : "are");
 }
 
+/// Which of the words left over are reported: all, or those with a dash.
+enum class Checked { AllWords, Options };
+
 /// Warns about each word that no option took; an option and its values share a warning. Errors: no stage was named, or
-/// the word stands before the stage word. `optionsOnly`: looks only at words with a dash.
-void ReportUnknown(const StageContext &context, const Arguments &arguments, bool optionsOnly = false) {
+/// the word stands before the stage word.
+void ReportUnknown(const StageContext &context, const Arguments &arguments, Checked checked = Checked::AllWords) {
     const bool saysOption = context.stage.word == "-bsp" || context.stage.word == "-vis";
     const std::vector<std::string> &words = arguments.Rest();
     for (std::size_t i = 0; i < words.size(); ++i) {
         const std::string &word = words[i];
-        if (!IsOption(word) && (optionsOnly || MayBeValue(words, i)))
+        if (!IsOption(word) && (checked == Checked::Options || MayBeValue(words, i)))
             continue;
-        bool ofOthers = false;
-        const std::string hint = Hint(context, word, ofOthers);
-        if (!context.stageGiven)
-            throw Error("{}: unknown{}{}", word, hint, ofOthers ? ", which the line does not name" : "");
+        bool isOfOtherStage = false;
+        const std::string hint = HintFor(context, word, isOfOtherStage);
+        if (!context.stageIsNamed)
+            throw Error("{}: unknown{}{}", word, hint, isOfOtherStage ? ", which the line does not name" : "");
         if (arguments.IsBeforeStage(i))
             throw Error("{}: {} has no such option{}", word, context.stage.word, hint);
         const std::string text =
             fmt::format("Unknown {} \"{}\"{}{}", saysOption ? "option" : "argument", word, hint, ValuesAfter(words, i));
         context.log.Warn("unknown option", "{}", text);
-        context.log.Repeat(text);
+        context.log.AddToSummary(text);
     }
 }
 
@@ -175,15 +178,16 @@ bool Stage::HasOption(std::string_view option) const {
 }
 
 StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vector<std::string> given) {
-    if (!context.stageGiven)
-        ReportUnknown(context, arguments, true); // first, as the value of an unknown option could be taken for the file
+    if (!context.stageIsNamed)
+        ReportUnknown(context, arguments,
+                      Checked::Options); // first, as the value of an unknown option could be taken for the file
     StageFile result;
     result.file = arguments.TakeAt(FindFile(context, arguments.Rest()));
     ReportUnknown(context, arguments);
     const auto last = std::ranges::find(given.rbegin(), given.rend(), result.file);
     if (last != given.rend())
         given.erase(std::next(last).base());
-    result.recorded = std::move(given);
+    result.wordsToRecord = std::move(given);
     return result;
 }
 
@@ -204,16 +208,16 @@ ChosenStage TakeStage(StageList stages, Arguments &arguments) {
     if (const auto at = FindStageWord(stages, arguments.Rest())) {
         const Stage stage = *FindStage(stages, arguments.TakeAt(*at));
         arguments.SetBeforeStage(*at);
-        return {stage, true};
+        return {.stage = stage, .isNamed = true};
     }
-    for (const std::string_view name : kOtherStages)
+    for (const std::string_view name : kForeignStages)
         if (EqualNoCase(arguments.Rest().front(), name)) {
             std::vector<std::string_view> words;
             for (const Stage &stage : stages)
                 words.push_back(stage.word);
             throw Error("{} is not a stage of this version; it has {}", name, fmt::join(words, ", "));
         }
-    return {stages.front(), false};
+    return {.stage = stages.front(), .isNamed = false};
 }
 
 } // namespace q3

@@ -24,7 +24,7 @@ struct StageContext {
     const GlobalOptions &options;
     const Stage &stage;
     StageList stages;               ///< all of them, for hints about words of other stages
-    bool stageGiven;                ///< false: no stage word, which means the bsp stage
+    bool stageIsNamed;              ///< false: no stage word, which means the bsp stage
     std::filesystem::path program;  ///< real path of the executable
     std::vector<std::string> words; ///< the whole command line, which may contain the engine path
     Log &log;
@@ -48,10 +48,10 @@ struct Stage {
     bool HasOption(std::string_view word) const;
 };
 
-/// The input file of a stage, and the other words, for worldspawn's key _q3map2_cmdline.
+/// The input file of a stage, and the other words of the command line.
 struct StageFile {
     std::string file;
-    std::vector<std::string> recorded;
+    std::vector<std::string> wordsToRecord; ///< in worldspawn's key _q3map2_cmdline
 };
 
 /// Takes the input file off `arguments`, after the options of the stage were taken: the last word without a dash.
@@ -64,7 +64,7 @@ std::vector<std::string> TakeFiles(const StageContext &context, Arguments &argum
 /// A stage of the list and whether the line names it.
 struct ChosenStage {
     Stage stage;
-    bool given = false;
+    bool isNamed = false;
 };
 
 /// Takes the stage word off `arguments`, after the global options were taken. It may stand anywhere; without one the

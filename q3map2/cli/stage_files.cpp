@@ -40,7 +40,8 @@ bool HasExtension(const fs::path &path, std::string_view extension) {
 }
 
 bool HasMapFileExtension(const fs::path &path) {
-    return std::ranges::any_of(kMapFileExtensions, [&](std::string_view e) { return HasExtension(path, e); });
+    return std::ranges::any_of(kMapFileExtensions,
+                               [&](std::string_view extension) { return HasExtension(path, extension); });
 }
 
 fs::path Appended(fs::path path, std::string_view extension) {
@@ -173,8 +174,6 @@ fs::path ExistingBsp(const std::string &word, std::span<const fs::path> gameFold
 
 // ---- The files that a stage reads and writes ----
 
-namespace fs = std::filesystem;
-
 FileGuard::FileGuard(const StageContext &context) : FileGuard(context.options.force, context.log) {}
 
 void FileGuard::Reads(const fs::path &file) {
@@ -196,12 +195,13 @@ void FileGuard::WritesInto(const fs::path &folder, std::uint64_t bytes) {
     Reserve(fs::absolute(folder), bytes);
 }
 
-/// A new file is complete before it replaces the old one, so the space of the old one does not count as free.
+/// Adds `bytes` to what the stage needs on the disk of the folder. A new file is complete before it replaces the old
+/// one, so the space of the old one does not count as free.
 void FileGuard::Reserve(fs::path folder, std::uint64_t bytes) {
     std::error_code failed;
     while (!fs::exists(folder, failed) && folder.has_relative_path())
         folder = folder.parent_path();
-    const std::uint64_t needed = needed_[folder] += bytes;
+    const std::uint64_t needed = needed_[DiskOf(folder)] += bytes;
     const fs::space_info space = fs::space(folder, failed);
     if (!failed && needed > 0 && space.available < needed)
         FailUnlessForced(fmt::format(

@@ -47,8 +47,8 @@ class FileGuard {
     /// The same for a file that must exist. Errors: it cannot be read.
     void Needs(const std::filesystem::path &file);
     /// A file that the stage will write, and its approximate size; 0: small or unknown. Errors: it cannot be written,
-    /// or its disk lacks the space for it and for the files named before in its folder. With -force, lack of space is a
-    /// warning.
+    /// or its disk lacks the space for it and for the files named before on the same disk. With -force, lack of
+    /// space is a warning.
     void Writes(const std::filesystem::path &file, std::uint64_t bytes = 0);
     /// The same for files in a folder, which the stage creates if it does not exist.
     void WritesInto(const std::filesystem::path &folder, std::uint64_t bytes = 0);
@@ -67,7 +67,7 @@ class FileGuard {
     Log &log_;
     bool force_;
     std::vector<Input> inputs_;
-    std::map<std::filesystem::path, std::uint64_t> needed_; ///< bytes, by folder
+    std::map<std::uint64_t, std::uint64_t> needed_; ///< bytes, by disk (DiskOf)
 };
 
 /// Size of the file; 0: there is none.

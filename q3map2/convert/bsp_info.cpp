@@ -125,7 +125,7 @@ void PrintAnalysis(std::span<const std::byte> file, bool lumpSwap, std::string_v
 
 namespace {
 
-constexpr std::string_view kRule = "---------------------------------";
+constexpr std::string_view kSeparator = "---------------------------------";
 constexpr double kMegabyte = 1024 * 1024;
 
 /// Record sizes of RBSP, which the established program prints for IBSP files too.
@@ -182,16 +182,16 @@ class InfoTable {
     }
 
     void PrintSurfaces() const {
-        const auto ofType = [this](int type, std::string_view name, bool always) {
+        const auto ofType = [this](int type, std::string_view name) {
             const auto count = std::ranges::count(bsp_.drawSurfaces, type, &bspDrawSurface_t::surfaceType);
-            if (always || count > 0)
+            if (count > 0 || type != MST_FLARE)
                 log_.Print("{:9}   {}\n", count, name);
         };
         Line(bsp_.drawSurfaces, "drawsurfaces", kRbspSurfaceBytes);
-        ofType(MST_PATCH, "patch surfaces", true);
-        ofType(MST_PLANAR, "planar surfaces", true);
-        ofType(MST_TRIANGLE_SOUP, "trisoup surfaces", true);
-        ofType(MST_FLARE, "flare surfaces", false);
+        ofType(MST_PATCH, "patch surfaces");
+        ofType(MST_PLANAR, "planar surfaces");
+        ofType(MST_TRIANGLE_SOUP, "trisoup surfaces");
+        ofType(MST_FLARE, "flare surfaces");
         Line(bsp_.drawVerts, "drawverts", kRbspVertBytes);
         Line(bsp_.drawIndexes, "drawindexes");
         log_.Print("\n");
@@ -220,9 +220,9 @@ class InfoTable {
         Note("coefficients are {}",
              world.Value(kGridSHKey) == kRadiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
         const GridShares shares = CountGridShares(bsp_, grid);
-        Share(shares.open, "lit points", grid.points.size());
-        Share(shares.filled, "filled points", grid.points.size());
-        Share(shares.darkVoid, "void points", grid.points.size());
+        PointsLine(shares.open, "lit points", grid.points.size());
+        PointsLine(shares.filled, "filled points", grid.points.size());
+        PointsLine(shares.darkVoid, "void points", grid.points.size());
         log_.Print("\n");
     }
 
@@ -253,7 +253,7 @@ class InfoTable {
     template <typename... Args> void Note(fmt::format_string<Args...> format, Args &&...args) const {
         log_.Print("{:9}   {}\n", "", fmt::format(format, std::forward<Args>(args)...));
     }
-    void Share(std::size_t count, std::string_view name, std::size_t of) const {
+    void PointsLine(std::size_t count, std::string_view name, std::size_t of) const {
         log_.Print("{:9}   {:<14} {:5.1f} % {:9.2f} MB\n", count, name, 100.0 * double(count) / double(of),
                    double(count * sizeof(bspGridPointSH_t)) / kMegabyte);
     }
@@ -285,8 +285,9 @@ class InfoTable {
         Line(cubes.samples.size(), "ambient cubes",
              sizeof(bspCubeHeader_t) + cubes.leafs.size() * sizeof(bspCubeLeaf_t) +
                  cubes.samples.size() * sizeof(bspCubeSample_t));
-        const auto own = std::ranges::count_if(cubes.leafs, [](const bspCubeLeaf_t &leaf) { return leaf.count > 0; });
-        Note("{} of {} leafs have their own, others refer to one of these", own, cubes.leafs.size());
+        const auto withCubes =
+            std::ranges::count_if(cubes.leafs, [](const bspCubeLeaf_t &leaf) { return leaf.count > 0; });
+        Note("{} of {} leafs have their own, others refer to one of these", withCubes, cubes.leafs.size());
         log_.Print("\n");
     }
 
@@ -323,12 +324,12 @@ class InfoTable {
 } // namespace
 
 void PrintBspInfo(const std::filesystem::path &path, const Bsp &bsp, std::uintmax_t fileBytes, Log &log) {
-    log.Print("{}\n{}\n", kRule, path.string());
+    log.Print("{}\n{}\n", kSeparator, path.string());
     log.Print("Abstracted BSP file components (*actual sizes may differ)\n");
     InfoTable(path, bsp, log).Print();
     log.Print("{:9} {:<14} {:9}\n", "", "total", fileBytes);
     log.Print("{:9} {:<14} {:9} KB\n", "", "", fileBytes / 1024);
-    log.Print("{:9} {:<14} {:9} MB\n{}\n", "", "", fileBytes / (1024 * 1024), kRule);
+    log.Print("{:9} {:<14} {:9} MB\n{}\n", "", "", fileBytes / (1024 * 1024), kSeparator);
 }
 
 } // namespace q3

@@ -58,7 +58,7 @@ ConvertGroup InputAndOutput() {
 }
 
 ConvertGroup MapFormats() {
-    constexpr SettingRange epsilon{0, 1, true, true};
+    constexpr SettingRange epsilon{.low = 0, .high = 1, .aboveLow = true, .belowHigh = true};
     return {
         "Map formats",
         "An option that means nothing for the format or the input is an error.",

@@ -20,7 +20,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMostBound = 1 << 30;
+constexpr double kMostBound = 1 << 30; ///< game units
 
 } // namespace
 
@@ -44,15 +44,20 @@ std::int32_t WholeBound(double bound) {
 
 namespace {
 
-/// Positions that differ by less than this part of a cell are the same.
+/// Positions that differ by less than this fraction of a cell are the same.
 constexpr double kSamePlace = 1e-3;
 constexpr int kMostSteps = 16;     ///< between neighboring floats, and of cells
-constexpr double kCellStep = 1e-6; ///< part of a cell by which it may shrink
+constexpr double kCellStep = 1e-6; ///< fraction of a cell by which each step shrinks it
 
-/// The value, or a float near it, whose first or last grid position by the rule of engines is `wanted`.
-float NudgedBound(float bound, float cell, double wanted, bool isFirst) {
+/// A bound of the world along an axis. Engines place the first grid point at cell * ceil(mins / cell), the last one at
+/// cell * floor(maxs / cell).
+enum class BoundSide { Mins, Maxs };
+
+/// The bound, or a float near it, that makes engines place its grid point at `wanted`.
+float NudgedBound(float bound, float cell, double wanted, BoundSide side) {
     const auto fits = [&](float value) {
-        const double place = double(cell * (isFirst ? std::ceil(value / cell) : std::floor(value / cell)));
+        const double place =
+            double(cell * (side == BoundSide::Mins ? std::ceil(value / cell) : std::floor(value / cell)));
         return std::abs(place - wanted) < kSamePlace * double(cell);
     };
     float down = bound, up = bound;
@@ -81,8 +86,9 @@ bool FitAxis(const GridLayout &wanted, std::size_t axis, bspModel_t &world, Floa
         Float3 size = cell;
         size[axis] = float(NumberFromText(text));
         const double first = double(wanted.mins[axis]), count = wanted.bounds[axis] - 1;
-        model.mins[axis] = NudgedBound(model.mins[axis], size[axis], first, true);
-        model.maxs[axis] = NudgedBound(model.maxs[axis], size[axis], first + double(size[axis]) * count, false);
+        model.mins[axis] = NudgedBound(model.mins[axis], size[axis], first, BoundSide::Mins);
+        model.maxs[axis] =
+            NudgedBound(model.maxs[axis], size[axis], first + double(size[axis]) * count, BoundSide::Maxs);
         if (IsSameOnAxis(wanted, LayoutGrid(model.mins, model.maxs, size), axis)) {
             world = model;
             cell = size;
@@ -154,10 +160,10 @@ namespace {
 
 /// What scaling or moving the world changes in a lump.
 enum class LumpContent {
-    Nothing,    ///< no positions: light, numbers, checksums
-    Directions, ///< valid unless the axes are scaled by different factors
-    Grid,       ///< a GridHead, then positions in cells
-    Grids       ///< such grids, each after its length in bytes
+    NoPositions, ///< light, numbers, checksums
+    Directions,  ///< valid unless the axes are scaled by different factors
+    Grid,        ///< a GridHead, then positions in cells
+    Grids        ///< such grids, each after its length in bytes
 };
 
 struct LumpRule {
@@ -166,17 +172,17 @@ struct LumpRule {
 };
 
 constexpr LumpRule kLumpRules[] = {
-    {kBspxPropLight, LumpContent::Nothing},
+    {kBspxPropLight, LumpContent::NoPositions},
     {kBspxGridOctree, LumpContent::Grid},
     {kBspxGrids, LumpContent::Grids},
     // Of other compilers: light and the layout of lightmaps, by face or luxel.
-    {"RGBLIGHTING", LumpContent::Nothing},
-    {"LIGHTINGDIR", LumpContent::Nothing},
-    {"LIGHTINGDIR_E5BGR9", LumpContent::Nothing},
-    {"LMSHIFT", LumpContent::Nothing},
-    {"LMOFFSET", LumpContent::Nothing},
-    {"LMSTYLE", LumpContent::Nothing},
-    {"LMSTYLE16", LumpContent::Nothing},
+    {"RGBLIGHTING", LumpContent::NoPositions},
+    {"LIGHTINGDIR", LumpContent::NoPositions},
+    {"LIGHTINGDIR_E5BGR9", LumpContent::NoPositions},
+    {"LMSHIFT", LumpContent::NoPositions},
+    {"LMOFFSET", LumpContent::NoPositions},
+    {"LMSTYLE", LumpContent::NoPositions},
+    {"LMSTYLE16", LumpContent::NoPositions},
     {"FACENORMALS", LumpContent::Directions},
     {"VERTEXNORMALS", LumpContent::Directions},
 };
@@ -207,7 +213,8 @@ bool TransformGrid(const AxisTransform &transform, std::span<std::byte> grid) {
     return true;
 }
 
-bool TransformLengthsAndGrids(const AxisTransform &transform, std::span<std::byte> rest) {
+/// Grids, each after its length in bytes. False: the lump ends within one.
+bool TransformGridList(const AxisTransform &transform, std::span<std::byte> rest) {
     while (!rest.empty()) {
         std::uint32_t length = 0;
         if (rest.size() < sizeof length)
@@ -228,14 +235,14 @@ bool TransformLump(const AxisTransform &transform, BspxLump &lump) {
         return false;
     const Vec3d &by = transform.factors;
     switch (rule->content) {
-    case LumpContent::Nothing:
+    case LumpContent::NoPositions:
         return true;
     case LumpContent::Directions:
         return by.x == by.y && by.y == by.z;
     case LumpContent::Grid:
         return TransformGrid(transform, lump.data);
     case LumpContent::Grids:
-        return TransformLengthsAndGrids(transform, lump.data);
+        return TransformGridList(transform, lump.data);
     }
     return false;
 }
@@ -307,16 +314,16 @@ void MergeLumps(const Bsp &main, const Bsp &added, std::string_view mainName, st
                      lump.data.size(),
                      isGrid ? "light grids are those of the first map" : "it is for this map without the other");
     }
-    const auto grid = [&](bool inMain, bool inAdded, std::string_view what) {
+    const auto warnOfGrid = [&](bool inMain, bool inAdded, std::string_view what) {
         if (inAdded && !inMain)
             log.Warn(what,
                      "{}: the {} is dropped, since light grids are those of {}, which has none; light the merged map "
                      "to make one",
                      addedName, what, mainName);
     };
-    grid(main.gridSH.has_value(), added.gridSH.has_value(), "SH light grid");
-    grid(main.sparseGridSH.has_value(), added.sparseGridSH.has_value(), "sparse SH light grid");
-    grid(!main.gridPoints.empty(), !added.gridPoints.empty(), "legacy light grid");
+    warnOfGrid(main.gridSH.has_value(), added.gridSH.has_value(), "SH light grid");
+    warnOfGrid(main.sparseGridSH.has_value(), added.sparseGridSH.has_value(), "sparse SH light grid");
+    warnOfGrid(!main.gridPoints.empty(), !added.gridPoints.empty(), "legacy light grid");
 }
 
 } // namespace q3

@@ -20,8 +20,8 @@ namespace q3 {
 
 namespace {
 
-/// How far a box reaches beyond itself; game units.
-constexpr double kRoom = 1;
+/// Boxes are listed in leafs that are this near too; game units.
+constexpr double kBoxMargin = 1;
 
 } // namespace
 
@@ -51,7 +51,7 @@ std::vector<std::size_t> LeafLists::LeafsIn(const Boundsf &box) const {
         const Vec3d normal(plane.normal);
         const double distance = Dot(normal, center) - double(plane.dist);
         const double reach =
-            std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z + kRoom;
+            std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z + kBoxMargin;
         if (distance > -reach)
             open.push_back(node.children[0]);
         if (distance < reach)
@@ -104,7 +104,9 @@ class Merger {
     Bsp Run() {
         MergeEntities();
         MergeShaders();
-        planeBase_ = Appended(bsp_.planes, added_.planes, main_.planes.size() % 2 == 1);
+        if (bsp_.planes.size() % 2 == 1) // a plane and its opposite are at 2 i and 2 i + 1
+            bsp_.planes.push_back(bsp_.planes.back());
+        planeBase_ = Appended(bsp_.planes, added_.planes);
         MergeLightmaps();
         ChooseRecords();
         MergeBrushes();
@@ -119,17 +121,14 @@ class Merger {
             log_.Warn(kBspxAmbientCubes, "{}: the BSPX lump {} is dropped: its leafs are not in the merged map",
                       addedName_, kBspxAmbientCubes);
         if (options_.world)
-            FileWorld();
+            ListWorldInLeafs();
         ValidateBsp(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
         return std::move(bsp_);
     }
 
   private:
-    /// Number that the first appended record gets. `pad`: one record more before it, so that pairs stay pairs.
-    template <typename Record>
-    static int Appended(std::vector<Record> &to, const std::vector<Record> &from, bool pad = false) {
-        if (pad)
-            to.push_back(to.back());
+    /// Number that the first appended record gets.
+    template <typename Record> static int Appended(std::vector<Record> &to, const std::vector<Record> &from) {
         const int first = int(to.size());
         to.insert(to.end(), from.begin(), from.end());
         return first;
@@ -149,7 +148,7 @@ class Merger {
     template <typename Record>
     int ExtendWorld(std::vector<Record> &records, int count, std::vector<std::int32_t> &numbers,
                     std::int32_t bspModel_t::*first, std::int32_t bspModel_t::*num);
-    void FileWorld();
+    void ListWorldInLeafs();
     bspDrawSurface_t Renumbered(bspDrawSurface_t surface);
     Boundsf BoxOfBrush(const bspBrush_t &brush) const;
     Boundsf BoxOfSurface(const bspDrawSurface_t &surface) const;
@@ -168,7 +167,7 @@ class Merger {
 
 void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added) {
     constexpr std::string_view kKeys[] = {"target", "targetname"};
-    std::set<std::string> inMain, inBoth; // lower case
+    std::set<std::string> inMain, taken; // lower case
     const auto collect = [&](const std::vector<Entity> &entities, std::set<std::string> &names) {
         for (const Entity &entity : entities)
             for (const std::string_view key : kKeys)
@@ -176,8 +175,8 @@ void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added)
                     names.insert(LowerCase(entity.Value(key)));
     };
     collect(main, inMain);
-    collect(added, inBoth);
-    inBoth.insert(inMain.begin(), inMain.end());
+    collect(added, taken);
+    taken.insert(inMain.begin(), inMain.end());
     std::map<std::string, std::string> renamed; // by lower-case name
     for (Entity &entity : added)
         for (const std::string_view key : kKeys) {
@@ -186,7 +185,7 @@ void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added)
                 continue;
             std::string &other = renamed[LowerCase(name)];
             for (int number = 0; other.empty(); ++number)
-                if (std::string free = fmt::format("{}_{}", name, number); inBoth.insert(LowerCase(free)).second)
+                if (std::string free = fmt::format("{}_{}", name, number); taken.insert(LowerCase(free)).second)
                     other = std::move(free);
             entity.Set(key, other);
         }
@@ -286,31 +285,50 @@ void Merger::RecordRnm() {
     bsp_.entities = FormatEntities(all);
 }
 
+/// Where the records of one kind, surfaces or brushes, are in the two maps.
+struct RecordRanges {
+    int count = 0;                       ///< in the added map
+    int worldFirst = 0, worldCount = 0;  ///< of its world
+    int mainCount = 0, mainWorldEnd = 0; ///< in the main map; one past the last of its world
+};
+
+/// Number in the merged map of each record of the added one, or kNotTaken. Records of the world are taken with
+/// MergeOptions::world, and then follow the world of the main map, or if `alwaysTaken` has them; all others are taken.
+std::vector<int> NumbersInMerged(const RecordRanges &ranges, const MergeOptions &options,
+                                 const std::vector<bool> &alwaysTaken) {
+    std::vector<int> numbers(std::size_t(ranges.count), kNotTaken);
+    int next = ranges.mainCount + (options.world ? ranges.worldCount : 0);
+    for (int i = 0; i < ranges.count; ++i) {
+        const bool isOfWorld = i >= ranges.worldFirst && i < ranges.worldFirst + ranges.worldCount;
+        if (isOfWorld && options.world)
+            numbers[std::size_t(i)] = ranges.mainWorldEnd + (i - ranges.worldFirst);
+        else if (!isOfWorld || alwaysTaken[std::size_t(i)])
+            numbers[std::size_t(i)] = next++;
+    }
+    return numbers;
+}
+
 /// Gives numbers to the surfaces and brushes that are taken: the world's go to the end of the world of the first map.
 void Merger::ChooseRecords() {
-    const auto choose = [&](std::size_t count, int first, int num, int end, int inMain, std::vector<int> &numbers,
-                            int &ofWorld, const std::vector<bool> &also) {
-        numbers.assign(count, kNotTaken);
-        ofWorld = options_.world ? num : 0;
-        int next = inMain + ofWorld;
-        for (int i = 0; i < int(count); ++i) {
-            const bool isOfWorld = i >= first && i < first + num;
-            if (isOfWorld && options_.world)
-                numbers[std::size_t(i)] = end + (i - first);
-            else if (!isOfWorld || also[std::size_t(i)])
-                numbers[std::size_t(i)] = next++;
-        }
-    };
     std::vector<bool> ofFogs(added_.brushes.size());
     for (const bspFog_t &fog : added_.fogs)
         if (fog.brushNum >= 0)
             ofFogs[std::size_t(fog.brushNum)] = true;
     const bspModel_t &world = added_.models[0], &into = main_.models[0];
-    choose(added_.drawSurfaces.size(), world.firstBSPSurface, world.numBSPSurfaces,
-           into.firstBSPSurface + into.numBSPSurfaces, int(main_.drawSurfaces.size()), surfaces_, worldSurfaces_,
-           std::vector<bool>(added_.drawSurfaces.size()));
-    choose(added_.brushes.size(), world.firstBSPBrush, world.numBSPBrushes, into.firstBSPBrush + into.numBSPBrushes,
-           int(main_.brushes.size()), brushes_, worldBrushes_, ofFogs);
+    worldSurfaces_ = options_.world ? world.numBSPSurfaces : 0;
+    worldBrushes_ = options_.world ? world.numBSPBrushes : 0;
+    surfaces_ = NumbersInMerged({.count = int(added_.drawSurfaces.size()),
+                                 .worldFirst = world.firstBSPSurface,
+                                 .worldCount = world.numBSPSurfaces,
+                                 .mainCount = int(main_.drawSurfaces.size()),
+                                 .mainWorldEnd = into.firstBSPSurface + into.numBSPSurfaces},
+                                options_, std::vector<bool>(added_.drawSurfaces.size()));
+    brushes_ = NumbersInMerged({.count = int(added_.brushes.size()),
+                                .worldFirst = world.firstBSPBrush,
+                                .worldCount = world.numBSPBrushes,
+                                .mainCount = int(main_.brushes.size()),
+                                .mainWorldEnd = into.firstBSPBrush + into.numBSPBrushes},
+                               options_, ofFogs);
 }
 
 /// Makes room for `count` records in front of record `at`, and raises the numbers that refer to records behind.
@@ -443,7 +461,7 @@ Boundsf Merger::BoxOfSurface(const bspDrawSurface_t &surface) const {
     return box;
 }
 
-void Merger::FileWorld() {
+void Merger::ListWorldInLeafs() {
     LeafLists lists(bsp_);
     const bspModel_t &world = bsp_.models[0];
     for (int i = world.firstBSPSurface + world.numBSPSurfaces - worldSurfaces_;

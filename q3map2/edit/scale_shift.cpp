@@ -60,6 +60,8 @@ namespace {
 
 constexpr double kFlatTriangle = 1e-9; ///< determinant over the product of squared edges
 constexpr double kMostFactor = 65536;
+/// Values of `angle` for movers that go up or down.
+constexpr double kUp = -1, kDown = -2;
 
 class Scaler {
   public:
@@ -142,7 +144,7 @@ void Scaler::ScaleLip(Entity &entity) const {
     if (!entity.Has("lip"))
         return;
     const double angle = entity.Number({"angle"});
-    const bool isUpOrDown = angle == -1 || angle == -2;
+    const bool isUpOrDown = angle == kUp || angle == kDown;
     const bool isAlongX = std::abs(std::sin(angle * std::numbers::pi / 180)) < std::numbers::sqrt2 / 2;
     entity.Set("lip", NumberText(entity.Number({"lip"}) * factors_[isUpOrDown ? 2 : isAlongX ? 0 : 1]));
 }
@@ -219,7 +221,7 @@ void ScaleMap(Bsp &bsp, const ScaleOptions &options, std::string_view name, Log 
 
 namespace {
 
-constexpr double kMostShift = 1 << 24;
+constexpr double kMostShift = 1 << 24; ///< game units: floats hold all whole numbers up to it
 
 class Shifter {
   public:
@@ -318,8 +320,8 @@ void Shifter::ShiftEntities(std::string_view name) {
 }
 
 void Shifter::ShiftVerts() {
-    std::vector<bool> stays(bsp_.drawVerts.size()), moves(bsp_.drawVerts.size());
-    const auto mark = [&](std::vector<bool> &marks, int first, int count) {
+    std::vector<bool> stays(bsp_.drawVerts.size()), moves(bsp_.drawVerts.size()); // a shared vertex may be both
+    const auto mark = [](std::vector<bool> &marks, int first, int count) {
         std::fill_n(marks.begin() + first, count, true);
     };
     for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i) {
@@ -334,14 +336,16 @@ void Shifter::ShiftVerts() {
     }
     for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i) {
         bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
-        const auto first = moves.begin() + surface.firstVert;
-        if (!staysSurface_[i] || std::find(first, first + surface.numVerts, true) == first + surface.numVerts)
+        const auto first = moves.begin() + surface.firstVert, end = first + surface.numVerts;
+        const bool sharesVerts = std::find(first, end, true) != end;
+        if (!staysSurface_[i] || !sharesVerts)
             continue;
         const auto copied = std::vector<bspDrawVert_t>(bsp_.drawVerts.begin() + surface.firstVert,
                                                        bsp_.drawVerts.begin() + surface.firstVert + surface.numVerts);
         surface.firstVert = int(bsp_.drawVerts.size());
         bsp_.drawVerts.insert(bsp_.drawVerts.end(), copied.begin(), copied.end());
-        moves.resize(bsp_.drawVerts.size(), false), stays.resize(bsp_.drawVerts.size(), true);
+        moves.resize(bsp_.drawVerts.size()), stays.resize(bsp_.drawVerts.size());
+        mark(stays, surface.firstVert, surface.numVerts);
     }
     for (std::size_t i = 0; i < bsp_.drawVerts.size(); ++i)
         if (moves[i] || !stays[i])

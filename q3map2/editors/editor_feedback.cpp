@@ -23,8 +23,8 @@ namespace q3 {
 
 namespace {
 
-/// Leaves room for the elements around the text of a `select`. Bytes.
-constexpr std::size_t kMaxSelectText = kMaxPayload - 100;
+/// Most bytes of the elements around the text of a `select`, and of that text.
+constexpr std::size_t kSelectElementBytes = 100, kMaxSelectText = kMaxPayload - kSelectElementBytes;
 
 /// Strings that must not be divided between network messages.
 using Pieces = std::vector<std::string>;
@@ -152,7 +152,7 @@ class Connection {
         {
             const std::lock_guard lock(mutex_);
             Flush();
-            ended_ = progress_ = Clock::now();
+            ended_ = lastProgress_ = Clock::now();
         }
         wake_.notify_one();
         thread_.join();
@@ -177,13 +177,14 @@ class Connection {
     }
 
   private:
-    // With the mutex held.
+    /// Queues the pending text. With the mutex held.
     void Flush() {
         if (!pending_.text.empty())
             Queue(std::exchange(pending_, {}));
     }
+    /// With the mutex held.
     void Queue(LogEntry entry) {
-        if (!gone_)
+        if (!lost_)
             queue_.push_back(std::move(entry));
         wake_.notify_one();
     }
@@ -195,7 +196,7 @@ class Connection {
                     break;
         socket_.reset();
         const std::lock_guard lock(mutex_);
-        gone_ = true;
+        lost_ = true;
         queue_.clear();
     }
 
@@ -225,7 +226,7 @@ class Connection {
             rest.remove_prefix(*sent);
         }
         const std::lock_guard lock(mutex_);
-        progress_ = Clock::now();
+        lastProgress_ = Clock::now();
         return true;
     }
 
@@ -239,7 +240,7 @@ class Connection {
     bool IsTimeToGiveUp() {
         const std::lock_guard lock(mutex_);
         const auto now = Clock::now();
-        return ended_ && (now > progress_ + kLastWait || now > *ended_ + kLongestWait);
+        return ended_ && (now > lastProgress_ + kLastWait || now > *ended_ + kLongestWait);
     }
 
     std::unique_ptr<Socket> socket_;
@@ -247,9 +248,9 @@ class Connection {
     std::condition_variable wake_;
     std::deque<LogEntry> queue_;
     LogEntry pending_;                       ///< text that may grow
-    bool gone_ = false;                      ///< the connection ended or failed: nothing is queued any more
+    bool lost_ = false;                      ///< the connection ended or failed: nothing is queued any more
     std::optional<Clock::time_point> ended_; ///< when the run ended
-    Clock::time_point progress_;             ///< last message sent, or end of the run
+    Clock::time_point lastProgress_;         ///< last message sent, or end of the run
     std::thread thread_;
 };
 

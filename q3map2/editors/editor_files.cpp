@@ -19,11 +19,15 @@ std::string Capitalized(std::string_view word) {
     return text;
 }
 
-EditorBuild WholeBuild(std::string_view preset, bool sh) {
-    return {.label = fmt::format("{}{}: bsp, vis, light", Capitalized(preset), sh ? " with SH grid" : ""),
+/// Whether a build makes an SH grid too.
+enum class GridOfBuild { Legacy, SH };
+
+EditorBuild WholeBuild(std::string_view preset, GridOfBuild grid) {
+    const bool makesGridSH = grid == GridOfBuild::SH;
+    return {.label = fmt::format("{}{}: bsp, vis, light", Capitalized(preset), makesGridSH ? " with SH grid" : ""),
             .steps = {fmt::format("-bsp -preset {}", preset), fmt::format("-vis -preset {} -saveprt", preset),
-                      fmt::format("-light -preset {}{}", preset, sh ? " -shbspx" : "")},
-            .opensGroup = !sh};
+                      fmt::format("-light -preset {}{}", preset, makesGridSH ? " -shbspx" : "")},
+            .opensGroup = !makesGridSH};
 }
 
 EditorBuild GridBuild(std::string_view preset) {
@@ -40,8 +44,8 @@ bool ReadsMapSource(std::string_view step) {
 std::vector<EditorBuild> EditorBuilds(std::span<const std::string_view> presets) {
     std::vector<EditorBuild> builds;
     for (const std::string_view preset : presets)
-        for (const bool sh : {false, true})
-            builds.push_back(WholeBuild(preset, sh));
+        for (const GridOfBuild grid : {GridOfBuild::Legacy, GridOfBuild::SH})
+            builds.push_back(WholeBuild(preset, grid));
     builds.front().opensGroup = false;
     const std::size_t first = builds.size();
     for (const std::string_view preset : presets)

@@ -36,7 +36,8 @@ char CaulkLetter(const Brush &brush, const BrushSide &side) {
     const bool isSeen = side.visibleHull.size() >= 3 && !side.culled;
     if (isSeen || !side.shader || (side.compileFlags & C_NODRAW) != 0)
         return '-';
-    constexpr std::array<std::pair<std::uint32_t, char>, 3> kLiquids = {{{0x20, 'w'}, {0x10, 's'}, {0x8, 'l'}}};
+    constexpr std::uint32_t kWater = 0x20, kSlime = 0x10, kLava = 0x8; // content flags
+    constexpr std::array<std::pair<std::uint32_t, char>, 3> kLiquids = {{{kWater, 'w'}, {kSlime, 's'}, {kLava, 'l'}}};
     if ((brush.compileFlags & C_LIQUID) != 0)
         for (const auto &[flag, letter] : kLiquids)
             if ((brush.contentFlags & flag) != 0)
@@ -85,22 +86,32 @@ std::string FakeMapText(const MapEntity &world, const PlaneTable &planes) {
     return text + "}\n";
 }
 
+namespace {
+
+/// Number of entities in text that the program has written: each begins with "{" on a line of its own.
+std::size_t CountEntities(std::string_view text) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = text.find("{\n", at)) != std::string_view::npos; at++)
+        count += at == 0 || text[at - 1] == '\n';
+    return count;
+}
+
+} // namespace
+
 void WarnOfLimits(const Bsp &bsp, Log &log) {
     int lastArea = 0;
     for (const bspLeaf_t &leaf : bsp.leafs)
         lastArea = std::max(lastArea, leaf.area);
-    std::size_t entities = 0; // each begins with "{" on a line of its own
-    for (std::size_t at = 0; (at = bsp.entities.find("{\n", at)) != std::string::npos; at++)
-        entities += at == 0 || bsp.entities[at - 1] == '\n';
     struct Limit {
-        std::string_view what;
-        std::size_t count, limit;
-        std::string_view wayOut;
+        std::string_view records;
+        std::size_t count, most;
+        std::string_view advice;
     };
     const Limit limits[] = {
         {"models", bsp.models.size(), 256, "make fewer brush entities"},
         {"shaders", bsp.shaders.size(), 1024, "use fewer shaders"},
-        {"entities", entities, 2048, "use fewer entities: groups and compiled-in models do not count"},
+        {"entities", CountEntities(bsp.entities), 2048,
+         "use fewer entities: groups and compiled-in models do not count"},
         {"bytes of entity text", bsp.entities.size(), 262144, "use fewer entities and keys"},
         {"brushes", bsp.brushes.size(), 32768, "use fewer brushes"},
         {"brush sides", bsp.brushSides.size(), 131072, "use fewer or simpler brushes"},
@@ -115,9 +126,9 @@ void WarnOfLimits(const Bsp &bsp, Log &log) {
         {"areas", std::size_t(lastArea) + 1, 256, "use fewer area portals"},
         {"fogs", bsp.fogs.size(), 31, "use fewer fog brushes"},
     };
-    for (const Limit &one : limits)
-        if (one.count > one.limit)
-            log.Warn(one.what, "{} {}, engines hold {}: {}", one.count, one.what, one.limit, one.wayOut);
+    for (const Limit &limit : limits)
+        if (limit.count > limit.most)
+            log.Warn(limit.records, "{} {}, engines hold {}: {}", limit.count, limit.records, limit.most, limit.advice);
 }
 
 // ---- Entities of the map source, as written for the game ----
@@ -129,7 +140,7 @@ constexpr std::array<std::string_view, 3> kToolKeys = {"_q3map2_cmdline", "_q3ma
 /// Keys that describe the light stored in the .bsp, so values in the map source are ignored.
 constexpr std::array<std::string_view, 3> kLightKeys = {kGridSHKey, kToneKey, kRnmKey};
 
-std::string_view CloneOf(const MapEntity &entity) {
+std::string_view NameOfOriginal(const MapEntity &entity) {
     return keys::kInstance.Text(entity.pairs);
 }
 
@@ -140,7 +151,7 @@ bool HasPrimitives(const MapEntity &entity) {
 /// Gives each clone the `model` value of the entity that it names.
 void ShareModels(Map &map, const BspContext &context) {
     for (MapEntity &entity : map.entities) {
-        const std::string_view name = CloneOf(entity);
+        const std::string_view name = NameOfOriginal(entity);
         if (name.empty())
             continue;
         const auto parent = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &other) {
@@ -167,7 +178,7 @@ void NumberModels(Map &map, const BspContext &context) {
             entity.model = 0;
             continue;
         }
-        if (!CloneOf(entity).empty()) {
+        if (!NameOfOriginal(entity).empty()) {
             entity.brushes.clear();
             entity.patches.clear();
         }
@@ -232,7 +243,7 @@ class MapCompiler {
     /// False: the compile ends here (-leaktest, -autocaulk).
     bool CompileWorld();
     void CompileModel(MapEntity &entity);
-    Sealing Seal(Tree &tree, bool warn);
+    Sealing Seal(Tree &tree, SolidWarnings warnings);
     bool ReportLeak(const Tree &tree);
     void ReportAreaPortals(const Tree &tree);
     Tree MakeTree(std::vector<TreeFace> faces);
@@ -255,8 +266,8 @@ Tree MapCompiler::MakeTree(std::vector<TreeFace> faces) {
 }
 
 /// Floods the tree. If the map is sealed, or _ignoreleaks is set, makes the leafs outside opaque.
-Sealing MapCompiler::Seal(Tree &tree, bool warn) {
-    Sealing sealing = FloodEntities(tree, map_, context_, warn);
+Sealing MapCompiler::Seal(Tree &tree, SolidWarnings warnings) {
+    Sealing sealing = FloodEntities(tree, map_, context_, warnings);
     if (sealing == Sealing::Empty)
         throw Error("{}: no entity stands in the open, so there is no telling the inside from the outside; the map "
                     "needs one, such as info_player_start, and not in a solid",
@@ -318,7 +329,7 @@ bool MapCompiler::CompileWorld() {
     writer_.BeginModel(world);
     MakePatchSurfaces(world, geometry_, map_.planes, context_);
     Tree tree = MakeTree(StructuralFaces(world, context_));
-    const Sealing sealing = Seal(tree, true);
+    const Sealing sealing = Seal(tree, SolidWarnings::Print);
     if (sealing == Sealing::Leaked && !ReportLeak(tree))
         return false;
     CullSides(world, map_.planes, context_);
@@ -334,7 +345,7 @@ bool MapCompiler::CompileWorld() {
         throw Error("{}: no structural brush is seen from where the entities stand, and engines load no map without a "
                     "node: at least the walls around the map must be structural",
                     map_.name);
-    Seal(tree, false); // no second warning about entities in solid
+    Seal(tree, SolidWarnings::Omit); // they were printed for the first tree
     const int clusters = NumberClusters(tree, context_.options.deep);
     if (sealing == Sealing::Sealed)
         result_.portalFile = PortalFileText(tree, clusters);
@@ -373,11 +384,12 @@ void MapCompiler::CompileModel(MapEntity &entity) {
     AddShaderModels(entity, geometry_, first, map_.planes, context_);
     writer_.EmitBrushes(entity);
     std::vector<int> &brushes = tree.nodes[std::size_t(tree.head)].brushes;
-    for (const bool detail : {false, true})
-        for (int i = 0; i < int(entity.brushes.size()); ++i)
-            if (entity.brushes[std::size_t(i)].detail == detail)
-                brushes.push_back(i);
-    std::reverse(brushes.begin(), brushes.end()); // leafs hold brushes in reverse order
+    for (int i = 0; i < int(entity.brushes.size()); ++i)
+        brushes.push_back(i);
+    // Leafs hold brushes in reverse order, detail brushes first.
+    std::stable_partition(brushes.begin(), brushes.end(),
+                          [&](int i) { return !entity.brushes[std::size_t(i)].detail; });
+    std::reverse(brushes.begin(), brushes.end());
     ShapeSurfaces(entity, first);
     EmitModel(entity, tree, first);
 }

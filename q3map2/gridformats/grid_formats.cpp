@@ -20,7 +20,7 @@ namespace q3 {
 std::vector<SettingGroup<ConvertGridOptions>> ConvertGridSettings() {
     const auto scale = [](ConvertGridOptions &o, const SettingValues &v) { o.ambientFactor *= float(v.numbers[0]); };
     const auto goal = [](ConvertGridOptions &o) -> SparseGoal & {
-        o.givenSparse = true;
+        o.remakesSparse = true;
         return o.sparse;
     };
     return {{"Light grid formats",
@@ -60,7 +60,7 @@ ConvertGridOptions ParseConvertGridOptions(Arguments &arguments, float gameAmbie
     TakeSettings(ConvertGridSettings(), options, arguments, log);
     if (options.formats.empty())
         throw Error("-convertgrid needs -gridformats LIST");
-    if (options.givenSparse && !HasPlace(ParseGridFormats(options.formats), GridPlace::Sparse))
+    if (options.remakesSparse && !HasPlace(ParseGridFormats(options.formats), GridPlace::Sparse))
         throw Error("-sherrortarget and -shbudget need sparse in -gridformats");
     return options;
 }
@@ -75,7 +75,7 @@ class GridConversion {
         : jobs_(jobs), log_(log), storing_(storing), stored_(SourceGrid(bsp)), space_(bsp, SolidBrushes(bsp)),
           source_(stored_, SolidPoints(space_, LayoutOf(stored_.grid))), tone_(bsp.entities, log),
           isDeluxe_(StoredWorld(bsp.entities).Value("deluxeMapping") == "1") {
-        if (ReplaceLegacyGrid(formats))
+        if (WriteLegacyGrid(formats))
             legacy_ = SampleLegacyPoints(source_, space_, LegacyLayout(bsp));
         hasLump15_ = HasPlace(formats, GridPlace::Lump15);
         if (HasPlace(formats, GridPlace::Sparse))
@@ -132,8 +132,8 @@ constexpr LegacyTarget kIoquake3Raw{.ambientScale = 0.6, .angleSteps = 256, .ski
 /// It finds points in solids by the map, not by their light.
 constexpr LegacyTarget kRend2Raw{.angleSteps = 256};
 constexpr double kRend2Scale = std::numbers::pi / 255; ///< it divides by pi, and 1 is full light
-/// Shares of directed light in the one color that Daemon keeps.
-constexpr double kDaemonShare = 0.4, kDaemonDeluxeShare = 0.25;
+/// Weights of directed light in the one color that Daemon keeps.
+constexpr double kDaemonDirected = 0.4, kDaemonDeluxeDirected = 0.25;
 
 void StoreFull(const GridConversion &from, Bsp &bsp, GridSHContainer container) {
     bsp.gridSH = from.Stored();
@@ -161,7 +161,8 @@ void StoreLegacyIoquake3(const GridConversion &from, Bsp &bsp, std::vector<GridF
 }
 
 void StoreLegacyDaemon(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
-    const LegacyTarget target{.skipsSolid = true, .directedShare = from.IsDeluxe() ? kDaemonDeluxeShare : kDaemonShare};
+    const LegacyTarget target{.skipsSolid = true,
+                              .directedWeight = from.IsDeluxe() ? kDaemonDeluxeDirected : kDaemonDirected};
     bsp.gridPoints = from.Legacy(target);
 }
 
@@ -189,16 +190,16 @@ void StoreGrids(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
 }
 
 constexpr GridFormat kGridFormats[] = {
-    {"sh", GridPlace::Full, true, StoreSH},
-    {"shbspx", GridPlace::Full, true, StoreSHBspx},
-    {"sparse", GridPlace::Sparse, true, StoreSparse},
-    {"legacy", GridPlace::Lump15, false, StoreLegacy},
-    {"legacy-ioq3", GridPlace::Lump15, false, StoreLegacyIoquake3},
-    {"legacy-daemon", GridPlace::Lump15, false, StoreLegacyDaemon},
-    {"raw-ioq3", GridPlace::RawFile, false, StoreRawIoquake3},
-    {"raw-rend2", GridPlace::RawFile, false, StoreRawRend2},
-    {"octree", GridPlace::OctreeLump, false, StoreOctree},
-    {"grids", GridPlace::GridsLump, false, StoreGrids},
+    {"sh", GridPlace::Full, GridFormat::Convertible::Yes, StoreSH},
+    {"shbspx", GridPlace::Full, GridFormat::Convertible::Yes, StoreSHBspx},
+    {"sparse", GridPlace::Sparse, GridFormat::Convertible::Yes, StoreSparse},
+    {"legacy", GridPlace::Lump15, GridFormat::Convertible::No, StoreLegacy},
+    {"legacy-ioq3", GridPlace::Lump15, GridFormat::Convertible::No, StoreLegacyIoquake3},
+    {"legacy-daemon", GridPlace::Lump15, GridFormat::Convertible::No, StoreLegacyDaemon},
+    {"raw-ioq3", GridPlace::RawFile, GridFormat::Convertible::No, StoreRawIoquake3},
+    {"raw-rend2", GridPlace::RawFile, GridFormat::Convertible::No, StoreRawRend2},
+    {"octree", GridPlace::OctreeLump, GridFormat::Convertible::No, StoreOctree},
+    {"grids", GridPlace::GridsLump, GridFormat::Convertible::No, StoreGrids},
 };
 
 const GridFormat &FindGridFormat(std::string_view word) {
@@ -238,11 +239,12 @@ bool HasPlace(const GridFormats &formats, GridPlace place) {
     return std::ranges::any_of(formats, [&](const GridFormat *format) { return format->place == place; });
 }
 
-bool KeepSource(const GridFormats &formats) {
-    return std::ranges::any_of(formats, [](const GridFormat *format) { return format->isSource; });
+bool KeepConvertible(const GridFormats &formats) {
+    return std::ranges::any_of(
+        formats, [](const GridFormat *format) { return format->convertible == GridFormat::Convertible::Yes; });
 }
 
-bool ReplaceLegacyGrid(const GridFormats &formats) {
+bool WriteLegacyGrid(const GridFormats &formats) {
     return HasPlace(formats, GridPlace::Lump15) || HasPlace(formats, GridPlace::RawFile);
 }
 
@@ -262,7 +264,7 @@ std::vector<GridFile> StoreGridFormats(Bsp &bsp, const GridFormats &formats, con
         log.Print("Light grid as {}\n", format->word);
         format->store(from, bsp, files);
     }
-    if (!KeepSource(formats)) {
+    if (!KeepConvertible(formats)) {
         std::vector<Entity> entities = StoredEntities(bsp.entities, "the map");
         entities.front().Erase(kGridSHKey);
         bsp.entities = FormatEntities(entities);

@@ -32,8 +32,8 @@ struct ConvertGridOptions {
     std::string output;      ///< path of the map to write; empty: the input
     float ambientFactor = 1; ///< of lump 15 and raw files; product of the game's default and the option
     SparseGoal sparse;
-    bool givenSparse = false; ///< an option of the sparse grid was given: it is made again
-    bool fixBotFiles = false; ///< enter the written map into bot files beside it
+    bool remakesSparse = false; ///< an option of the sparse grid was given: it is made again
+    bool fixBotFiles = false;   ///< enter the written map into bot files beside it
 };
 
 /// The options of the -convertgrid stage, declared.
@@ -56,9 +56,12 @@ enum class GridPlace { Full, Sparse, Lump15, RawFile, OctreeLump, GridsLump };
 
 /// A row of the table of formats.
 struct GridFormat {
+    /// Whether the map can be converted again from what the format writes.
+    enum class Convertible { No, Yes };
+
     std::string_view word;
     GridPlace place;
-    bool isSource; ///< the map can be converted again from what it writes
+    Convertible convertible;
     /// Stores the grid in the map, or adds a file.
     void (*store)(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &files);
 };
@@ -71,9 +74,9 @@ std::span<const GridFormat> AllGridFormats();
 GridFormats ParseGridFormats(std::string_view list);
 bool HasPlace(const GridFormats &formats, GridPlace place);
 /// Whether one of them can be converted again.
-bool KeepSource(const GridFormats &formats);
+bool KeepConvertible(const GridFormats &formats);
 /// Whether lump 15 is written, by its own format or for a raw file.
-bool ReplaceLegacyGrid(const GridFormats &formats);
+bool WriteLegacyGrid(const GridFormats &formats);
 
 /// Options of the conversion.
 struct GridStoring {

@@ -20,6 +20,7 @@ constexpr std::uint32_t kLeafReference = 1u << 31, kOccludedReference = 1u << 30
 constexpr int kMinSplitPoints = 4; ///< boxes with fewer on an axis are not split
 constexpr int kMaxSplits = 5;
 constexpr std::int64_t kMinSplitOccluded = 8; ///< boxes with fewer occluded points are not split
+constexpr std::uint8_t kStyleCount = 1;       ///< of a point
 
 template <typename T> void Append(const T &value, std::vector<std::byte> &bytes) {
     const auto *from = reinterpret_cast<const std::byte *>(&value);
@@ -55,7 +56,7 @@ class OctreeWriter {
         Append(points_.layout.size, bytes);
         Append(points_.layout.bounds, bytes);
         Append(points_.layout.mins, bytes);
-        Append(std::uint8_t(1), bytes); // styles at most
+        Append(kStyleCount, bytes);
         Append(root, bytes);
         Append(nodeCount_, bytes);
         bytes.insert(bytes.end(), nodes_.begin(), nodes_.end());
@@ -95,7 +96,7 @@ class OctreeWriter {
         Append(box.mins, leafs_);
         Append(box.size, leafs_);
         if (points_.leafHasStyles)
-            Append(std::uint8_t(1), leafs_);
+            Append(kStyleCount, leafs_);
         EachPointOf(box, [&](std::size_t point) {
             if (points_.occluded[point])
                 leafs_.push_back(kOccludedPoint);
@@ -121,7 +122,7 @@ std::vector<std::byte> EncodeGridOctree(const OctreePoints &points) {
 std::vector<std::byte> EncodeOctreeLump(const GridSource &source, const GridTone &tone) {
     OctreePoints points{.layout = source.Layout(), .occluded = source.Voids(), .append = {}};
     points.append = [&](std::size_t point, std::vector<std::byte> &bytes) {
-        bytes.push_back(std::byte(1)); // one style
+        bytes.push_back(std::byte(kStyleCount));
         bytes.push_back(kGridStyle);
         for (const std::uint8_t value : tone.Bytes(MeanLight(source.Point(point))))
             bytes.push_back(std::byte(value));
@@ -135,7 +136,7 @@ namespace {
 
 /// Appends the count of styles, the style, a bit for each side that is not black, and those sides.
 void AppendSides(const bspGridPointSH_t &light, const GridTone &tone, std::vector<std::byte> &bytes) {
-    bytes.push_back(std::byte(1));
+    bytes.push_back(std::byte(kStyleCount));
     bytes.push_back(kGridStyle);
     const std::size_t flags = bytes.size();
     bytes.push_back(std::byte(0));

@@ -28,7 +28,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kMinDirection = 1e-7; ///< shorter vectors are rounding errors. 1 is byte 255
+constexpr double kMinDirection = 1e-7; ///< light, 1 is byte 255: shorter vectors are rounding errors
 
 Vec3d Coefficient(const bspGridPointSH_t &light, std::size_t k) {
     const Float3 &rgb = light.coeffs[k];
@@ -43,15 +43,15 @@ Vec3d DominantDirection(const bspGridPointSH_t &light) {
 }
 
 /// Integrals over all normals n of the light, and of the light times max(0, n . direction).
-struct Integrals {
-    Vec3d whole, lobe;
+struct SphereIntegrals {
+    Vec3d ofLight, ofLightTimesLobe;
 };
 
-Integrals Integrate(const bspGridPointSH_t &light, const Vec3d &direction) {
-    Integrals sum{Coefficient(light, 0) / kSHC0, {}};
+SphereIntegrals IntegralsOf(const bspGridPointSH_t &light, const Vec3d &direction) {
+    SphereIntegrals sum{Coefficient(light, 0) / kSHC0, {}};
     const SHVector basis = SHBasis(direction);
     for (std::size_t k = 0; k < 9; ++k)
-        sum.lobe += Coefficient(light, k) * (kCosineLobe[k] * basis[k]);
+        sum.ofLightTimesLobe += Coefficient(light, k) * (kCosineLobe[k] * basis[k]);
     return sum;
 }
 
@@ -74,9 +74,9 @@ AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double minAmbi
     // are 4 pi, pi and 2 pi / 3.
     AmbientDirected fit;
     fit.direction = DominantDirection(light);
-    const Integrals sum = Integrate(light, fit.direction);
+    const SphereIntegrals sum = IntegralsOf(light, fit.direction);
     for (std::size_t i = 0; i < 3; ++i) {
-        const double e1 = sum.whole[i], e2 = sum.lobe[i];
+        const double e1 = sum.ofLight[i], e2 = sum.ofLightTimesLobe[i];
         double ambient = (2 * e1 - 3 * e2) / (5 * pi), directed = (12 * e2 - 3 * e1) / (5 * pi);
         if (directed < 0)
             directed = 0, ambient = e1 / (4 * pi);
@@ -88,12 +88,12 @@ AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double minAmbi
     return fit;
 }
 
-AmbientDirected FitMeanAndDirected(const bspGridPointSH_t &light, double directedShare) {
+AmbientDirected FitMeanAndDirected(const bspGridPointSH_t &light, double directedWeight) {
     AmbientDirected fit = FitAmbientDirected(light);
     const Vec3d mean = Max(MeanLight(light), Vec3d{});
     for (std::size_t i = 0; i < 3; ++i) {
-        fit.directed[i] = std::min(fit.directed[i], mean[i] / directedShare);
-        fit.ambient[i] = std::max(mean[i] - directedShare * fit.directed[i], 0.0);
+        fit.directed[i] = std::min(fit.directed[i], mean[i] / directedWeight);
+        fit.ambient[i] = std::max(mean[i] - directedWeight * fit.directed[i], 0.0);
     }
     return fit;
 }
@@ -102,7 +102,7 @@ AmbientDirected FitMeanAndDirected(const bspGridPointSH_t &light, double directe
 
 namespace {
 
-constexpr float kFull = 255;
+constexpr float kFullByte = 255;
 /// Unlimited scales light by this before the limit at 255, and undoes it after: limits light at 2^20 times 255. A power
 /// of two, so that no rounding is added.
 constexpr float kHeadroom = 1.0f / (1 << 20);
@@ -123,17 +123,17 @@ GridTone::GridTone(const char *tone) {
 
 bool GridTone::IsPlain() const {
     return tone_.contrast == 1 && tone_.gamma == 1 && tone_.exposure == 0 && tone_.saturation == 1 &&
-           tone_.scale == 1 && tone_.maxlight == kFull && tone_.srgb == 0;
+           tone_.scale == 1 && tone_.maxlight == kFullByte && tone_.srgb == 0;
 }
 
 Vec3d GridTone::Limited(const Vec3d &light) const {
     float rgb[3] = {float(light.x), float(light.y), float(light.z)};
     shgrid_apply_tone(&tone_, rgb);
-    return Vec3d{double(rgb[0]), double(rgb[1]), double(rgb[2])} * double(kFull);
+    return Vec3d{double(rgb[0]), double(rgb[1]), double(rgb[2])} * double(kFullByte);
 }
 
 Vec3d GridTone::Unlimited(const Vec3d &light) const {
-    if (tone_.maxlight < kFull)
+    if (tone_.maxlight < kFullByte)
         return Limited(light);
     shgrid_tone tone = tone_;
     tone.scale *= kHeadroom;
@@ -143,7 +143,7 @@ Vec3d GridTone::Unlimited(const Vec3d &light) const {
     Vec3d color;
     for (std::size_t i = 0; i < 3; ++i) {
         const float linear = rgb[i] / kHeadroom;
-        color[i] = double(kFull * (tone_.srgb ? SrgbFromLinear(linear) : linear));
+        color[i] = double(kFullByte * (tone_.srgb ? SrgbFromLinear(linear) : linear));
     }
     return color;
 }

@@ -27,9 +27,9 @@ struct AmbientDirected {
 /// shows; where the fit has less on a channel, directed light is fitted to this.
 AmbientDirected FitAmbientDirected(const bspGridPointSH_t &light, double minAmbient = 0);
 
-/// The same with ambient + directedShare * directed equal to the mean of the light over all normals, for engines that
-/// keep one color. directedShare above 0.
-AmbientDirected FitMeanAndDirected(const bspGridPointSH_t &light, double directedShare);
+/// The same with ambient + directedWeight * directed equal to the mean of the light over all normals, for engines that
+/// keep one color. directedWeight above 0.
+AmbientDirected FitMeanAndDirected(const bspGridPointSH_t &light, double directedWeight);
 
 /// Mean of convolved coefficients over all normals. May be negative after lights that take light away.
 Vec3d MeanLight(const bspGridPointSH_t &light);

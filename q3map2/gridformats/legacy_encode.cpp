@@ -16,10 +16,10 @@ namespace q3 {
 
 namespace {
 
-constexpr std::int64_t kMaxPoints = 0x100000; ///< as the light stage allows
+constexpr std::int64_t kMaxPoints = 0x100000; ///< of a legacy grid, as the light stage allows
 constexpr std::int32_t kContentsSolid = 1, kContentsTranslucent = 0x20000000;
 /// Boxes are shrunk by 0.125 on each side, so that open space that they just touch does not count. Game units.
-constexpr float kBoxMargin = -0.125f;
+constexpr float kBoxShrink = -0.125f;
 
 /// Calls f(x, y, z, index) for each point of a layout in its order.
 template <typename F> void EachPoint(const GridLayout &layout, const F &f) {
@@ -60,14 +60,14 @@ class PointSampler {
             const Vec3f at(points_.layout.Position(x, y, z));
             if (!solid[index])
                 points_.use[index] = PointUse::Open;
-            else if (space_.AnyOpen(at - Cell(), at + Cell(), kBoxMargin))
+            else if (space_.AnyOpen(at - Cell(), at + Cell(), kBoxShrink))
                 points_.use[index] = PointUse::Solid;
             else
                 return;
             // In the open, no light in reach means darkness.
             lit_[index] = source_.Sample(at, points_.light[index]) || !solid[index];
         });
-        EachPoint(points_.layout, [&](int x, int y, int z, std::size_t) { MarkOnlyCorners(x, y, z); });
+        EachPoint(points_.layout, [&](int x, int y, int z, std::size_t) { MarkSoleSources(x, y, z); });
         while (Dilate()) {
         }
         return std::move(points_);
@@ -77,7 +77,7 @@ class PointSampler {
     Vec3f Cell() const { return Vec3f(points_.layout.size); }
 
     /// Marks the corners of the cell above a point, if it has open space but all corners are in solids.
-    void MarkOnlyCorners(int x, int y, int z) {
+    void MarkSoleSources(int x, int y, int z) {
         const GridLayout &layout = points_.layout;
         std::array<std::size_t, 8> corners{};
         for (unsigned i = 0; i < 8; ++i) {
@@ -89,10 +89,10 @@ class PointSampler {
         }
         const auto isOpen = [this](std::size_t i) { return points_.use[i] == PointUse::Open; };
         const Vec3f mins(layout.Position(x, y, z));
-        if (std::ranges::any_of(corners, isOpen) || !space_.AnyOpen(mins, mins + Cell(), kBoxMargin))
+        if (std::ranges::any_of(corners, isOpen) || !space_.AnyOpen(mins, mins + Cell(), kBoxShrink))
             return;
         for (const std::size_t i : corners)
-            points_.use[i] = PointUse::Only;
+            points_.use[i] = PointUse::SoleSource;
     }
 
     /// Lights points in solids that have lit neighbors, from the state before this round. False: there are none.
@@ -104,10 +104,10 @@ class PointSampler {
                 return;
             bspGridPointSH_t sum{};
             float total = 0;
-            EachNeighbor(points_.layout, x, y, z, [&](std::size_t from, float distance2) {
+            EachNeighbor(points_.layout, x, y, z, [&](std::size_t from, float distanceSquared) {
                 if (!before[from])
                     return;
-                const float weight = 1 / distance2;
+                const float weight = 1 / distanceSquared;
                 total += weight;
                 AddScaled(weight, points_.light[from], sum);
             });
@@ -167,22 +167,23 @@ std::vector<bool> SolidPoints(const BspSpace &space, const GridLayout &layout) {
 
 namespace {
 
-constexpr double kFullByte = 255;
+constexpr double kMaxByte = 255;
 
-AmbientDirected Fit(const bspGridPointSH_t &light, const LegacyTarget &target, const GridTone &tone,
-                    double ambientFactor) {
+/// The ambient and directed light that the engine should show.
+AmbientDirected FitFor(const bspGridPointSH_t &light, const LegacyTarget &target, const GridTone &tone,
+                       double ambientFactor) {
     // The least ambient light that the engine shows: that of byte 1. With a tone, the light that becomes byte 1 is not
     // known.
-    const bool raises = target.ambientAdded > 0 && ambientFactor == 1 && tone.IsPlain();
-    const double least = raises ? (target.ambientScale + target.ambientAdded) / kFullByte : 0;
+    const bool addsToBlack = target.ambientAdded > 0 && ambientFactor == 1 && tone.IsPlain();
+    const double least = addsToBlack ? (target.ambientScale + target.ambientAdded) / kMaxByte : 0;
     AmbientDirected fit =
-        target.directedShare > 0 ? FitMeanAndDirected(light, target.directedShare) : FitAmbientDirected(light, least);
+        target.directedWeight > 0 ? FitMeanAndDirected(light, target.directedWeight) : FitAmbientDirected(light, least);
     fit.ambient *= ambientFactor;
     return fit;
 }
 
 bool IsWritten(PointUse use, const LegacyTarget &target) {
-    return use == PointUse::Open || use == PointUse::Only || (use == PointUse::Solid && !target.skipsSolid);
+    return use == PointUse::Open || use == PointUse::SoleSource || (use == PointUse::Solid && !target.skipsSolid);
 }
 
 /// Ambient light from which the engine's factor and addition make this. Byte scale.
@@ -193,8 +194,8 @@ Vec3d UndoAmbient(const Vec3d &ambient, const LegacyTarget &target) {
 
 /// Rounded; what is brighter than 255 keeps its hue.
 std::array<std::uint8_t, 3> ToBytes(Vec3d color) {
-    if (const double most = MaxComponent(color); most > kFullByte)
-        color *= kFullByte / most;
+    if (const double most = MaxComponent(color); most > kMaxByte)
+        color *= kMaxByte / most;
     std::array<std::uint8_t, 3> bytes;
     for (std::size_t i = 0; i < 3; ++i)
         bytes[i] = std::uint8_t(std::lround(color[i]));
@@ -224,7 +225,7 @@ std::vector<bspGridPoint_t> EncodeLegacyGrid(const LegacyPoints &points, const L
     for (std::size_t i = 0; i < grid.size(); ++i) {
         if (!IsWritten(points.use[i], target))
             continue;
-        const AmbientDirected fit = Fit(points.light[i], target, tone, ambientFactor);
+        const AmbientDirected fit = FitFor(points.light[i], target, tone, ambientFactor);
         bspGridPoint_t &point = grid[i];
         point.ambient = ToBytes(UndoAmbient(tone.Limited(fit.ambient), target));
         point.directed = ToBytes(tone.Limited(fit.directed));
@@ -239,11 +240,12 @@ std::vector<std::byte> EncodeRawGrid(const LegacyPoints &points, const LegacyTar
                                      double ambientFactor, double scale) {
     constexpr double kMinAmbient = 1; // of 255: points outside the void are never black
     std::vector<std::byte> bytes;
-    bytes.reserve(points.light.size() * 6 * sizeof(float));
+    constexpr std::size_t kFloats = 6; // ambient and directed color
+    bytes.reserve(points.light.size() * kFloats * sizeof(float));
     for (std::size_t i = 0; i < points.light.size(); ++i) {
         Vec3d ambient, directed;
         if (IsWritten(points.use[i], target)) {
-            const AmbientDirected fit = Fit(points.light[i], target, tone, ambientFactor);
+            const AmbientDirected fit = FitFor(points.light[i], target, tone, ambientFactor);
             ambient = UndoAmbient(tone.Unlimited(fit.ambient), target);
             directed = tone.Unlimited(fit.directed);
             if (ambient == Vec3d{})

@@ -14,10 +14,10 @@ namespace q3 {
 
 /// Where a point of the legacy grid is, and so which engines need its light.
 enum class PointUse : std::uint8_t {
-    Open,  ///< in the open: all engines
-    Solid, ///< in solid space, but a cell around it reaches into the open: engines that blend such points
-    Only,  ///< the same, and a cell around it with open space has no corner in the open: all engines
-    Void   ///< no cell around it reaches into the open: black
+    Open,       ///< in the open: all engines
+    Solid,      ///< in solid space, but a cell around it reaches into the open: engines that blend such points
+    SoleSource, ///< the same, and a cell around it with open space has no corner in the open: all engines
+    Void        ///< no cell around it reaches into the open: black
 };
 
 /// Points of the legacy grid, in the order of its lump.
@@ -43,11 +43,11 @@ std::vector<bool> SolidPoints(const BspSpace &space, const GridLayout &layout);
 
 /// The engine that a legacy grid is written for: what it does with the points, which the encoder undoes.
 struct LegacyTarget {
-    double ambientScale = 1;  ///< its factor of ambient light: r_ambientScale
-    double ambientAdded = 0;  ///< what it adds to ambient light after that, bytes of the lump
-    int angleSteps = 255;     ///< steps of an angle byte for 360 degrees: 255 or 256
-    bool skipsSolid = false;  ///< leaves points out that are black, so those in solids are
-    double directedShare = 0; ///< above 0: the only color that it keeps is ambient + directedShare * directed
+    double ambientScale = 1;   ///< its factor of ambient light: r_ambientScale
+    double ambientAdded = 0;   ///< what it adds to ambient light after that, bytes of the lump
+    int angleSteps = 255;      ///< steps of an angle byte for 360 degrees: 255 or 256
+    bool skipsSolid = false;   ///< leaves points out that are black, so those in solids are
+    double directedWeight = 0; ///< above 0: the only color that it keeps is ambient + directedWeight * directed
 };
 
 /// Lump 15. `ambientFactor` multiplies ambient light (-gridambientscale). Points outside the void are never black.

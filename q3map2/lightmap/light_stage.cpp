@@ -184,7 +184,8 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     const bool gridBounces = lightmap.bounces > 0 && lightmap.bounceGrid;
     const bool lightSurfaces =
         !lightmap.onlyGrid || gridBounces || (lightmap.bounces > 0 && setup.options.staticPropLighting);
-    library.ReleaseImages(lightmap.bounces > 0 && lightSurfaces);
+    const bool bounces = lightmap.bounces > 0 && lightSurfaces;
+    library.ReleaseImages(bounces ? KeptImages::OfReflectors : KeptImages::SeeThrough);
     LightResult result;
     std::optional<SurfacePasses> surfaces;
     std::unique_ptr<IndirectLight> bounced;

@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-// ---- Options of the bsp stage ----
+// ---- Options taken off the command line ----
 
 BspOptions ParseBspOptions(Arguments &arguments, const Game &game, Log &log) {
     BspOptions o;
@@ -26,16 +26,17 @@ BspOptions ParseBspOptions(Arguments &arguments, const Game &game, Log &log) {
     return o;
 }
 
-// ---- The options of the bsp stage, declared ----
+// ---- Options declared: name, range, default, help ----
 
 namespace {
 
 using Group = SettingGroup<BspOptions>;
 
-constexpr int kMinSurfaceVerts = 3, kMaxSampleSize = 16384;
-constexpr int kMaxScore = 1 << 30, kMaxBevelSnap = 65536;
+constexpr int kMinSurfaceVerts = 3, kMaxScore = 1 << 30;
+constexpr int kMaxSampleSize = 16384, kMaxBevelSnap = 65536; ///< game units
 constexpr SettingRange kVerts{kMinSurfaceVerts, std::numeric_limits<int>::max()}, kSampleSize{1, kMaxSampleSize};
-constexpr SettingRange kScore{-1, kMaxScore}, kEpsilon{0, 1, true, true};
+constexpr SettingRange kScore{-1, kMaxScore};
+constexpr SettingRange kEpsilon{.low = 0, .high = 1, .aboveLow = true, .belowHigh = true};
 
 Group Basics() {
     return {"Basics",

@@ -9,6 +9,7 @@
 #include <cmath>
 
 namespace q3 {
+
 namespace {
 
 std::vector<float> NumbersOf(std::string_view text, std::size_t count) {
@@ -41,7 +42,8 @@ IndexImage ReadPicture(std::string_view name, int layers, const BspContext &cont
     return picture;
 }
 
-Boundsf CoveredBy(const MapEntity &entity, const Vec3f &shift) {
+/// The extent of the picture: keys of the entity, else the bounds of its primitives, moved by `shift`.
+Boundsf ExtentOf(const MapEntity &entity, const Vec3f &shift) {
     Boundsf bounds;
     for (const Brush &brush : entity.brushes)
         bounds.Add(brush.bounds);
@@ -55,7 +57,7 @@ Boundsf CoveredBy(const MapEntity &entity, const Vec3f &shift) {
     return bounds;
 }
 
-void Warn(const MapEntity &entity, std::string_view text, const BspContext &context) {
+void WarnOfNoEffect(const MapEntity &entity, std::string_view text, const BspContext &context) {
     context.log.Warn("index map", "{}: its index map has no effect: {}", entity.MessagePrefix(), text);
 }
 
@@ -83,18 +85,18 @@ std::shared_ptr<const IndexMap> ReadIndexMap(const MapEntity &entity, const Vec3
     map->layers = IntegerFromText(keys::kLayers.Text(entity.pairs));
     map->shader = keys::kLayerShader.Text(entity.pairs);
     if (!keys::kLayers.info.range.Contains(map->layers))
-        return Warn(entity, "expected \"_layers\" of 1 to 255", context), nullptr;
+        return WarnOfNoEffect(entity, "expected \"_layers\" of 1 to 255", context), nullptr;
     if (map->shader.empty())
-        return Warn(entity, "expected \"_shader\"", context), nullptr;
+        return WarnOfNoEffect(entity, "expected \"_shader\"", context), nullptr;
     IndexImage picture;
     try {
         picture = ReadPicture(name, map->layers, context);
     } catch (const Error &error) {
-        return Warn(entity, error.what(), context), nullptr;
+        return WarnOfNoEffect(entity, error.what(), context), nullptr;
     }
     if (picture.width < 2 || picture.height < 2)
-        return Warn(entity, "expected a picture of at least 2 x 2", context), nullptr;
-    map->bounds = CoveredBy(entity, shift);
+        return WarnOfNoEffect(entity, "expected a picture of at least 2 x 2", context), nullptr;
+    map->bounds = ExtentOf(entity, shift);
     map->width = picture.width, map->height = picture.height;
     map->offsets = NumbersOf(keys::kLayerOffsets.Text(entity.pairs), std::size_t(map->layers));
     map->pixels = std::move(picture.indexes);

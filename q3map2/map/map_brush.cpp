@@ -12,12 +12,12 @@ namespace q3 {
 
 namespace {
 
-constexpr double kWindingEpsilon = 0x1p-24;
+constexpr double kWindingEpsilon = 0x1p-24; ///< game units
 /// Least determinant of three planes that meet in a point.
 constexpr double kParallel = 1e-9;
 /// Greatest distance of a corner in front of the other planes. Game units.
-constexpr double kCornerSlack = 0.1;
-constexpr double kShortEdge = 0.1;
+constexpr double kCornerMargin = 0.1;
+constexpr double kShortEdge = 0.1; ///< game units: the ends of shorter edges are welded
 /// Welded coordinates this near to an integer are rounded to it.
 constexpr double kNearWhole = 0.01;
 /// Triples of planes grow with the cube: brushes of more sides take their box from clipped polygons.
@@ -49,7 +49,7 @@ Boundsd CornerBox(const std::vector<Plane> &planes) {
                 const Vec3d p = (Cross(planes[j].normal, planes[k].normal) * planes[i].dist +
                                  Cross(planes[k].normal, planes[i].normal) * planes[j].dist + cross * planes[k].dist) /
                                 determinant;
-                const auto keeps = [&](const Plane &plane) { return plane.Distance(p) < kCornerSlack; };
+                const auto keeps = [&](const Plane &plane) { return plane.Distance(p) < kCornerMargin; };
                 if (std::ranges::all_of(planes, keeps))
                     box.Add(p);
             }
@@ -58,7 +58,7 @@ Boundsd CornerBox(const std::vector<Plane> &planes) {
 }
 
 /// The plane's polygon over the box, projected along the dominant axis of the normal; clockwise from the front.
-Winding<double> ColumnPolygon(const Plane &plane, const Boundsd &box) {
+Winding<double> PolygonOverBox(const Plane &plane, const Boundsd &box) {
     std::size_t z = 0;
     for (std::size_t axis = 1; axis < 3; ++axis)
         if (std::abs(plane.normal[axis]) > std::abs(plane.normal[z]))
@@ -83,7 +83,7 @@ bool IsOpposite(const Plane &a, const Plane &b) {
 
 /// The part of a plane's polygon that is behind all others.
 Winding<double> ChoppedPolygon(const std::vector<Plane> &planes, std::size_t self, const Boundsd &box) {
-    Winding<double> w = ColumnPolygon(planes[self], box);
+    Winding<double> w = PolygonOverBox(planes[self], box);
     for (std::size_t i = 0; i < planes.size() && !w.empty(); ++i)
         if (i != self && !IsOpposite(planes[i], planes[self]))
             ChopPolygon(w, {-planes[i].normal, -planes[i].dist}, kWindingEpsilon);
@@ -91,7 +91,7 @@ Winding<double> ChoppedPolygon(const std::vector<Plane> &planes, std::size_t sel
 }
 
 Boundsd PolygonBox(const std::vector<Plane> &planes) {
-    constexpr double limit = 4 * kMaxWorldCoord;
+    constexpr double limit = 4 * kMaxWorldCoord; // game units
     Boundsd world, box;
     world.Add({-limit, -limit, -limit}), world.Add({limit, limit, limit});
     for (std::size_t i = 0; i < planes.size(); ++i)
@@ -147,11 +147,10 @@ int ContentRank(const ShaderInfo &shader, const Game &game) {
 bool MakeBrushWindings(Brush &brush, const PlaneTable &table) {
     brush.bounds = {};
     std::vector<Plane> planes = PlanesWithoutBevels(brush, table);
-    const bool few = planes.size() <= kMaxTripleSides;
-    Boundsd box = few ? CornerBox(planes) : PolygonBox(planes);
+    Boundsd box = planes.size() <= kMaxTripleSides ? CornerBox(planes) : PolygonBox(planes);
     const Vec3d center = box.Center();
-    // Far outside the world precision is lost.
-    if (IsFlat(box) || !(Length(center) <= 8 * kMaxWorldCoord))
+    constexpr double kMaxCenter = 8 * kMaxWorldCoord; // game units: farther out precision is lost
+    if (IsFlat(box) || !(Length(center) <= kMaxCenter))
         return false;
     for (Plane &plane : planes)
         plane.dist -= Dot(plane.normal, center);
@@ -250,7 +249,9 @@ std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const Shad
 namespace {
 
 constexpr double kOnPlane = 0.1; ///< game units
-constexpr double kHalf = 0.5;
+constexpr double kMinEdge = 0.5; ///< game units: shorter edges get no bevels
+constexpr double kMinSine = 0.5; ///< of the angle between an edge and the axis of its bevel
+constexpr std::size_t kAxialSides = 6;
 
 /// Unit vector along `v`, with components rounded to float.
 Vec3d StoredUnit(const Vec3d &v) {
@@ -285,7 +286,7 @@ int AxialPlane(const Brush &brush, std::size_t axis, int direction, PlaneTable &
 /// Sides 0 to 5 become -x +x -y +y -z +z.
 void AddAxialBevels(Brush &brush, PlaneTable &planes, int snap, std::uint32_t inheritedFlags) {
     std::vector<BrushSide> &sides = brush.sides;
-    for (std::size_t order = 0; order < 6; ++order) {
+    for (std::size_t order = 0; order < kAxialSides; ++order) {
         const std::size_t axis = order / 2;
         const int direction = order % 2 == 0 ? -1 : 1;
         std::size_t found = 0;
@@ -306,7 +307,7 @@ void AddAxialBevels(Brush &brush, PlaneTable &planes, int snap, std::uint32_t in
 /// Unit vector along the edge; zero if the edge is too short or along an axis.
 Vec3d SlantedEdge(const Vec3f &from, const Vec3f &to, const PlaneTable &planes) {
     Vec3d edge = Vec3d(from) - Vec3d(to);
-    if (Length(edge) < kHalf)
+    if (Length(edge) < kMinEdge)
         return {};
     edge = StoredUnit(edge);
     planes.SnapNormal(edge);
@@ -315,15 +316,15 @@ Vec3d SlantedEdge(const Vec3f &from, const Vec3f &to, const PlaneTable &planes) 
     return axial || zeros >= 2 ? Vec3d{} : edge;
 }
 
-enum class Fit { New, OnBevel, Rejected };
+enum class BevelFit { New, OnBevel, Rejected };
 
 /// New: the whole brush is behind the plane, and no side has this plane. OnBevel: side `match` is a bevel with it.
-Fit FitPlane(const Brush &brush, const Plane &plane, const PlaneTable &planes, std::size_t &match) {
+BevelFit FitBevel(const Brush &brush, const Plane &plane, const PlaneTable &planes, std::size_t &match) {
     for (std::size_t i = 0; i < brush.sides.size(); ++i) {
         const BrushSide &side = brush.sides[i];
         if (planes.Equal(side.planeNum, plane.normal, plane.dist)) {
             match = i;
-            return side.bevel ? Fit::OnBevel : Fit::Rejected;
+            return side.bevel ? BevelFit::OnBevel : BevelFit::Rejected;
         }
         if (side.winding.empty())
             continue;
@@ -331,29 +332,29 @@ Fit FitPlane(const Brush &brush, const Plane &plane, const PlaneTable &planes, s
         for (const Vec3f &p : side.winding) {
             const double distance = plane.Distance(Vec3d(p));
             if (distance > kOnPlane)
-                return Fit::Rejected;
+                return BevelFit::Rejected;
             behind = std::min(behind, distance);
         }
         if (behind > -kOnPlane)
-            return Fit::Rejected;
+            return BevelFit::Rejected;
     }
-    return Fit::New;
+    return BevelFit::New;
 }
 
 void TryEdgeBevel(Brush &brush, std::size_t from, const Vec3f &point, const Vec3d &edge, const Vec3d &axis,
                   PlaneTable &planes, std::uint32_t inheritedFlags) {
     Vec3d normal = Cross(edge, axis);
-    if (Length(normal) < kHalf)
+    if (Length(normal) < kMinSine)
         return;
     normal = StoredUnit(normal);
     const Vec3d p(point);
     const Plane plane{normal, double(Dot(point, Vec3f(normal)))};
     const std::uint32_t flags = brush.sides[from].surfaceFlags & inheritedFlags;
     std::size_t match = 0;
-    const Fit fit = FitPlane(brush, plane, planes, match);
-    if (fit == Fit::OnBevel)
+    const BevelFit fit = FitBevel(brush, plane, planes, match);
+    if (fit == BevelFit::OnBevel)
         brush.sides[match].surfaceFlags |= flags;
-    if (fit != Fit::New)
+    if (fit != BevelFit::New)
         return;
     const int number = planes.Find(plane.normal, plane.dist, std::array{p});
     if (number < 0)
@@ -366,9 +367,9 @@ void TryEdgeBevel(Brush &brush, std::size_t from, const Vec3f &point, const Vec3
 
 void AddBrushBevels(Brush &brush, PlaneTable &planes, int snap, std::uint32_t inheritedFlags) {
     AddAxialBevels(brush, planes, snap, inheritedFlags);
-    if (brush.sides.size() == 6)
+    if (brush.sides.size() == kAxialSides)
         return;
-    for (std::size_t i = 6; i < brush.sides.size(); ++i) {
+    for (std::size_t i = kAxialSides; i < brush.sides.size(); ++i) {
         const Polygon winding = brush.sides[i].winding;
         for (std::size_t j = 0; j < winding.size(); ++j) {
             const Vec3d edge = SlantedEdge(winding[j], winding[(j + 1) % winding.size()], planes);

@@ -141,14 +141,14 @@ bool MapReader::CheckPlanes(Brush &brush) const {
             Warn(brush, "degenerate plane", "degenerate plane: its points are collinear");
             continue;
         }
-        const auto has = [&kept](int number) {
+        const auto hasPlane = [&kept](int number) {
             return std::ranges::any_of(kept, [&](const BrushSide &other) { return other.planeNum == number; });
         };
-        if (has(side.planeNum ^ 1)) {
+        if (hasPlane(side.planeNum ^ 1)) {
             Warn(brush, "mirrored plane", "mirrored plane: the brush is left out");
             return false;
         }
-        if (has(side.planeNum))
+        if (hasPlane(side.planeNum))
             Warn(brush, "duplicate plane", "duplicate plane: the later side is left out");
         else
             kept.push_back(std::move(side));
@@ -245,13 +245,13 @@ void MapReader::ApplyPatchKeys(MapEntity &entity) const {
         WarnOfBadKeys(entity.pairs, std::size_t(entity.number), keys::kSurfaceKeys, context_.log);
         WarnOfForeignKeys(entity.pairs, std::size_t(entity.number), KeyOwner::Brushes, context_.log);
     }
-    const bool asWorld = EqualNoCase(entity.pairs.ClassName(), "func_group") && !map_.entities.empty();
-    const auto owner = [&](const EntityKey &key) -> const Entity & {
-        return asWorld && !key.Given(entity.pairs) ? map_.entities.front().pairs : entity.pairs;
+    const bool takesWorldKeys = EqualNoCase(entity.pairs.ClassName(), "func_group") && !map_.entities.empty();
+    const auto giver = [&](const EntityKey &key) -> const Entity & { // the entity whose key counts
+        return takesWorldKeys && !key.Given(entity.pairs) ? map_.entities.front().pairs : entity.pairs;
     };
-    const bool meta = context_.options.patchMeta || keys::kPatchMeta.Flag(owner(keys::kPatchMeta));
-    const int subdivide = keys::kPatchSubdivide.Integer(owner(keys::kPatchSubdivide));
-    const int quality = keys::kPatchQuality.Integer(owner(keys::kPatchQuality));
+    const bool meta = context_.options.patchMeta || keys::kPatchMeta.Flag(giver(keys::kPatchMeta));
+    const int subdivide = keys::kPatchSubdivide.Integer(giver(keys::kPatchSubdivide));
+    const int quality = keys::kPatchQuality.Integer(giver(keys::kPatchQuality));
     int subdivisions = std::max(subdivide, 0);
     if (quality > 0)
         subdivisions = std::max(1, (subdivide > 0 ? subdivide : context_.options.subdivisions) / quality);
@@ -375,7 +375,7 @@ Map ReadMap(std::string_view text, std::string_view name, const BspContext &cont
 
 namespace {
 
-constexpr float kMaxColor = 1e6f; // far above any light, and products do not overflow
+constexpr float kMaxColor = 1e6f; ///< byte scale: far above any light, and products do not overflow
 
 Vec3f AmbientOf(const Entity &pairs) {
     const float ambient = std::clamp(float(keys::kAmbient.Number(pairs)), -kMaxColor, kMaxColor);

@@ -17,31 +17,18 @@ constexpr float kTouching = 1;
 constexpr float kClosed = 1;
 /// Cosine between the normals of control points and curve below which the curve's normal is used.
 constexpr float kNormalsDiffer = 0.75f;
-constexpr int kMaxSteps = 3; ///< in search of a distinct neighbor
+constexpr int kMaxNeighborSteps = 3; ///< in search of a distinct neighbor
 
 using PatchGrid = MeshOf<DrawVert>;
 
-float LongestCurveOf(const Patch &patch) {
-    const auto at = [&](int x, int y) -> const Vec3f & {
-        return patch.verts[std::size_t(y) * std::size_t(patch.width) + std::size_t(x)].xyz;
-    };
-    float longest = 0;
-    for (int y = 0; y + 2 < patch.height; y += 2)
-        for (int x = 0; x + 2 < patch.width; x += 2) {
-            longest = std::max(longest, CurveLength(at(x, y), at(x + 1, y), at(x + 2, y)));
-            longest = std::max(longest, CurveLength(at(x, y), at(x, y + 1), at(x, y + 2)));
-        }
-    return longest;
-}
-
-bool Within(const Vec3f &a, const Vec3f &b, float distance) {
+bool AreNear(const Vec3f &a, const Vec3f &b, float distance) {
     return std::abs(a.x - b.x) < distance && std::abs(a.y - b.y) < distance && std::abs(a.z - b.z) < distance;
 }
 
 /// Union-find over patches.
-class Groups {
+class PatchGroups {
   public:
-    explicit Groups(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
+    explicit PatchGroups(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
     std::size_t Of(std::size_t i) {
         while (parents_[i] != i)
             i = parents_[i] = parents_[parents_[i]];
@@ -60,35 +47,36 @@ struct CellPoint {
     std::size_t patch = 0;
 };
 
-constexpr int kCellBits = 20;
+constexpr int kCellBits = 20;                     ///< of a cell's number along an axis
+constexpr double kFirstCell = kMaxWorldCoord + 8; ///< added to numbers along an axis, so that none is negative
 
 std::uint64_t CellOf(const Vec3f &p, int stepX, int stepY, int stepZ) {
     const auto index = [](float v, int step) {
         const double inside = std::clamp(double(v), -kMaxWorldCoord, kMaxWorldCoord);
-        return std::uint64_t(std::floor(inside / double(kTouching)) + kMaxWorldCoord + 8) + std::uint64_t(step + 1);
+        return std::uint64_t(std::floor(inside / double(kTouching)) + kFirstCell) + std::uint64_t(step + 1);
     };
     return (index(p.x, stepX) << (2 * kCellBits)) | (index(p.y, stepY) << kCellBits) | index(p.z, stepZ);
 }
 
 using CellSpan = std::span<const CellPoint>;
 
-void JoinCells(CellSpan a, CellSpan b, Groups &groups) {
+void JoinCells(CellSpan a, CellSpan b, PatchGroups &groups) {
     if (b.empty() || groups.Of(a.front().patch) == groups.Of(b.front().patch))
         return;
     for (const CellPoint &p : a)
         for (const CellPoint &q : b)
-            if (Within(p.xyz, q.xyz, kTouching))
+            if (AreNear(p.xyz, q.xyz, kTouching))
                 return groups.Join(p.patch, q.patch);
 }
 
 /// Groups of patches that touch. All points of a cell touch each other, so a cell belongs to one group.
-Groups TouchingPatches(const std::deque<Patch> &patches) {
+PatchGroups TouchingPatches(const std::deque<Patch> &patches) {
     std::vector<CellPoint> points;
     for (std::size_t i = 0; i < patches.size(); ++i)
         for (const DrawVert &v : patches[i].verts)
             points.push_back({CellOf(v.xyz, 0, 0, 0), v.xyz, i});
     std::ranges::stable_sort(points, {}, &CellPoint::cell);
-    Groups groups(patches.size());
+    PatchGroups groups(patches.size());
     for (std::size_t i = 1; i < points.size(); ++i)
         if (points[i].cell == points[i - 1].cell)
             groups.Join(points[i].patch, points[i - 1].patch);
@@ -111,11 +99,11 @@ Groups TouchingPatches(const std::deque<Patch> &patches) {
 class NeighborDirections {
   public:
     explicit NeighborDirections(const PatchGrid &grid) : grid_(grid) {
-        wrapX_ = wrapY_ = true;
+        wrapsX_ = wrapsY_ = true;
         for (int y = 0; y < grid.height; ++y)
-            wrapX_ = wrapX_ && Within(grid.At(0, y).xyz, grid.At(grid.width - 1, y).xyz, kClosed);
+            wrapsX_ = wrapsX_ && AreNear(grid.At(0, y).xyz, grid.At(grid.width - 1, y).xyz, kClosed);
         for (int x = 0; x < grid.width; ++x)
-            wrapY_ = wrapY_ && Within(grid.At(x, 0).xyz, grid.At(x, grid.height - 1).xyz, kClosed);
+            wrapsY_ = wrapsY_ && AreNear(grid.At(x, 0).xyz, grid.At(x, grid.height - 1).xyz, kClosed);
     }
 
     Vec3f NormalAt(int x, int y) const {
@@ -138,8 +126,8 @@ class NeighborDirections {
     Vec3f Direction(int x, int y, int stepX, int stepY) const {
         const Vec3f &base = grid_.At(x, y).xyz;
         int atX = x, atY = y;
-        for (int step = 0; step < kMaxSteps; ++step) {
-            if (!Step(atX, stepX, grid_.width, wrapX_) || !Step(atY, stepY, grid_.height, wrapY_))
+        for (int step = 0; step < kMaxNeighborSteps; ++step) {
+            if (!Step(atX, stepX, grid_.width, wrapsX_) || !Step(atY, stepY, grid_.height, wrapsY_))
                 return {};
             const Vec3f offset = grid_.At(atX, atY).xyz - base;
             if (offset != Vec3f{})
@@ -149,17 +137,17 @@ class NeighborDirections {
     }
 
     /// Wraps around closed grids, where first and last index are the same point. False: beyond the border.
-    static bool Step(int &at, int step, int size, bool wrap) {
+    static bool Step(int &at, int step, int size, bool wraps) {
         at += step;
-        if (wrap && at < 0)
+        if (wraps && at < 0)
             at = size - 1 + at;
-        else if (wrap && at >= size)
+        else if (wraps && at >= size)
             at = 1 + at - size;
         return at >= 0 && at < size;
     }
 
     const PatchGrid &grid_;
-    bool wrapX_ = false, wrapY_ = false;
+    bool wrapsX_ = false, wrapsY_ = false;
 };
 
 } // namespace
@@ -169,11 +157,12 @@ void FinishPatches(std::deque<Patch> &patches) {
         float longestCurve = 0;
         Boundsf bounds;
     };
-    Groups groups = TouchingPatches(patches);
+    PatchGroups groups = TouchingPatches(patches);
     std::vector<Group> found(patches.size());
     for (std::size_t i = 0; i < patches.size(); ++i) {
         Group &group = found[groups.Of(i)];
-        group.longestCurve = std::max(group.longestCurve, LongestCurveOf(patches[i]));
+        group.longestCurve =
+            std::max(group.longestCurve, LongestCurve(patches[i].width, patches[i].height, patches[i].verts.data()));
         for (const DrawVert &v : patches[i].verts)
             group.bounds.Add(v.xyz);
     }

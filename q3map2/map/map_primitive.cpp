@@ -14,9 +14,9 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxSides = 1024;
-constexpr std::size_t kMaxShaderName = 63;
-constexpr int kMaxPatchSize = 31;
+constexpr std::size_t kMaxSides = 1024;    ///< of a brush
+constexpr std::size_t kMaxShaderName = 63; ///< bytes
+constexpr int kMaxPatchSize = 31;          ///< control points
 constexpr std::string_view kTextures = "textures/";
 /// CONTENTS_DETAIL, the only bit that still has a meaning in the contents word of a side.
 constexpr int kDetailContents = 0x8000000;
@@ -85,9 +85,10 @@ void PrimitiveReader::ReadPlaneNumbers(BrushSide &side) {
     side.planeNum = planes_.Find(side.plane.normal, side.plane.dist);
 }
 
-/// The name with "textures/" in front. `complete`: the token may start with it already.
-std::string PrimitiveReader::ShaderName(const std::string &token, bool complete) const {
-    std::string name = complete && StartsWithNoCase(token, kTextures) ? token : std::string(kTextures) + token;
+/// The name with "textures/" in front.
+std::string PrimitiveReader::ShaderName(const std::string &token, NameForm form) const {
+    const bool isWhole = form == NameForm::WholeOrShort && StartsWithNoCase(token, kTextures);
+    std::string name = isWhole ? token : std::string(kTextures) + token;
     if (name.size() > kMaxShaderName)
         scanner_.Fail(fmt::format("the shader name '{}...' has {} characters, expected at most {}",
                                   PrintableForMessage(name), name.size(), kMaxShaderName));
@@ -167,7 +168,7 @@ BrushSide PrimitiveReader::ReadSide(Form form, SideText &text) {
         scanner_.Expect(")");
     }
     text.shader = scanner_.NeedOnLine("the name of a shader");
-    side.shader = &Shader(ShaderName(text.shader, form == Form::Plane));
+    side.shader = &Shader(ShaderName(text.shader, form == Form::Plane ? NameForm::WholeOrShort : NameForm::Short));
     side.surfaceFlags = side.shader->surfaceFlags;
     side.contentFlags = side.shader->contentFlags;
     side.compileFlags = side.shader->compileFlags;
@@ -238,7 +239,7 @@ std::optional<Patch> PrimitiveReader::ReadPatch(PatchText *text) {
     scanner_.Expect("{");
     Patch patch;
     PatchText read{scanner_.Need("the name of a shader"), {}};
-    patch.shader = &Shader(ShaderName(read.shader, true));
+    patch.shader = &Shader(ShaderName(read.shader, NameForm::WholeOrShort));
     scanner_.Expect("(");
     patch.width = scanner_.Integer();
     patch.height = scanner_.Integer();
@@ -265,7 +266,7 @@ std::optional<Patch> PrimitiveReader::ReadPatch(PatchText *text) {
     return std::nullopt;
 }
 
-// ---- Moves brushes and patches relative to the origin of their entity ----
+// ---- Brushes and patches moved relative to the origin of their entity ----
 
 namespace {
 

@@ -42,6 +42,8 @@ class PrimitiveReader {
   private:
     /// Classic or Valve 220; brushDef; brushDef3.
     enum class Form { Axes, Matrix, Plane };
+    /// Whether names of shaders may begin with "textures/".
+    enum class NameForm { Short, WholeOrShort };
     BrushSide ReadSide(Form form, SideText &text);
     void ReadPoints(BrushSide &side, SideText &text);
     void ReadPlaneNumbers(BrushSide &side);
@@ -49,7 +51,7 @@ class PrimitiveReader {
     TextureProjection ReadAxes(const BrushSide &side);
     void ReplaceUnusableProjection(BrushSide &side, const std::string &shader) const;
     void ReadFlags(BrushSide &side, SideText &text);
-    std::string ShaderName(const std::string &token, bool complete) const;
+    std::string ShaderName(const std::string &token, NameForm form) const;
     const ShaderInfo &Shader(const std::string &name);
     void ReadControlPoints(Patch &patch);
 

@@ -25,7 +25,8 @@ TextScanner::Include IncludeBeside(std::string_view name) {
 } // namespace
 
 std::string PrintableForMessage(std::string_view text) {
-    std::string shown(text.substr(0, 64));
+    constexpr std::size_t kMaxShown = 64; // bytes
+    std::string shown(text.substr(0, kMaxShown));
     std::ranges::replace_if(
         shown, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, ' ');
     return shown;
@@ -35,8 +36,8 @@ void RequireMapSource(std::string_view text, std::string_view name) {
     std::string kind = KindOfSource(text);
     if (kind.empty()) {
         kind = text.starts_with("IBSP") ? "a compiled map" : KindOfFile(std::as_bytes(std::span(text)));
-        for (const std::string_view fine : {kKindEmpty, kKindText, kKindMapSource})
-            kind = kind == fine ? "" : kind;
+        for (const std::string_view accepted : {kKindEmpty, kKindText, kKindMapSource})
+            kind = kind == accepted ? "" : kind;
     }
     if (!kind.empty())
         throw Error("{}: the file is {}; expected a map source of Quake III or of a game of its family", name, kind);
@@ -106,8 +107,9 @@ double MapScanner::Number() {
 
 double MapScanner::NumberOf(const std::string &token) const {
     std::string_view rest = token;
-    const double value = TakeNumber(rest).value_or(0);
-    if (!rest.empty())
+    const std::optional<double> number = TakeNumber(rest);
+    const double value = number.value_or(0);
+    if (!number || !rest.empty())
         Warn("not a number",
              fmt::format("expected a number, found '{}': it counts as {}", PrintableForMessage(token), value));
     return value;

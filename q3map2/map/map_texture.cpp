@@ -22,7 +22,7 @@ constexpr std::array<BaseAxes, 6> kBaseAxes{{{{0, 0, 1}, {1, 0, 0}, {0, -1, 0}},
 constexpr double kClearlyLarger = 0.0001; ///< difference of dot products
 constexpr double kVertical = 1e-6;        ///< x and y of vertical normals are smaller
 /// Larger values times a coordinate would exceed the range of float.
-constexpr double kMaxAxis = 1e30;
+constexpr double kMaxProjection = 1e30;
 /// Images per game unit. Along a shorter axis the whole world spans less than a ten-thousandth of an image.
 constexpr double kMinAxis = 1e-9;
 /// Least sine of the angle between axes on a side.
@@ -68,7 +68,8 @@ double ScaleOf(const TextureAxes &texture, std::size_t row) {
     return texture.scale[row] == 0 ? 1 : texture.scale[row];
 }
 
-std::array<double, 4> Row(const Vec3d &axis, double shift, int size) {
+/// Row of a projection: axis in texels per game unit and shift in texels, divided by the image size.
+std::array<double, 4> ProjectionRow(const Vec3d &axis, double shift, int size) {
     const double texels = double(size);
     return {axis.x / texels, axis.y / texels, axis.z / texels, shift / texels};
 }
@@ -89,19 +90,19 @@ ProjectionAxes MatrixAxes(const Vec3d &normal) {
 
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader) {
     const BaseAxes &base = BaseAxesOf(normal);
-    const std::size_t sv = MainAxis(base.s), tv = MainAxis(base.t);
+    const std::size_t sAxis = MainAxis(base.s), tAxis = MainAxis(base.t);
     const Rotation rotation = RotationOf(texture.rotate);
     const std::array<int, 2> size{shader.textureWidth, shader.textureHeight};
     TextureProjection projection;
     for (std::size_t row = 0; row < 2; ++row) {
         const Vec3d axis = row == 0 ? base.s : base.t;
         Vec3d turned = axis;
-        turned[sv] = rotation.cosine * axis[sv] - rotation.sine * axis[tv];
-        turned[tv] = rotation.sine * axis[sv] + rotation.cosine * axis[tv];
+        turned[sAxis] = rotation.cosine * axis[sAxis] - rotation.sine * axis[tAxis];
+        turned[tAxis] = rotation.sine * axis[sAxis] + rotation.cosine * axis[tAxis];
         double shift = texture.shift[row];
         if (!shader.globalTexture)
             shift -= std::floor(shift / size[row]) * size[row];
-        projection.vecs[row] = Row(turned / ScaleOf(texture, row), shift, size[row]);
+        projection.vecs[row] = ProjectionRow(turned / ScaleOf(texture, row), shift, size[row]);
     }
     return projection;
 }
@@ -110,7 +111,7 @@ TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirecti
     const std::array<int, 2> size{shader.textureWidth, shader.textureHeight};
     TextureProjection projection;
     for (std::size_t row = 0; row < 2; ++row)
-        projection.vecs[row] = Row(texture.axes[row] / ScaleOf(texture, row), texture.shift[row], size[row]);
+        projection.vecs[row] = ProjectionRow(texture.axes[row] / ScaleOf(texture, row), texture.shift[row], size[row]);
     return projection;
 }
 
@@ -128,7 +129,7 @@ bool HasExtent(const TextureProjection &projection, const Vec3d &normal) {
     std::array<Vec3d, 2> axes;
     for (std::size_t row = 0; row < 2; ++row)
         for (std::size_t i = 0; i < 3; ++i)
-            if (const double value = projection.vecs[row][i]; std::abs(value) < kMaxAxis)
+            if (const double value = projection.vecs[row][i]; std::abs(value) < kMaxProjection)
                 axes[row][i] = value;
     const double s = Length(axes[0]), t = Length(axes[1]);
     return s > kMinAxis && t > kMinAxis && std::abs(Dot(normal, Cross(axes[0], axes[1]))) > kParallelAxes * s * t;
@@ -150,7 +151,7 @@ TextureProjection FinalProjection(TextureProjection own, const GeometryDirective
         own.vecs = {{{0, 0, 0, 1 - 0.5 / shader.textureWidth}, {0, 0, 0, 1 - 0.5 / shader.textureHeight}}};
     for (auto &row : own.vecs)
         for (double &value : row)
-            if (!(std::abs(value) < kMaxAxis))
+            if (!(std::abs(value) < kMaxProjection))
                 value = 0;
     return own;
 }

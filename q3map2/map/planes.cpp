@@ -15,7 +15,7 @@ Vec3d AsStored(const Vec3d &v) {
     return Vec3d(Vec3f(v));
 }
 
-bool Near(double a, double b, double epsilon) {
+bool IsWithin(double a, double b, double epsilon) {
     return a == b || std::abs(a - b) < epsilon;
 }
 
@@ -47,8 +47,8 @@ bool PlaneTable::SnapNormal(Vec3d &normal) const {
 
 bool PlaneTable::Equal(int number, const Vec3d &normal, double dist) const {
     const Plane &plane = (*this)[number];
-    return Near(plane.dist, dist, distanceEpsilon_) && Near(plane.normal.x, normal.x, normalEpsilon_) &&
-           Near(plane.normal.y, normal.y, normalEpsilon_) && Near(plane.normal.z, normal.z, normalEpsilon_);
+    return IsWithin(plane.dist, dist, distanceEpsilon_) && IsWithin(plane.normal.x, normal.x, normalEpsilon_) &&
+           IsWithin(plane.normal.y, normal.y, normalEpsilon_) && IsWithin(plane.normal.z, normal.z, normalEpsilon_);
 }
 
 bool PlaneTable::IsAxial(int number) const {
@@ -59,7 +59,8 @@ bool PlaneTable::IsAxial(int number) const {
 int PlaneTable::Find(const Vec3d &normal, double dist, std::span<const Vec3d> points) {
     Vec3d n = AsStored(normal);
     double d = double(float(dist));
-    if (!(Length(n) >= 0.5) || !IsFinite(n) || !std::isfinite(d))
+    constexpr double kMinLength = 0.5;
+    if (!(Length(n) >= kMinLength) || !IsFinite(n) || !std::isfinite(d))
         return -1;
     if (SnapNormal(n)) {
         n = AsStored(n);
@@ -74,6 +75,7 @@ int PlaneTable::Find(const Vec3d &normal, double dist, std::span<const Vec3d> po
     if (zeros >= 2 && std::abs(d - std::rint(d)) < distanceEpsilon_)
         d = std::rint(d);
     const std::size_t hash = HashOf(d, kHashes);
+    // The chain before, its own and the next; kHashes - 1 is one back.
     for (const std::size_t step : {kHashes - 1, std::size_t(0), std::size_t(1)})
         for (int i = chains_[(hash + step) % kHashes]; i >= 0; i = next_[std::size_t(i)]) {
             if (!Equal(i, n, d))

@@ -88,9 +88,7 @@ std::vector<MinimapSolid> MinimapSolids(const Bsp &bsp, ShaderLibrary &library) 
     return solids;
 }
 
-// ---- Minimaps: pictures of a map from above, of how thick its solids are ----
-
-// ---- Level curves of minimaps ----
+// ---- Level curves and sharpening ----
 
 namespace {
 
@@ -117,7 +115,7 @@ LevelCurve AutoLevel(const std::vector<float> &values, LevelCurve curve, Log &lo
     return curve;
 }
 
-/// (8 s + 1) v - s (sum of the eight neighbors); outside counts as 0.
+/// v becomes (8 s + 1) v - s (sum of its eight neighbors); outside counts as 0.
 void SharpenImage(MinimapValues &image, double s) {
     const MinimapValues from = image;
     const auto at = [&](int x, int y) {
@@ -154,15 +152,15 @@ void ApplyMinimapLevels(MinimapValues &image, const MinimapOptions &options, Log
 
 namespace {
 
-constexpr int kMaxFailures = 1000;
+constexpr int kMaxFailures = 1000; ///< moves in a row that do not spread the points
 
 /// Numbers in 0..1 by index.
 double RandomUnit(std::uint64_t index) {
     return UnitFromHash(HashIndex(index));
 }
 
-/// Squared distance where the unit square repeats.
-double WrappedDistance2(const PixelOffset &a, const PixelOffset &b) {
+/// Square of the distance where the unit square repeats.
+double WrappedDistanceSquared(const PixelOffset &a, const PixelOffset &b) {
     double sum = 0;
     for (std::size_t axis = 0; axis < 2; ++axis) {
         const double d = std::abs(a[axis] - b[axis]), wrapped = std::min(d, 1 - d);
@@ -173,24 +171,24 @@ double WrappedDistance2(const PixelOffset &a, const PixelOffset &b) {
 
 struct ClosestPair {
     std::size_t a = 0, b = 0;
-    double distance2 = std::numeric_limits<double>::max();
+    double distanceSquared = std::numeric_limits<double>::max();
 };
 
 ClosestPair FindClosestPair(const std::vector<PixelOffset> &points) {
     ClosestPair closest;
     for (std::size_t a = 0; a < points.size(); ++a)
         for (std::size_t b = a + 1; b < points.size(); ++b)
-            if (const double d = WrappedDistance2(points[a], points[b]); d < closest.distance2)
+            if (const double d = WrappedDistanceSquared(points[a], points[b]); d < closest.distanceSquared)
                 closest = {a, b, d};
     return closest;
 }
 
-/// Squared distance of `place` from the nearest point other than `but`.
-double Clearance2(const std::vector<PixelOffset> &points, std::size_t but, const PixelOffset &place) {
+/// Square of the distance of `place` from the nearest point other than `omitted`.
+double ClearanceSquared(const std::vector<PixelOffset> &points, std::size_t omitted, const PixelOffset &place) {
     double least = std::numeric_limits<double>::max();
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (i != but)
-            least = std::min(least, WrappedDistance2(points[i], place));
+        if (i != omitted)
+            least = std::min(least, WrappedDistanceSquared(points[i], place));
     return least;
 }
 
@@ -211,7 +209,7 @@ std::vector<PixelOffset> SpreadOffsets(std::size_t count) {
     for (int failures = 0; failures < kMaxFailures;) {
         const std::size_t moved = RandomUnit(index++) < 0.5 ? closest.a : closest.b;
         const PixelOffset place = randomPlace();
-        if (Clearance2(points, moved, place) <= closest.distance2) {
+        if (ClearanceSquared(points, moved, place) <= closest.distanceSquared) {
             ++failures;
             continue;
         }
@@ -237,7 +235,7 @@ PixelOffset MinimapSampler::Offset(std::uint64_t pixel, std::size_t sample) cons
     return {0.5 + radius * std::cos(angle), 0.5 + radius * std::sin(angle)};
 }
 
-// ---- Minimaps: pictures of a map from above, of how thick its solids are ----
+// ---- The picture and its files ----
 
 namespace {
 
@@ -255,11 +253,12 @@ class MinimapRow {
 
     /// Adds the thickness of the solid at each sample, divided by their number and the height of the box.
     void Add(const MinimapSolid &solid, std::span<float> values, std::vector<double> &sums) const {
-        // Samples lie up to half a pixel outside their pixel.
-        if (solid.bounds.maxs.y < y_ - 0.5 * pixel_.y || solid.bounds.mins.y > y_ + 1.5 * pixel_.y)
+        // Random samples are up to 1 pixel from the middle of theirs: 0.5 below its lower border, 1.5 above.
+        constexpr double kBelow = 0.5, kAbove = 1.5;
+        if (solid.bounds.maxs.y < y_ - kBelow * pixel_.y || solid.bounds.mins.y > y_ + kAbove * pixel_.y)
             return;
-        const double from = (solid.bounds.mins.x - box_.mins.x) / pixel_.x - 1.5,
-                     to = (solid.bounds.maxs.x - box_.mins.x) / pixel_.x + 1.5;
+        const double from = (solid.bounds.mins.x - box_.mins.x) / pixel_.x - kAbove,
+                     to = (solid.bounds.maxs.x - box_.mins.x) / pixel_.x + kAbove;
         const auto begin = std::size_t(std::clamp(from, 0.0, double(values.size())));
         const auto end = std::size_t(std::clamp(to, 0.0, double(values.size())));
         for (std::size_t i = begin; i < end; ++i)
@@ -326,7 +325,7 @@ Minimap DrawMinimap(const Bsp &bsp, ShaderLibrary &library, const MinimapOptions
 }
 
 std::vector<std::uint8_t> MinimapBytes(std::span<const float> values) {
-    constexpr float kMost = 255.0f / 256;
+    constexpr float kMost = 255.0f / 256; // the value that becomes byte 255
     std::vector<std::uint8_t> bytes;
     bytes.reserve(values.size());
     for (const float value : values)

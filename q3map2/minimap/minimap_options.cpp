@@ -10,7 +10,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kDarkPlacesBorder = 1.0 / 66;
+constexpr double kDarkPlacesBorder = 1.0 / 66; ///< fraction of the image
 constexpr std::string_view kDarkPlacesOutput = "../gfx/{}_mini.tga";
 
 constexpr MinimapStyle kMinimapStyles[] = {
@@ -63,8 +63,7 @@ SettingGroup<MinimapOptions> MinimapImageSettings() {
 SettingGroup<MinimapOptions> MinimapValueSettings() {
     return {"Values",
             "The value of a pixel is the thickness of solids along a vertical line, divided by the height of the box. "
-            "These "
-            "act on it in the order in which they stand here.",
+            "These act on it in the order in which they stand here.",
             {{{.name = "-samples",
                .values = "N",
                .range = kMinimapSamples,
@@ -95,8 +94,9 @@ SettingGroup<MinimapOptions> MinimapValueSettings() {
 } // namespace
 
 const MinimapStyle &MinimapStyleOf(std::string_view game) {
-    const auto found = std::ranges::find_if(
-        kMinimapStyles, [&](const MinimapStyle &s) { return !s.game.empty() && EqualNoCase(s.game, game); });
+    const auto found = std::ranges::find_if(kMinimapStyles, [&](const MinimapStyle &style) {
+        return !style.game.empty() && EqualNoCase(style.game, game);
+    });
     return found == std::end(kMinimapStyles) ? kMinimapStyles[0] : *found;
 }
 

@@ -23,7 +23,7 @@ enum class MinimapPixels {
 /// What games expect of their minimaps.
 struct MinimapStyle {
     std::string_view game; ///< as in -game; empty: all others
-    double border = 0;     ///< share of the image on each side
+    double border = 0;     ///< fraction of the image on each side
     MinimapPixels pixels = MinimapPixels::Gray;
     std::string_view output = "{}.tga"; ///< relative to the folder of the .bsp, {} is the name of the map
     bool sidecar = false;               ///< a text file NAME.minimap beside the image
@@ -37,7 +37,7 @@ struct MinimapOptions {
     double sharpen = 1;           ///< strength; negative: none
     int samples = 1;              ///< a pixel, the same places in each
     int randomSamples = 0;        ///< a pixel, other places in each; 0: `samples` counts
-    std::optional<double> border; ///< share of the image on each side; unset: that of the game
+    std::optional<double> border; ///< fraction of the image on each side; unset: that of the game
     bool keepAspect = true;
     std::string output;                              ///< path of the image; empty: that of the game
     std::optional<Boundsd> box;                      ///< what is drawn, game units; unset: the world

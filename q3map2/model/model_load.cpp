@@ -28,7 +28,8 @@ namespace q3 {
 
 namespace {
 
-constexpr unsigned kMaxMeshVerts = 999;
+constexpr unsigned kMaxMeshVerts = 999, kMaxMeshTriangles = 1 << 20;
+constexpr bool kMemoryIsOwned = true; ///< argument of assimp's stream: it frees the bytes itself
 
 struct FileBytes {
     std::vector<std::byte> bytes;
@@ -39,7 +40,7 @@ class FileStream : private FileBytes, public Assimp::MemoryIOStream {
   public:
     explicit FileStream(std::vector<std::byte> file)
         : FileBytes{std::move(file)},
-          MemoryIOStream(reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size(), false) {}
+          MemoryIOStream(reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size(), !kMemoryIsOwned) {}
 };
 
 std::string VfsName(std::string_view path) {
@@ -105,7 +106,7 @@ MaterialImage ImageOf(const aiMaterial &material, const aiScene &scene) {
     aiString texture;
     if (material.GetTexture(aiTextureType_DIFFUSE, 0, &texture) != aiReturn_SUCCESS)
         return {};
-    MaterialImage image{texture.C_Str(), false};
+    MaterialImage image{.name = texture.C_Str()};
     const aiTexture *inside = scene.GetEmbeddedTexture(texture.C_Str());
     image.embedded = image.name.starts_with(kEmbedded);
     if (image.embedded)
@@ -148,7 +149,7 @@ Model ReadModel(const VirtualFileSystem &vfs, const std::string &name, int frame
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     importer.SetPropertyBool(AI_CONFIG_PP_FD_REMOVE, true);
     importer.SetPropertyInteger(AI_CONFIG_PP_SLM_VERTEX_LIMIT, kMaxMeshVerts);
-    importer.SetPropertyInteger(AI_CONFIG_PP_SLM_TRIANGLE_LIMIT, 1 << 20);
+    importer.SetPropertyInteger(AI_CONFIG_PP_SLM_TRIANGLE_LIMIT, kMaxMeshTriangles);
     importer.SetPropertyInteger(AI_CONFIG_IMPORT_GLOBAL_KEYFRAME, frame);
     const unsigned steps = aiProcess_GenNormals | aiProcess_GenUVCoords | aiProcess_JoinIdenticalVertices |
                            aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FindDegenerates |
@@ -193,8 +194,9 @@ std::string ShaderOfMaterial(std::string_view material, std::string_view modelNa
     const std::string folder(modelName.substr(0, modelName.rfind('/') + 1));
     if (slash == std::string::npos)
         return folder + name;
-    const bool foreign = name[0] == '/' || name.find(':') != std::string::npos || name.find("..") != std::string::npos;
-    if (!foreign)
+    const bool isOutsideGame =
+        name[0] == '/' || name.find(':') != std::string::npos || name.find("..") != std::string::npos;
+    if (!isOutsideGame)
         return PlainName(name);
     const std::string lower = LowerCase(name);
     for (const std::string_view root : {"/models/", "/textures/"})
@@ -207,7 +209,7 @@ std::string ShaderOfMaterial(std::string_view material, std::string_view modelNa
 
 namespace {
 
-constexpr double kToRadians = std::numbers::pi / 180;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
 } // namespace
 
@@ -228,9 +230,10 @@ Vec3d ModelTransform::Normal(const Vec3d &n) const {
 }
 
 ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin) {
-    const Vec3d a = pitchYawRoll * kToRadians;
-    const double sp = std::sin(a.x), cp = std::cos(a.x), sy = std::sin(a.y), cy = std::cos(a.y);
-    const double sr = std::sin(a.z), cr = std::cos(a.z);
+    const Vec3d angles = pitchYawRoll * kRadiansPerDegree;
+    const double sp = std::sin(angles.x), cp = std::cos(angles.x);
+    const double sy = std::sin(angles.y), cy = std::cos(angles.y);
+    const double sr = std::sin(angles.z), cr = std::cos(angles.z);
     ModelTransform transform;
     transform.rows[0] = Vec3d{cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr} * scale;
     transform.rows[1] = Vec3d{sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr} * scale;

@@ -12,9 +12,10 @@
 #include <fmt/ranges.h>
 
 namespace q3 {
+
 namespace {
 
-constexpr std::size_t kMaxShaderName = 63;
+constexpr std::size_t kMaxShaderName = 63; ///< bytes
 
 using Replacement = ShaderRemap::Replacement;
 

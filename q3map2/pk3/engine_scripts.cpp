@@ -18,16 +18,16 @@ std::string PackageName(std::string_view name) {
     return PlainName(name);
 }
 
-bool WantedList::Add(std::string_view name, std::string_view why, bool required) {
+bool WantedList::Add(std::string_view name, std::string_view why, Need need) {
     std::string clean = PackageName(name);
     if (clean.empty())
         return false;
     if (known_.insert(LowerCase(clean)).second) {
-        all_.push_back({std::move(clean), std::string(why), required});
+        all_.push_back({std::move(clean), std::string(why), need});
         return true;
     }
-    if (required)
-        std::ranges::find_if(all_, [&](const Wanted &w) { return EqualNoCase(w.name, clean); })->required = true;
+    if (need == Need::Required)
+        std::ranges::find_if(all_, [&](const Wanted &wanted) { return EqualNoCase(wanted.name, clean); })->need = need;
     return false;
 }
 
@@ -35,6 +35,7 @@ bool WantedList::Add(std::string_view name, std::string_view why, bool required)
 
 namespace {
 
+/// What stands after a word. Extra: an image that some engines draw.
 enum class ImageUse { Drawn, Extra, Frames, Video, Sky, Implicit };
 struct ImageWord {
     std::string_view word; ///< lower case
@@ -108,11 +109,11 @@ class BodyReader {
             words.push_back(word);
         }
         for (std::size_t i = 0; i < words.size(); ++i)
-            i += Use(words, i);
+            i += UseWord(words, i);
     }
 
     /// How many words after this one belong to it.
-    std::size_t Use(const Words &words, std::size_t at) {
+    std::size_t UseWord(const Words &words, std::size_t at) {
         const std::size_t rest = words.size() - at - 1;
         if (EqualNoCase(words[at], "fogparms")) {
             shader_.drawsWithoutImage = true;

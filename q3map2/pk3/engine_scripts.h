@@ -18,16 +18,19 @@ namespace q3 {
 /// PlainName: how files of packages are named.
 std::string PackageName(std::string_view name);
 
+/// Whether a package without a file is incomplete.
+enum class Need { Required, Optional };
+
 struct Wanted {
     std::string name, why;
-    bool required = true;
+    Need need = Need::Required;
 };
 
 /// Names in the order in which they were added, each once; case does not matter.
 class WantedList {
   public:
     /// False: it is there already (and is required if either is), or empty.
-    bool Add(std::string_view name, std::string_view why, bool required = true);
+    bool Add(std::string_view name, std::string_view why, Need need = Need::Required);
     bool Has(std::string_view name) const { return known_.contains(LowerCase(name)); }
     const std::vector<Wanted> &All() const { return all_; }
 

@@ -22,22 +22,22 @@
 
 namespace q3 {
 
-// ---- Where files of a package come from, and what players have already ----
-
 // ---- What a package leaves out because players have it ----
 
 namespace {
 
-struct Block {
+/// A block of a list of exclusions.
+struct ExclusionBlock {
     std::string_view word;
     std::set<std::string> Exclusions::*names;
 };
-constexpr std::array<Block, 5> kBlocks = {{{"textures", &Exclusions::textures},
-                                           {"shaders", &Exclusions::shaders},
-                                           {"shaderfiles", &Exclusions::shaderFiles},
-                                           {"sounds", &Exclusions::sounds},
-                                           {"videos", &Exclusions::videos}}};
+constexpr std::array<ExclusionBlock, 5> kBlocks = {{{"textures", &Exclusions::textures},
+                                                    {"shaders", &Exclusions::shaders},
+                                                    {"shaderfiles", &Exclusions::shaderFiles},
+                                                    {"sounds", &Exclusions::sounds},
+                                                    {"videos", &Exclusions::videos}}};
 
+/// The file without extension, in lower case.
 std::string FileKey(std::string_view file) {
     return PathOf(LowerCase(PackageName(file))).replace_extension().generic_string();
 }
@@ -69,7 +69,7 @@ bool Exclusions::HasVideo(std::string_view video) const {
 }
 
 void Exclusions::Add(const Exclusions &other) {
-    for (const Block &block : kBlocks)
+    for (const ExclusionBlock &block : kBlocks)
         (this->*block.names).insert((other.*block.names).begin(), (other.*block.names).end());
 }
 
@@ -77,8 +77,8 @@ Exclusions ReadExclusions(std::string text, std::string_view name) {
     TextScanner scanner(std::move(text), std::string(name));
     Exclusions result;
     for (std::string word, brace; scanner.Next(word);) {
-        const Block *block = nullptr;
-        for (const Block &known : kBlocks)
+        const ExclusionBlock *block = nullptr;
+        for (const ExclusionBlock &known : kBlocks)
             if (EqualNoCase(known.word, word))
                 block = &known;
         if (block == nullptr)
@@ -97,14 +97,6 @@ Exclusions ReadExclusions(std::string text, std::string_view name) {
 // ---- Where files of a package come from ----
 
 namespace fs = std::filesystem;
-
-namespace {
-
-bool EndsNoCase(std::string_view name, std::string_view end) {
-    return name.size() >= end.size() && EqualNoCase(name.substr(name.size() - end.size()), end);
-}
-
-} // namespace
 
 PackageSource::PackageSource(const VirtualFileSystem &vfs, std::vector<fs::path> folders,
                              const std::vector<std::string> &basePaks)
@@ -165,7 +157,7 @@ std::vector<std::string> PackageSource::List(std::string_view folder, std::strin
         std::vector<std::string> here;
         std::error_code failed, unknown;
         for (fs::directory_iterator at(root / folder, failed), end; !failed && at != end; at.increment(failed))
-            if (at->is_regular_file(unknown) && EndsNoCase(at->path().filename().string(), extension))
+            if (at->is_regular_file(unknown) && EndsWithNoCase(at->path().filename().string(), extension))
                 here.push_back(at->path().filename().string());
         std::ranges::sort(here);
         names.insert(names.end(), here.begin(), here.end());
@@ -249,27 +241,28 @@ class NeedsOfMap {
         std::string_view rest = world.Value("music"); // intro and loop
         while (!rest.empty()) {
             const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
-            AddSound(rest.substr(0, end), why, true);
+            AddSound(rest.substr(0, end), why, Need::Required);
             rest.remove_prefix(std::min(end + 1, rest.size()));
         }
     }
 
     void AddSounds(const Entity &entity, const std::string &why) {
+        constexpr int kBouncePad = 1; // spawnflag of target_push, which has another sound then
         if (const std::string_view noise = entity.Value("noise");
             !noise.starts_with('*')) // '*': a sound of the player model
-            AddSound(noise, why, true);
+            AddSound(noise, why, Need::Required);
         // Sounds that the game code plays.
         if (EqualNoCase(entity.ClassName(), "func_plat")) {
-            AddSound("sound/movers/plats/pt1_strt.wav", why, false);
-            AddSound("sound/movers/plats/pt1_end.wav", why, false);
+            AddSound("sound/movers/plats/pt1_strt.wav", why, Need::Optional);
+            AddSound("sound/movers/plats/pt1_end.wav", why, Need::Optional);
         }
-        if (EqualNoCase(entity.ClassName(), "target_push") && (int(entity.Number({"spawnflags"})) & 1) == 0)
-            AddSound("sound/misc/windfly.wav", why, false);
+        if (EqualNoCase(entity.ClassName(), "target_push") && (int(entity.Number({"spawnflags"})) & kBouncePad) == 0)
+            AddSound("sound/misc/windfly.wav", why, Need::Optional);
     }
 
-    void AddSound(std::string_view sound, const std::string &why, bool required) {
+    void AddSound(std::string_view sound, const std::string &why, Need need) {
         if (!sound.empty())
-            needs_.sounds.Add(std::string(sound) + (HasExtension(sound) ? "" : ".wav"), why, required);
+            needs_.sounds.Add(std::string(sound) + (HasExtension(sound) ? "" : ".wav"), why, need);
     }
 
     /// misc_model has become part of the world, and games ignore the entity, unless it is a static prop. Of other
@@ -278,7 +271,8 @@ class NeedsOfMap {
         const auto isFile = [](std::string_view model) { return !model.empty() && !model.starts_with('*'); };
         const bool isPassedOver = EqualNoCase(entity.ClassName(), "misc_model") && !keys::kStaticProp.Flag(entity);
         if (const auto model = entity.Value("model"); isFile(model) && !isPassedOver)
-            needs_.models.Add(model, why, StartsWithNoCase(entity.ClassName(), "misc_"));
+            needs_.models.Add(model, why,
+                              StartsWithNoCase(entity.ClassName(), "misc_") ? Need::Required : Need::Optional);
         if (const auto model = entity.Value("model2"); isFile(model))
             needs_.models.Add(model, why);
         if (const auto skin = entity.Value("skin"); skin.ends_with(".skin"))
@@ -341,7 +335,8 @@ void AddNeeds(const Bsp &bsp, std::string_view name, const Game &game, MapNeeds 
     NeedsOfMap map(bsp, name, needs);
     map.AddSurfaces(game);
     map.AddEntities();
-    needs.shaders.Add(fmt::format("levelshots/{}", name), fmt::format("the loading screen of {}", name), false);
+    needs.shaders.Add(fmt::format("levelshots/{}", name), fmt::format("the loading screen of {}", name),
+                      Need::Optional);
 }
 
 } // namespace q3

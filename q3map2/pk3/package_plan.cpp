@@ -67,7 +67,7 @@ std::vector<SettingGroup<RepackOptions>> RepackSettings() {
     return {group};
 }
 
-// ---- Plans the files of a package and finds missing ones ----
+// ---- The files of a package, and those that are missing ----
 
 namespace fs = std::filesystem;
 
@@ -114,7 +114,7 @@ class Planner {
   private:
     void Report(const Wanted &wanted, std::string_view hint) {
         const std::string text = fmt::format("{}{}: wanted by {}", wanted.name, hint, wanted.why);
-        (wanted.required ? plan_.missing : plan_.absent).push_back(text);
+        (wanted.need == Need::Required ? plan_.missing : plan_.absent).push_back(text);
     }
 
     /// Adds the file unless it comes with the game; reports it if it does not exist.
@@ -256,7 +256,7 @@ void Planner::PlanShader(const Wanted &wanted) {
     if (const auto definitions = scripts_.Find(name); !definitions.empty())
         PlanDefined(BestOf(definitions), wanted);
     else
-        plainImages_.Add(ImageName(name), wanted.why, wanted.required);
+        plainImages_.Add(ImageName(name), wanted.why, wanted.need);
 }
 
 void Planner::PlanDefined(const EngineShader &shader, const Wanted &wanted) {
@@ -270,14 +270,14 @@ void Planner::PlanDefined(const EngineShader &shader, const Wanted &wanted) {
     const std::string why = fmt::format("shader {}", shader.name);
     if (!shader.HasImages() && !shader.drawsWithoutImage) {
         log_.Warn("shader without images", "{}: visible shader {} names no image", script.name, shader.name);
-        plainImages_.Add(ImageName(shader.name), why, false);
+        plainImages_.Add(ImageName(shader.name), why, Need::Optional);
     }
     for (const std::string &image : shader.images)
-        images_.Add(image, why, wanted.required);
+        images_.Add(image, why, wanted.need);
     for (const std::string &image : shader.extraImages)
-        images_.Add(image, why, false);
+        images_.Add(image, why, Need::Optional);
     for (const std::string &video : shader.videos)
-        videos_.Add(video, why, wanted.required);
+        videos_.Add(video, why, wanted.need);
     if (isInBase)
         return;
     if (rules_.wholeScripts)

@@ -49,9 +49,10 @@ std::string RunReport::Faults() const {
     return fmt::format("{}", fmt::join(faults_, ", "));
 }
 
-void RunReport::PrintEnd(bool failed, Log &log) const {
+void RunReport::PrintEnd(RunEnd end, Log &log) const {
+    const bool failed = end == RunEnd::Failed;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    for (const std::string &line : log.Repeated())
+    for (const std::string &line : log.SummaryLines())
         log.Print("{}\n", line);
     log.Print("{:9.0f} {} elapsed\n", seconds, std::lround(seconds) == 1 ? "second" : "seconds");
     const std::string faults = Faults();
@@ -68,6 +69,9 @@ namespace {
 
 /// Reports of maps with very many faults stay readable.
 constexpr std::size_t kMostWarnings = 10000;
+/// Form of the JSON text: blanks a level, and whether characters beyond ASCII are escaped.
+constexpr int kIndent = 1;
+constexpr bool kEscapesUtf8 = false;
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -146,7 +150,7 @@ void ReportFile::Write(const std::filesystem::path &path, const std::vector<std:
         report["warnings"].push_back(std::move(warning));
     }
     // Names in maps may be in any encoding.
-    const std::string text = report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::string text = report.dump(kIndent, ' ', kEscapesUtf8, Json::error_handler_t::replace) + "\n";
     ReplaceTextFile(path, text);
 }
 
@@ -154,7 +158,7 @@ void ReportFile::Write(const std::filesystem::path &path, const std::vector<std:
 
 namespace {
 
-/// Engines read at most 1024 bytes of a value; the oldest records go first.
+/// Bytes. Engines read at most 1024 of a value; the oldest records go first.
 constexpr std::size_t kMaxRecord = 900;
 
 } // namespace

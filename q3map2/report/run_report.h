@@ -21,15 +21,17 @@ void PrintChangedOptions(const Arguments &arguments, Log &log);
 /// Prints the keys whose value in `entity` is not their default. `source` is its class name.
 void PrintChangedKeys(const Entity &entity, std::span<const EntityKey> keys, std::string_view source, Log &log);
 
-/// Times a run.
+enum class RunEnd { Done, Failed };
+
+/// Times a run and says at its end how it went.
 class RunReport {
   public:
     /// Keeps a fault that makes the result unfit, such as a leak: the last line says it first.
-    void Conclude(std::string fault) { faults_.push_back(std::move(fault)); }
+    void AddFault(std::string fault) { faults_.push_back(std::move(fault)); }
     /// The faults, separated by commas.
     std::string Faults() const;
     /// Repeats warnings of unknown options, then prints how the run ended, warnings by kind, times and memory.
-    void PrintEnd(bool failed, Log &log) const;
+    void PrintEnd(RunEnd end, Log &log) const;
 
   private:
     std::vector<std::string> faults_;

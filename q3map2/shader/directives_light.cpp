@@ -28,8 +28,9 @@ template <typename T> void AddSunOrSkyLight(DirectiveContext &c, std::vector<T> 
 
 /// The sun takes the light style and filter radius that earlier directives of this shader set.
 std::string Sun(DirectiveContext &c, Words words) {
-    constexpr double kRadians = std::numbers::pi / 180;
-    const double azimuth = double(Number(words[4])) * kRadians, elevation = double(Number(words[5])) * kRadians;
+    constexpr double kRadiansPerDegree = std::numbers::pi / 180;
+    const double azimuth = double(Number(words[4])) * kRadiansPerDegree,
+                 elevation = double(Number(words[5])) * kRadiansPerDegree;
     SunDirective sun;
     sun.color = c.Color(words);
     sun.photons = Number(words[3]);
@@ -39,7 +40,7 @@ std::string Sun(DirectiveContext &c, Words words) {
         c.log.Warn("incomplete shader directive", "{}: shader {}: a sun with a deviance but no samples",
                    c.location.Text(), c.shader.info.name);
     if (words.size() > 7) {
-        sun.deviance = float(double(Number(words[6])) * kRadians);
+        sun.deviance = float(double(Number(words[6])) * kRadiansPerDegree);
         sun.samples = std::max(1, IntegerFromText(words[7]));
     }
     sun.filterRadius = c.shader.info.lightFilterRadius;
@@ -109,12 +110,12 @@ std::string LightRgb(DirectiveContext &c, Words words) {
     return {};
 }
 
-template <float ShaderInfo::*field> std::string EmissionNumber(DirectiveContext &c, Words words) {
+template <float ShaderInfo::*field> std::string SetNumber(DirectiveContext &c, Words words) {
     c.shader.info.*field = Number(words[0]);
     return {};
 }
 
-template <bool ShaderInfo::*flag> std::string EmissionFlag(DirectiveContext &c, Words) {
+template <bool ShaderInfo::*flag> std::string SetFlag(DirectiveContext &c, Words) {
     c.shader.info.*flag = true;
     return {};
 }
@@ -125,7 +126,8 @@ std::string LightSubdivide(DirectiveContext &c, Words words) {
 }
 
 std::string Backsplash(DirectiveContext &c, Words words) {
-    c.shader.info.backsplashFraction = Number(words[0]) * 0.01f;
+    constexpr float kPercent = 0.01f;
+    c.shader.info.backsplashFraction = Number(words[0]) * kPercent;
     c.shader.info.backsplashDistance = Number(words[1]);
     return {};
 }
@@ -145,7 +147,7 @@ constexpr std::array kSky = std::to_array<ShaderDirective>({
                  "the key `_noshadersun` of the world turns it off."},
      "light",
      Sun,
-     true},
+     RestOfLine::Directives},
     {{.name = "q3map_sun",
       .aliases = {"sun"},
       .values = "R G B I DEGREES ELEVATION",
@@ -154,7 +156,7 @@ constexpr std::array kSky = std::to_array<ShaderDirective>({
       .help = "Adds a sun with sharp shadows, as q3map_sunExt does"},
      "light",
      Sun,
-     true},
+     RestOfLine::Directives},
     {{.name = "q3map_skyLight",
       .values = "V N [MIN] [MAX] [SAMPLE]",
       .kind = SettingKind::Number,
@@ -192,7 +194,7 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
                  "surfaceLight 100 on a panel of 256 × 256 units gives 18 at 256 units in front of it. 0 and less "
                  "emit nothing. A nodraw surface is not in the map and emits nothing. `-area` scales it."},
      "light",
-     EmissionNumber<&ShaderInfo::surfaceLight>},
+     SetNumber<&ShaderInfo::surfaceLight>},
     {{.name = "q3map_lightRGB",
       .values = "R G B",
       .kind = SettingKind::Number,
@@ -248,14 +250,14 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
       .help = "Factor of the light that surfaces reflect under -bounce; 0 and less reflect nothing",
       .details = "The light image is what is reflected, by `-bouncescale` and `-bouncecolorratio`."},
      "light",
-     EmissionNumber<&ShaderInfo::bounceScale>},
+     SetNumber<&ShaderInfo::bounceScale>},
     {{.name = "q3map_noFast",
       .help = "Keeps the faint light of these surfaces, however far away, where -fast would leave it out"},
      "light",
-     EmissionFlag<&ShaderInfo::noFast>},
+     SetFlag<&ShaderInfo::noFast>},
     {{.name = "q3map_forceSunlight", .help = "Lets suns shine on vertices through everything; luxels are not changed"},
      "light",
-     EmissionFlag<&ShaderInfo::forceSunlight>},
+     SetFlag<&ShaderInfo::forceSunlight>},
     {{.name = "q3map_lightmapFilterRadius",
       .values = "OWN OTHERS",
       .kind = SettingKind::Number,

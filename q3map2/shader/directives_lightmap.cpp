@@ -14,7 +14,7 @@ namespace {
 
 using Words = DirectiveWords;
 
-constexpr int kMaxPageSide = 8192;
+constexpr int kMaxPageSide = 8192; ///< luxels
 
 LightmapDirectives &Lightmap(DirectiveContext &c) {
     return c.shader.info.lightmap;
@@ -35,8 +35,13 @@ template <std::string LightmapDirectives::*image> std::string LightmapImage(Dire
     return {};
 }
 
-template <bool on> std::string SetRnm(DirectiveContext &c, Words) {
-    Lightmap(c).rnm = on;
+std::string MakeRnm(DirectiveContext &c, Words) {
+    Lightmap(c).rnm = true;
+    return {};
+}
+
+std::string MakeNoRnm(DirectiveContext &c, Words) {
+    Lightmap(c).rnm = false;
     return {};
 }
 
@@ -57,14 +62,14 @@ std::string LightmapAxis(DirectiveContext &c, Words words) {
 
 std::string LightmapSize(DirectiveContext &c, Words words) {
     const std::array<int, 2> size = {IntegerFromText(words[0]), IntegerFromText(words[1])};
-    const bool good = std::all_of(size.begin(), size.end(), [](int side) {
+    const bool isUsable = std::all_of(size.begin(), size.end(), [](int side) {
         return side >= 2 && side <= kMaxPageSide && std::has_single_bit(unsigned(side));
     });
-    if (!good)
+    if (!isUsable)
         c.log.Warn("lightmap page size",
                    "{}: shader {}: q3map_lightmapSize {} {}, expected powers of two from 2 to {}; not used",
                    c.location.Text(), c.shader.info.name, words[0], words[1], kMaxPageSide);
-    Lightmap(c).pageSize = good ? size : std::array<int, 2>{};
+    Lightmap(c).pageSize = isUsable ? size : std::array<int, 2>{};
     return {};
 }
 
@@ -198,10 +203,10 @@ constexpr std::array kLightmap = std::to_array<ShaderDirective>({
       .details =
           "The [rule](directional.md#which-surfaces-are-normal-mapped) is whether the shader names a normal map."},
      "light",
-     SetRnm<true>},
+     MakeRnm},
     {{.name = "q3map_noRnm", .initial = "by rule", .help = "Keeps -rnm from storing basis maps for these surfaces"},
      "light",
-     SetRnm<false>},
+     MakeNoRnm},
     {{.name = "q3map_noDirty", .help = "Keeps -dirty from darkening the corners of these surfaces"},
      "light",
      LightmapFlag<&LightmapDirectives::noDirt>},

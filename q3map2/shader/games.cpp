@@ -29,7 +29,7 @@ Game &Limits(Game &game, int surfaceVerts, int verts, int indexes) {
     return game;
 }
 
-constexpr int kLargeSurface = 1048575;
+constexpr int kLargeSurface = 1048575; ///< vertices and indexes
 
 Game QuakeLive() {
     Game game = MakeGame("quakelive", "baseq3", ".quakelive", "quake", QuakeLiveParms());
@@ -90,8 +90,8 @@ Game UrbanTerror() {
 }
 
 /// Games with exposure tone mapping by default.
-Game Exposed(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
-             float gridScale) {
+Game ToneMappedGame(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
+                    float gridScale) {
     Game game = MakeGame(name, gameDir, homeDir, magic, BaseParms());
     game.exposure = 200;
     game.gridScale = gridScale;
@@ -101,12 +101,12 @@ Game Exposed(std::string_view name, std::string_view gameDir, std::string_view h
 }
 
 std::vector<Game> MakeGames() {
-    Game deluxeQuake = Exposed("dq", "basedq", ".dq", "dq", 0.3f);
+    Game deluxeQuake = ToneMappedGame("dq", "basedq", ".dq", "dq", 0.3f);
     deluxeQuake.gamma = 1.2f;
     deluxeQuake.patchShadows = deluxeQuake.deluxe = deluxeQuake.deluxeTangent = true;
-    Game prophecy = Exposed("prophecy", "base", ".prophecy", "prophecy", 0.4f);
+    Game prophecy = ToneMappedGame("prophecy", "base", ".prophecy", "prophecy", 0.4f);
     prophecy.patchShadows = prophecy.deluxe = true;
-    Game darkPlaces = Exposed("darkplaces", "id1", ".darkplaces", "darkplaces", 0.3f);
+    Game darkPlaces = ToneMappedGame("darkplaces", "id1", ".darkplaces", "darkplaces", 0.3f);
     Limits(darkPlaces, 999, 999, 6000);
     std::vector<Game> games{
         MakeGame("quake3", "baseq3", ".q3a", "quake", BaseParms()),

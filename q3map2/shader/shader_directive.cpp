@@ -19,8 +19,9 @@ bool IsWord(std::string_view word, std::string_view name) {
 }
 
 bool HasName(const SettingInfo &info, std::string_view word) {
-    return IsWord(word, info.name) ||
-           std::ranges::any_of(info.aliases, [&](std::string_view a) { return !a.empty() && IsWord(word, a); });
+    return IsWord(word, info.name) || std::ranges::any_of(info.aliases, [&](std::string_view alias) {
+               return !alias.empty() && IsWord(word, alias);
+           });
 }
 
 constexpr std::array kGroups = {SkyDirectives,          EmissionDirectives, LightmapDirectiveGroup,
@@ -121,7 +122,7 @@ StageWord FindStageWord(std::string_view word) {
 namespace {
 
 /// In lower case. Directives that the compiler reads itself (FindDirective) are not listed.
-constexpr auto kWords = std::to_array<std::string_view>({
+constexpr auto kEngineWords = std::to_array<std::string_view>({
     // Quake III Arena, Team Arena, Quake Live, ioquake3
     "clamptime",
     "entitymergable",
@@ -253,7 +254,7 @@ constexpr std::array<std::string_view, 4> kPrefixes = {"qer_", "dp", "fte_", "ve
 } // namespace
 
 bool IsEngineDirective(std::string_view lower) {
-    return std::ranges::find(kWords, lower) != kWords.end() ||
+    return std::ranges::find(kEngineWords, lower) != kEngineWords.end() ||
            std::ranges::any_of(kPrefixes, [&](std::string_view prefix) { return lower.starts_with(prefix); });
 }
 

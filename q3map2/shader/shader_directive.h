@@ -43,12 +43,15 @@ std::string SetShaderName(DirectiveContext &context, DirectiveWords words) {
     return {};
 }
 
+/// What follows the values of a directive on its line.
+enum class RestOfLine { Ignored, Directives };
+
 /// A directive. SettingInfo::values says how many words follow it; parentheses around them are not counted.
 struct ShaderDirective {
     SettingInfo info;
-    std::string_view stage;     ///< that it has an effect on: "bsp", "light", "both" or "none"
-    ApplyDirective apply{};     ///< null: nothing to set; other code may look for the word in the script text
-    bool moreMayFollow = false; ///< other directives may follow on its line
+    std::string_view stage; ///< that it has an effect on: "bsp", "light", "both" or "none"
+    ApplyDirective apply{}; ///< null: nothing to set; other code may look for the word in the script text
+    RestOfLine rest = RestOfLine::Ignored;
 };
 
 /// Directives under one heading.

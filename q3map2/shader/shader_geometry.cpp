@@ -15,7 +15,7 @@ namespace {
 using Words = DirectiveWords;
 using Context = DirectiveContext;
 
-constexpr std::size_t kMaxSteps = 64, kMaxScattered = 64;
+constexpr std::size_t kMaxColorSteps = 64, kMaxScattered = 64; ///< of a shader
 constexpr int kMaxTextureSide = 65536, kMaxFurLayers = 256;
 constexpr float kTerrainShadeAngle = 179; // degrees; q3map_terrain smooths everything
 
@@ -95,13 +95,17 @@ std::string TextureSize(Context &c, Words words) {
     return {};
 }
 
-std::string AddColorStep(Context &c, bool alpha, Words words) {
+/// The channels that a step changes.
+enum class StepChannels { Color, Alpha };
+
+std::string AddColorStep(Context &c, StepChannels channels, Words words) {
     struct Form {
         std::string_view name;
         ColorStep::Kind kind;
         std::size_t words;
     };
     using enum ColorStep::Kind;
+    const bool alpha = channels == StepChannels::Alpha;
     const std::size_t count = alpha ? 1 : 3;
     const std::array<Form, 8> forms{{{"set", Set, count},
                                      {"const", Set, count},
@@ -118,8 +122,8 @@ std::string AddColorStep(Context &c, bool alpha, Words words) {
     const Words values = words.subspan(1);
     if (values.size() < form->words)
         return fmt::format("{} with {} numbers, expected {}", words[0], values.size(), form->words);
-    if (c.shader.info.geometry.colorSteps.size() >= kMaxSteps)
-        return fmt::format("more than {} rgbMod and alphaMod directives in one shader", kMaxSteps);
+    if (c.shader.info.geometry.colorSteps.size() >= kMaxColorSteps)
+        return fmt::format("more than {} rgbMod and alphaMod directives in one shader", kMaxColorSteps);
     if (form->kind == Volume && !c.shader.info.geometry.colorSteps.empty())
         return "volume has no effect here: it must stand in the first rgbMod or alphaMod line of the shader";
     ColorStep step{.kind = form->kind, .alpha = alpha, .value = {}};
@@ -140,10 +144,10 @@ std::string AddColorStep(Context &c, bool alpha, Words words) {
 }
 
 std::string RgbMod(Context &c, Words words) {
-    return AddColorStep(c, false, words);
+    return AddColorStep(c, StepChannels::Color, words);
 }
 std::string AlphaMod(Context &c, Words words) {
-    return AddColorStep(c, true, words);
+    return AddColorStep(c, StepChannels::Alpha, words);
 }
 
 std::string Fur(Context &c, Words words) {
@@ -363,8 +367,8 @@ void ApplyDeform(ShaderInfo &shader, std::span<const std::string_view> words) {
         shader.compileFlags |= C_DETAIL;
     }
     if (kind == "move" && words.size() >= 7) { // x y z function base amplitude
-        const Vec3f way = Vector(words.subspan(1));
-        const Vec3f from = way * Number(words[5]), to = from + way * Number(words[6]);
+        const Vec3f direction = Vector(words.subspan(1));
+        const Vec3f from = direction * Number(words[5]), to = from + direction * Number(words[6]);
         shader.geometry.move = {Min(from, to), Max(from, to)};
     }
 }

@@ -18,7 +18,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kDefaultImageSize = 64;
+constexpr int kDefaultImageSize = 64; ///< texels a side
 constexpr std::string_view kDefaultImage = "*default", kMissingName = "missing", kNoShader = "noshader";
 constexpr std::uint32_t kSeeThrough = C_ALPHASHADOW | C_LIGHTFILTER;
 
@@ -135,7 +135,8 @@ void ShaderLibrary::State::ReadCustomParms() {
         return;
     }
     TextScanner scanner = Open(file, *bytes);
-    for (const bool isContent : {true, false}) {
+    enum class Flags { Content, Surface };
+    for (const Flags list : {Flags::Content, Flags::Surface}) {
         std::string word, value;
         if (!scanner.Next(word) || word != "{")
             throw Error("{}: expected two lists in braces, content flags and surface flags", scanner.Location());
@@ -143,7 +144,7 @@ void ShaderLibrary::State::ReadCustomParms() {
             if (!scanner.Next(value) || value == "}")
                 throw Error("{}: expected a hexadecimal number after {}", scanner.Location(), word);
             const auto bits = std::uint32_t(std::strtoull(value.c_str(), nullptr, 16));
-            if (!table.AddCustomParm(word, isContent ? bits : 0, isContent ? 0 : bits))
+            if (!table.AddCustomParm(word, list == Flags::Content ? bits : 0, list == Flags::Surface ? bits : 0))
                 throw Error("{}: more than {} parms", scanner.Location(), ShaderTable::kMaxCustomParms);
         }
     }
@@ -411,7 +412,8 @@ void ShaderLibrary::SetDefaultFlags(std::string_view name, std::uint32_t surface
     if (shader.info.defined)
         return;
     // Single surfaces have flags of their own, such as curves that are there for collision only.
-    if (std::exchange(shader.hasBspFlags, true)) {
+    const bool hadBspFlags = std::exchange(shader.hasBspFlags, true);
+    if (hadBspFlags) {
         surfaceFlags &= shader.info.surfaceFlags;
         contentFlags = shader.info.contentFlags;
     }
@@ -424,12 +426,12 @@ std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWitho
     return state_->CachedImage(nameWithoutExtension);
 }
 
-void ShaderLibrary::ReleaseImages(bool keepForBounces) {
+void ShaderLibrary::ReleaseImages(KeptImages kept) {
     state_->table.ForEach([&](ParsedShader &shader) {
-        const bool bounces = keepForBounces && Reflects(shader.info);
-        if (bounces && shader.lookedUp && !shader.imagesReady)
+        const bool isReflector = kept == KeptImages::OfReflectors && Reflects(shader.info);
+        if (isReflector && shader.lookedUp && !shader.imagesReady)
             state_->Complete(shader);
-        if (shader.imagesReady && !bounces && (shader.info.compileFlags & kSeeThrough) == 0)
+        if (shader.imagesReady && !isReflector && (shader.info.compileFlags & kSeeThrough) == 0)
             shader.info.lightImage = state_->white;
     });
     state_->images.clear();

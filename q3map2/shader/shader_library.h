@@ -11,6 +11,12 @@
 
 namespace q3 {
 
+/// The images that the light stage goes on to need.
+enum class KeptImages {
+    SeeThrough,  ///< of alpha shadows and light filters
+    OfReflectors ///< those, and of all reflecting shaders that were looked up, for bounces
+};
+
 /// All scripts and images, looked up by name. Not thread safe: look up everything before workers start.
 class ShaderLibrary {
   public:
@@ -38,10 +44,9 @@ class ShaderLibrary {
     /// An image by its name without extension; null when there is none. Cached.
     std::shared_ptr<const Image> LoadImage(std::string_view nameWithoutExtension);
     std::size_t DefinedCount() const;
-    /// To be called once the lights are made. Frees all images except those of alpha shadows and light filters. With
-    /// `keepForBounces`, images of all reflecting shaders that were looked up are kept too, and read if they were not.
+    /// To be called once the lights are made. Frees all images except those of `kept`, which are read if they were not.
     /// A ShaderInfo whose image is freed keeps its colors and refers to the white default image.
-    void ReleaseImages(bool keepForBounces);
+    void ReleaseImages(KeptImages kept);
 
   private:
     struct State;

@@ -19,7 +19,8 @@ bool ShaderTextScanner::NextArgument(std::string_view &token) {
         scanner_.PushBack();
         return false;
     }
-    return Recorded(true, token);
+    RecordToken(token);
+    return true;
 }
 
 void ShaderTextScanner::SkipArguments() {
@@ -28,7 +29,7 @@ void ShaderTextScanner::SkipArguments() {
 }
 
 bool ShaderTextScanner::BlockFollows() const {
-    constexpr std::size_t kReach = 1024; // of comments between the name and the brace
+    constexpr std::size_t kReach = 1024; // bytes of comments between the name and the brace
     TextScanner ahead{std::string(scanner_.Unread().substr(0, kReach)), {}};
     std::string_view token;
     return ahead.Next(token) && token == "{";
@@ -102,7 +103,7 @@ std::string TidyBody(std::string_view body) {
 
 namespace {
 
-constexpr std::size_t kMaxName = 63;
+constexpr std::size_t kMaxName = 63;                 ///< bytes
 constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
 
 class ScriptParser {
@@ -155,7 +156,7 @@ class ScriptParser {
     Log &log_;
     std::unique_ptr<ParsedShader> shader_;
     Words words_;                   ///< arguments of the current directive
-    bool incomplete_ = false;       ///< the directive before lacks arguments, which may stand on the next line
+    bool lacksArguments_ = false;   ///< the directive before lacks arguments, which may stand on the next line
     const char *bodyEnd_ = nullptr; ///< where the next shader begins within this one; null: it does not
 };
 
@@ -206,14 +207,14 @@ ScriptParser::NextShader ScriptParser::ParseShader(std::string_view name) {
 /// Reads up to the closing brace.
 ScriptParser::NextShader ScriptParser::ParseBody(bool &hasStages) {
     const TextLocation begin = scanner_.TokenLocation();
-    incomplete_ = false;
+    lacksArguments_ = false;
     for (std::string_view word; scanner_.Next(word);) {
         if (word == "}")
             return {};
-        if (!incomplete_ && IsNextShader(word))
+        if (!lacksArguments_ && IsNextShader(word))
             return EndAtNextShader(begin, "the shader", word);
         if (word == "{") {
-            incomplete_ = false;
+            lacksArguments_ = false;
             hasStages = true;
             if (NextShader next = ParseStage(); !next.empty())
                 return next;
@@ -293,14 +294,14 @@ ScriptParser::NextShader ScriptParser::ParseStage() {
 }
 
 void ScriptParser::ParseDirective(std::string_view word) {
-    const bool afterIncomplete = std::exchange(incomplete_, false);
+    const bool mayBeArgument = std::exchange(lacksArguments_, false);
     if (const ShaderDirective *directive = FindDirective(word))
         return RunDirective(*directive, word);
     constexpr std::string_view kPrefix = "q3map_";
     const bool isOurs = StartsWithNoCase(word, kPrefix);
     const DirectiveContext context{*shader_, table_, scanner_.TokenLocation(), log_};
     const bool isKnown =
-        isOurs ? context.ApplyParm(word.substr(kPrefix.size())) : afterIncomplete || IsEngineDirective(LowerCase(word));
+        isOurs ? context.ApplyParm(word.substr(kPrefix.size())) : mayBeArgument || IsEngineDirective(LowerCase(word));
     if (!isKnown)
         log_.Warn("unknown shader directive", "{}: shader {}: unknown directive {}{}", context.location.Text(),
                   shader_->info.name, word,
@@ -318,7 +319,7 @@ void ScriptParser::RunDirective(const ShaderDirective &directive, std::string_vi
             words_.emplace_back(next);
     DirectiveContext context{*shader_, table_, location, log_};
     if (directive.apply && words_.size() < required) {
-        incomplete_ = true;
+        lacksArguments_ = true;
         log_.Warn("incomplete shader directive", "{}: shader {}: {} with {} arguments, expected {}", location.Text(),
                   shader_->info.name, word, words_.size(), required);
     } else if (const std::string fault = directive.apply ? directive.apply(context, words_) : std::string();
@@ -327,7 +328,7 @@ void ScriptParser::RunDirective(const ShaderDirective &directive, std::string_vi
     }
     if (!StartsWithNoCase(word, "qer_")) // editors read those of any line
         ++shader_->linesRead;
-    if (!directive.moreMayFollow)
+    if (directive.rest == RestOfLine::Ignored)
         scanner_.SkipArguments();
 }
 

@@ -17,7 +17,12 @@ class ShaderTextScanner {
     explicit ShaderTextScanner(TextScanner &scanner) : scanner_(scanner) {}
 
     /// As TextScanner.
-    bool Next(std::string_view &token) { return Recorded(scanner_.Next(token), token); }
+    bool Next(std::string_view &token) {
+        const bool got = scanner_.Next(token);
+        if (got)
+            RecordToken(token);
+        return got;
+    }
     /// The next word of the line, unless it is a brace: as in engines, a brace ends the directive, and the next read
     /// returns it.
     bool NextArgument(std::string_view &token);
@@ -38,10 +43,9 @@ class ShaderTextScanner {
     std::string TakeText();
 
   private:
-    bool Recorded(bool got, std::string_view token) {
-        if (got && recording_)
+    void RecordToken(std::string_view token) {
+        if (recording_)
             Write(token);
-        return got;
     }
     void Write(std::string_view token);
     void StartLine();

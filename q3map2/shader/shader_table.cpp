@@ -11,8 +11,9 @@ namespace q3 {
 namespace {
 
 constexpr int kMaxReplacements = 16;
+constexpr float kLeastBacksplash = -900; ///< game units: lower distances mean that none is set
 
-std::string Key(std::string_view name) {
+std::string TableKey(std::string_view name) {
     std::string key = LowerCase(name);
     std::replace(key.begin(), key.end(), '\\', '/');
     return key;
@@ -66,13 +67,13 @@ ParsedShader ShaderTable::MakeDefault(std::string_view name) const {
     shader.info.name = name;
     ApplyDefaultParm(game_, shader.info);
     shader.info.backsplashFraction *= options_.backsplashScale;
-    if (options_.backsplashDistance >= -900)
+    if (options_.backsplashDistance >= kLeastBacksplash)
         shader.info.backsplashDistance = options_.backsplashDistance;
     return shader;
 }
 
 void ShaderTable::Define(std::unique_ptr<ParsedShader> shader) {
-    std::string key = Key(shader->info.name);
+    std::string key = TableKey(shader->info.name);
     definedCount_ += shaders_.try_emplace(std::move(key), std::move(shader)).second ? 1 : 0;
 }
 
@@ -85,7 +86,7 @@ std::string ShaderTable::FollowReplacements(std::string_view name, Log &log) con
     const std::size_t slashes = name.find_first_not_of("/\\"); // engines pass over those in front
     std::string current = WithoutExtension(slashes == std::string_view::npos ? name : name.substr(slashes));
     for (int i = 0; i <= kMaxReplacements; ++i) {
-        const auto found = shaders_.find(Key(current));
+        const auto found = shaders_.find(TableKey(current));
         if (found == shaders_.end() || found->second->replacement.empty())
             return current;
         current = WithoutExtension(found->second->replacement);
@@ -95,15 +96,15 @@ std::string ShaderTable::FollowReplacements(std::string_view name, Log &log) con
 }
 
 const ParsedShader *ShaderTable::Find(std::string_view name, Log &log) const {
-    const auto found = shaders_.find(Key(FollowReplacements(name, log)));
+    const auto found = shaders_.find(TableKey(FollowReplacements(name, log)));
     return found == shaders_.end() ? nullptr : found->second.get();
 }
 
 ParsedShader &ShaderTable::FindOrAdd(std::string_view name, Log &log) {
-    const std::string final = FollowReplacements(name, log);
-    std::unique_ptr<ParsedShader> &slot = shaders_[Key(final)];
+    const std::string finalName = FollowReplacements(name, log);
+    std::unique_ptr<ParsedShader> &slot = shaders_[TableKey(finalName)];
     if (!slot)
-        slot = std::make_unique<ParsedShader>(MakeDefault(final));
+        slot = std::make_unique<ParsedShader>(MakeDefault(finalName));
     return *slot;
 }
 

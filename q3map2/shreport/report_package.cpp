@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kZlibsChoice = -1, kJpegQuality = 85; // level of compression; 0 to 100
+constexpr int kZlibsChoice = -1; ///< level of compression
+constexpr int kJpegQuality = 85; ///< 0 to 100
 
 bool IsImage(std::string_view name) {
     return std::ranges::any_of(ImageFormats(),

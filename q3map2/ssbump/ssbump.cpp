@@ -14,7 +14,9 @@ namespace q3 {
 
 namespace {
 
-constexpr double kWhite = 100 * 65535.0; // weights of the channels add up to 100
+/// Percent of the channels in the luminance, and its value for white.
+constexpr int kRedPercent = 30, kGreenPercent = 59, kBluePercent = 11;
+constexpr double kWhite = 100 * 65535.0;
 
 /// Slope at `here`: central difference of its two neighbors, one-sided if one is missing.
 float Slope(std::optional<float> before, float here, std::optional<float> after) {
@@ -67,7 +69,8 @@ HeightField HeightsOf(const DeepImage &image, double scale, bool tiles) {
     HeightField field{image.width, image.height, tiles};
     field.heights.reserve(image.rgba.size() / 4);
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-        const int sum = 30 * image.rgba[i] + 59 * image.rgba[i + 1] + 11 * image.rgba[i + 2];
+        const int sum =
+            kRedPercent * image.rgba[i] + kGreenPercent * image.rgba[i + 1] + kBluePercent * image.rgba[i + 2];
         field.heights.push_back(float(sum * scale / kWhite));
     }
     return field;
@@ -91,16 +94,17 @@ void SmoothSteps(HeightField &field, int passes, double step, const JobPool &job
 
 namespace {
 
-constexpr int kLanes = 32;      // texels of a row in one SIMD block
-constexpr int kRun = 12;        // crossings that are tested or skipped together
-constexpr int kTile = 16;       // texels a side of the cells of HeightBounds; at least the extent of a run
-constexpr float kSlack = 1e-4f; // a horizon blocks if its slope exceeds that of the tangent plane by this
+constexpr int kLanes = 32;        // texels of a row in one SIMD block
+constexpr int kRun = 12;          // crossings that are tested or skipped together
+constexpr int kTile = 16;         // texels a side of the cells of HeightBounds; at least the extent of a run
+constexpr float kMinRise = 1e-4f; // a horizon blocks if its slope exceeds that of the tangent plane by this
 /// A slope raises the horizon only if it exceeds it by this factor. Rounding alone then cannot raise the horizon of a
 /// texel whose own ray would have ended, so its result does not depend on the other texels of its block.
 constexpr float kRaise = 1.000002f;
 /// Lower slopes are ignored, which limits the reach of rays. A lobe gets 0.05 % of its light from below it.
 constexpr float kLeastSlope = 0.03f;
 constexpr float kMaxReach = 2048;  // texels
+constexpr float kRounding = 1e-6f; // error of a slope by rounding, divided by the range of heights
 constexpr float kNothing = -1e30f; // height beyond the edges of a field that does not tile
 
 using Lanes = std::array<float, kLanes>;
@@ -190,19 +194,23 @@ class HeightBounds {
 /// The crossings of a ray with the lines between centers, out to `reach`, in the order of distance.
 std::vector<Crossing> CrossingsOf(float s, float t, float reach) {
     std::vector<Crossing> crossings;
-    const auto add = [&](float distance, int column, int row, bool alongX, float weight) {
-        Crossing c{distance, weight, {column, column + (alongX ? 1 : 0)}, {row, row + (alongX ? 0 : 1)}};
+    // The second center is one column or one row after the first.
+    const auto add = [&](float distance, int column, int row, int nextColumn, int nextRow, float weight) {
+        Crossing c{distance, weight, {column, nextColumn}, {row, nextRow}};
         if (weight == 0) // at a center
             c.x[1] = c.x[0], c.y[1] = c.y[0];
         crossings.push_back(c);
     };
-    for (int i = 1; std::abs(s) > 1e-6f && float(i) <= reach * std::abs(s); ++i) {
-        const float distance = float(i) / std::abs(s), row = distance * t;
-        add(distance, s < 0 ? -i : i, int(std::floor(row)), false, row - std::floor(row));
+    constexpr float kParallel = 1e-6f; // component of the unit vector
+    for (int i = 1; std::abs(s) > kParallel && float(i) <= reach * std::abs(s); ++i) {
+        const float distance = float(i) / std::abs(s), t1 = distance * t;
+        const int column = s < 0 ? -i : i, row = int(std::floor(t1));
+        add(distance, column, row, column, row + 1, t1 - std::floor(t1));
     }
-    for (int i = 1; std::abs(t) > 1e-6f && float(i) <= reach * std::abs(t); ++i) {
-        const float distance = float(i) / std::abs(t), column = distance * s;
-        add(distance, int(std::floor(column)), t < 0 ? -i : i, true, column - std::floor(column));
+    for (int i = 1; std::abs(t) > kParallel && float(i) <= reach * std::abs(t); ++i) {
+        const float distance = float(i) / std::abs(t), s1 = distance * s;
+        const int column = int(std::floor(s1)), row = t < 0 ? -i : i;
+        add(distance, column, row, column + 1, row, s1 - std::floor(s1));
     }
     std::ranges::sort(crossings, {}, &Crossing::distance);
     return crossings;
@@ -242,7 +250,7 @@ struct Horizons {
     Horizons(const HeightField &field_, int rays) : field(field_), rows(field_), bounds(field_) {
         const auto [low, high] = std::ranges::minmax(field.heights);
         highest = high;
-        slack = kSlack + 1e-6f * (high - low);
+        minRise = kMinRise + kRounding * (high - low);
         const float reach = std::min((high - low) / kLeastSlope, kMaxReach);
         // Between the axes, along which many textures have edges; mirror images have mirrored rays.
         for (int i = 0; i < rays; ++i)
@@ -252,7 +260,8 @@ struct Horizons {
     const HeightField &field;
     PaddedRows rows;
     HeightBounds bounds;
-    float highest = 0, slack = 0;
+    float highest = 0;
+    float minRise = 0; ///< of a horizon that blocks over the tangent plane, slope
     std::vector<Azimuth> azimuths{};
 };
 
@@ -350,7 +359,7 @@ Q3_VECTOR void AddLobes(const Horizons &in, const Azimuth &azimuth, Block &block
     int blocked = 0;
     for (int k = 0; k < kLanes; ++k) {
         const auto lane = std::size_t(k);
-        const bool rises = block.horizon[lane] > block.tangent[lane] + in.slack;
+        const bool rises = block.horizon[lane] > block.tangent[lane] + in.minRise;
         block.horizon[lane] = rises ? block.horizon[lane] : block.tangent[lane];
         blocked += rises ? 1 : 0;
     }
@@ -375,7 +384,7 @@ Q3_VECTOR void SetTangents(const Horizons &in, const Azimuth &azimuth, const Lan
     for (int k = 0; k < kLanes; ++k) {
         const auto lane = std::size_t(k);
         const float slope = block.gradientS[lane] * azimuth.s + block.gradientT[lane] * azimuth.t;
-        const float tangent = slope > 0 ? slope : 0, least = tangent + in.slack;
+        const float tangent = slope > 0 ? slope : 0, least = tangent + in.minRise;
         const float first = (besideS[lane] - block.height[lane]) * s + (besideT[lane] - block.height[lane]) * t;
         block.tangent[lane] = tangent;
         block.horizon[lane] = first > least ? first : least;

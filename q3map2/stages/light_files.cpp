@@ -18,8 +18,6 @@
 
 namespace q3 {
 
-// ---- Files beside a map that the light stage reads and writes, and light that relighting loses ----
-
 // ---- Optional files beside a .bsp that the light stage reads ----
 
 LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
@@ -90,17 +88,17 @@ GridFormats TakeGridFormats(LightOptions &options) {
     const std::string_view stored = options.shBspx ? "shbspx" : "sh";
     const GridFormats named = ParseGridFormats(list);
     const auto same = [&](const GridFormat *format) { return format->word == stored; };
-    const bool isSaid = std::ranges::any_of(named, same) || (!options.shBspx && HasPlace(named, GridPlace::Full));
-    const bool keepRadiance = options.shRadiance && !options.shAdaptive && !KeepSource(named);
-    if ((options.keepSH || keepRadiance) && !isSaid)
+    const bool namesStored = std::ranges::any_of(named, same) || (!options.shBspx && HasPlace(named, GridPlace::Full));
+    const bool keepRadiance = options.shRadiance && !options.shAdaptive && !KeepConvertible(named);
+    if ((options.keepSH || keepRadiance) && !namesStored)
         list += fmt::format(",{}", stored);
     if (options.shAdaptive && !HasPlace(named, GridPlace::Sparse))
         list += ",sparse";
     const GridFormats formats = ParseGridFormats(list);
-    if (!options.previewFile.empty() && !KeepSource(formats))
+    if (!options.previewFile.empty() && !KeepConvertible(formats))
         throw Error("-shpreview needs sh, shbspx or sparse in -gridformats");
     options.shAdaptive |= HasPlace(formats, GridPlace::Sparse);
-    options.noGrid |= ReplaceLegacyGrid(formats);
+    options.noGrid |= WriteLegacyGrid(formats);
     return formats;
 }
 
@@ -151,7 +149,7 @@ std::uint64_t BytesOfLump(const Bsp &bsp, std::string_view name) {
 /// A lump of light in a .bsp.
 struct LightLump {
     std::string_view kind;   ///< of the warning
-    std::string_view what;   ///< for messages
+    std::string_view name;   ///< for messages
     std::uint64_t bytes = 0; ///< 0: the map does not have it
     bool stays = false;      ///< this run keeps it or makes it again
     std::string_view option; ///< makes it again
@@ -163,16 +161,17 @@ LostLightCheck::LostLightCheck(const Bsp &bsp) : before_(MeanLight(bsp)) {}
 
 void LostLightCheck::Report(const Bsp &bsp, bool force, Log &log) const {
     const double after = MeanLight(bsp);
-    if (log.WarningTotals().count("no light entities") == 0 || after * 3 >= before_ * 2)
+    const bool lostAThird = 3 * after < 2 * before_, lostHalf = 2 * after < before_;
+    if (log.WarningTotals().count("no light entities") == 0 || !lostAThird)
         return;
     const std::string text = fmt::format(
         "the light grid has {:.0f} % of the light that it had: the map was lit by light entities, which its .bsp "
         "does not have; put its .map beside it, or keep the map as it was",
         after * 100 / before_);
-    if (after * 2 < before_ && !force)
+    if (lostHalf && !force)
         throw Error("{}. Nothing is written; -force writes the map anyway", text);
     log.Warn("light entities lost", "{}", text);
-    log.Repeat(text);
+    log.AddToSummary(text);
 }
 
 void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const LightmapOptions &lightmap,
@@ -206,7 +205,7 @@ void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const Light
             log.Warn(lump.kind,
                      "the {} of the map ({}) will be dropped: this run does not make a new one, and the old one would "
                      "not match the new light; {} makes one",
-                     lump.what, SizeText(lump.bytes), lump.option);
+                     lump.name, SizeText(lump.bytes), lump.option);
 }
 
 // ---- Reports how many bytes the SH grid takes in a .bsp, plain and zipped ----
@@ -215,7 +214,7 @@ namespace {
 
 /// EstimateDeflated packs up to kMaxPieces pieces of kPieceBytes.
 constexpr std::size_t kPieceBytes = std::size_t(1) << 18, kMaxPieces = 16;
-/// Grids up to this size never give a warning, whatever their share of the file. Bytes.
+/// Grids up to this size never give a warning, however small the rest of the file is. Bytes.
 constexpr std::uint64_t kSmallGrid = 1000000;
 
 std::size_t DeflatedSize(std::span<const std::byte> data) {
@@ -269,13 +268,14 @@ void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
               Counted(grid.points.size(), "points"), SizeText(bytes), SizeText(fileBytes),
               SizeText(EstimateDeflated(points)), cell[0], cell[1], cell[2]);
     const Float3 &size = grid.header.gridSize;
-    const double share = double(size[0]) * double(size[1]) * double(size[2]) / std::pow(double(kSmallCellSH), 3);
-    if (bytes > kSmallGrid && bytes > fileBytes / 2 && share < 1)
+    const double relativeSize = double(size[0]) * double(size[1]) * double(size[2]) / std::pow(double(kSmallCellSH), 3);
+    if (bytes > kSmallGrid && bytes > fileBytes / 2 && relativeSize < 1)
         log.Warn("large SH grid",
                  "the SH grid is {:.0f} % of the file; -shsmall, without another -gridsh, bakes one of {} of its "
                  "size",
                  100 * double(bytes) / double(fileBytes),
-                 share < 0.01 ? std::string("less than 1 %") : fmt::format("about {:.0f} %", 100 * share));
+                 relativeSize < 0.01 ? std::string("less than 1 %")
+                                     : fmt::format("about {:.0f} %", 100 * relativeSize));
 }
 
 } // namespace q3

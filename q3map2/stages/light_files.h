@@ -52,8 +52,8 @@ void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridF
 class LostLightCheck {
   public:
     explicit LostLightCheck(const Bsp &bsp);
-    /// After lighting: warns if the map has no light entities and its grid less than two thirds of the light before.
-    /// Errors: less than half; with `force`, that is a warning too.
+    /// After lighting: warns if the map has no light entities and its grid less than 2/3 of the light before. Errors:
+    /// less than 1/2; with `force` (-force), that is a warning too.
     void Report(const Bsp &bsp, bool force, Log &log) const;
 
   private:

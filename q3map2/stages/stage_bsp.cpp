@@ -25,11 +25,11 @@ void WriteText(const fs::path &path, const std::string &text, Log &log) {
 
 /// Path of the map source: extension `.map`, except for regions and for entities of -onlyents. Errors: a .bsp that may
 /// have been meant for another stage, or that has no source.
-fs::path SourcePath(const std::string &file, const BspOptions &options, bool stageGiven) {
+fs::path SourcePath(const std::string &file, const BspOptions &options, bool stageIsNamed) {
     const fs::path path = fs::absolute(file), source = MapPath(file, ".map");
     const std::string extension = LowerCase(path.extension().string());
     const bool hasSource = fs::exists(source) || !options.tempName.empty();
-    if (extension == ".bsp" && !stageGiven)
+    if (extension == ".bsp" && !stageIsNamed)
         throw Error("{} is a compiled map, which the bsp stage would replace; name a stage: -bsp compiles {}, -light "
                     "lights it, -vis computes what can be seen",
                     path.string(), source.filename().string());
@@ -41,7 +41,8 @@ fs::path SourcePath(const std::string &file, const BspOptions &options, bool sta
     return source;
 }
 
-/// Removes files of an earlier compile that do not belong to the files just written.
+/// Removes files of an earlier compile that do not belong to the files just written: a map that `leaks` has a leak line
+/// and no portals.
 void RemoveStaleFiles(const fs::path &source, bool leaks) {
     std::error_code ignored;
     fs::remove(Beside(source, leaks ? ".prt" : ".lin"), ignored);
@@ -116,7 +117,7 @@ void WriteFiles(const fs::path &source, const CompiledMap &compiled, const FileG
     files.Commit();
     RemoveStaleFiles(source, leaks);
     WarnOfEngineMemory(path, compiled.bsp, context.game, log);
-    bots.Report(BotCheck::OtherGeometry, false);
+    bots.Report(BotCheck::OtherGeometry, BotCheck::OnlyWarn);
 }
 
 BspOptions TakeOptions(const StageContext &context, Arguments &arguments) {
@@ -152,11 +153,11 @@ void PrintCounts(const Bsp &bsp, Log &log) {
 }
 
 /// What the last line of the run says.
-void Conclude(const CompiledMap &compiled, const BspContext &context, RunReport &report) {
+void AddFaults(const CompiledMap &compiled, const BspContext &context, RunReport &report) {
     if (!compiled.leakLine.empty())
-        report.Conclude(fmt::format("the map leaks ({})", context.leakFile));
+        report.AddFault(fmt::format("the map leaks ({})", context.leakFile));
     if (compiled.idleAreaPortals > 0)
-        report.Conclude(Counted(compiled.idleAreaPortals, "areaportals without effect"));
+        report.AddFault(Counted(compiled.idleAreaPortals, "areaportals without effect"));
 }
 
 /// False: -leaktest found a leak.
@@ -174,7 +175,7 @@ bool CompileToFiles(const fs::path &source, Map &map, const std::vector<std::str
     const CompiledMap compiled = CompileMap(map, context);
     if (!compiled.abandoned && !context.options.autoCaulk)
         PrintCounts(compiled.bsp, context.log);
-    Conclude(compiled, context, report);
+    AddFaults(compiled, context, report);
     WriteFiles(source, compiled, guard, context, format);
     return !compiled.abandoned;
 }
@@ -188,7 +189,7 @@ void ReplaceStoredEntities(const fs::path &source, Map &map, const FileGuard &gu
     guard.CheckUnchanged();
     const BotCheck bots(path, context.log);
     WriteBspFile(path, bsp, format, context.log);
-    bots.Report(BotCheck::SameGeometry, false);
+    bots.Report(BotCheck::SameGeometry, BotCheck::OnlyWarn);
 }
 
 } // namespace
@@ -200,7 +201,7 @@ int BspStage(const StageContext &context, Arguments arguments) {
     const BspOptions options = TakeOptions(context, arguments);
     const StageFile file = TakeFile(context, arguments, given);
     PrintChangedOptions(arguments, log);
-    const fs::path source = SourcePath(file.file, options, context.stageGiven);
+    const fs::path source = SourcePath(file.file, options, context.stageIsNamed);
     const BspFormat format = context.options.Format();
     const auto folders = GameFolders(context.options, context.words, context.program);
     if (options.tempName.empty())
@@ -222,7 +223,7 @@ int BspStage(const StageContext &context, Arguments arguments) {
     if (options.onlyEntities)
         ReplaceStoredEntities(source, map, guard, bspContext, format);
     else
-        done = CompileToFiles(source, map, file.recorded, guard, bspContext, format, context.report);
+        done = CompileToFiles(source, map, file.wordsToRecord, guard, bspContext, format, context.report);
     if (!options.tempName.empty())
         fs::remove(fs::absolute(options.tempName));
     return done ? 0 : 1;

@@ -300,7 +300,7 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
     const auto output =
         options.output.empty() ? input : WithExtension(std::filesystem::absolute(options.output), ".bsp");
     std::error_code none;
-    if (!KeepSource(formats) && (output == input || std::filesystem::equivalent(output, input, none)))
+    if (!KeepConvertible(formats) && (output == input || std::filesystem::equivalent(output, input, none)))
         throw Error(
             "-gridformats {}: {} would lose its SH grid: add sh, shbspx or sparse, or name another file with -out",
             options.formats, input.string());
@@ -308,25 +308,27 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
     FileGuard guard(context);
     guard.Needs(input);
     guard.Writes(output, SizeOfFile(input));
+    if (HasPlace(formats, GridPlace::RawFile))
+        guard.WritesInto(WithExtension(output, ""));
     log.Print("Loading {}\n", input.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(input, format, log);
     std::vector<GridFile> files;
     try {
         GridStoring storing{.ambientFactor = double(options.ambientFactor)};
-        if (options.givenSparse)
+        if (options.remakesSparse)
             storing.sparse = options.sparse;
         files = StoreGridFormats(bsp, formats, storing, JobPool(context.options.threads), log);
     } catch (const Error &error) {
         throw Error("{}: {}", input.string(), error.what());
     }
-    RecordCommand(bsp, "-convertgrid", input.string(), file.recorded);
+    RecordCommand(bsp, "-convertgrid", input.string(), file.wordsToRecord);
     guard.CheckUnchanged();
     WriteGridFiles(WithExtension(output, ""), files, log);
     const BotCheck bots(output, log);
     WriteBspFile(output, bsp, format, log);
     WarnOfEngineMemory(output, bsp, *context.options.game, log);
-    bots.Report(BotCheck::SameGeometry, options.fixBotFiles);
+    bots.Report(BotCheck::SameGeometry, options.fixBotFiles ? BotCheck::FixFiles : BotCheck::OnlyWarn);
     return 0;
 }
 

@@ -45,7 +45,7 @@ void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp 
     const BotCheck bots(path, context.log);
     WriteBspFile(path, bsp, context.options.Format(), context.log);
     WarnOfEngineMemory(path, bsp, *context.options.game, context.log);
-    bots.Report(BotCheck::OtherGeometry, false);
+    bots.Report(BotCheck::OtherGeometry, BotCheck::OnlyWarn);
 }
 
 /// Reads the map, applies `edit` to it and writes it beside the original, with `end` appended to its name.
@@ -55,7 +55,7 @@ void EditMap(const StageContext &context, const StageFile &file, std::string_vie
     const FileGuard guard = GuardEdit({path}, end, context);
     Bsp bsp = Load(path, context);
     edit(bsp, path.string());
-    WriteBeside(path, end, std::move(bsp), file.recorded, guard, context);
+    WriteBeside(path, end, std::move(bsp), file.wordsToRecord, guard, context);
 }
 
 } // namespace

@@ -35,8 +35,10 @@ FileGuard GuardLight(const std::filesystem::path &bspPath, const LightOptions &o
                      const StageContext &context) {
     FileGuard guard(context);
     guard.Needs(bspPath);
-    for (const std::string_view extension : {".map", ".srf"})
+    for (const std::string_view extension : {".map", ".srf", ".rad"})
         guard.Reads(Beside(bspPath, extension));
+    for (const std::string &file : options.texLightFiles)
+        guard.Reads(file);
     guard.Writes(bspPath);
     if (!lightmap.externalFolder.empty())
         guard.WritesInto(lightmap.externalFolder);
@@ -113,7 +115,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     guard.CheckUnchanged();
     const auto folder = WithExtension(bspPath, "");
     StoreBakedGrids(gridFormats, options, folder, bsp, jobs, log);
-    RecordCommand(bsp, "-light", inputs.name, file.recorded);
+    RecordCommand(bsp, "-light", inputs.name, file.wordsToRecord);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
         log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "
                   "version 46\n");
@@ -129,7 +131,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
         WritePropFiles(folder, result.props, log);
     const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
-    bots.Report(BotCheck::SameGeometry, options.fixBotFiles);
+    bots.Report(BotCheck::SameGeometry, options.fixBotFiles ? BotCheck::FixFiles : BotCheck::OnlyWarn);
     PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), log);
     WarnOfEngineMemory(bspPath, bsp, *context.options.game, log);
     if (lightmap.exportPages && !lightmap.external)
@@ -162,7 +164,7 @@ int ImportStage(const StageContext &context, Arguments arguments) {
     guard.CheckUnchanged();
     const BotCheck bots(files.bsp, context.log);
     WriteBspFile(files.bsp, bsp, format, context.log);
-    bots.Report(BotCheck::SameGeometry, false);
+    bots.Report(BotCheck::SameGeometry, BotCheck::OnlyWarn);
     return 0;
 }
 

@@ -71,14 +71,16 @@ FileGuard GuardPackage(const std::vector<fs::path> &outputs, const std::vector<f
     return guard;
 }
 
-/// Maps that the words name. If it `mayBeList`, a single word that is not a .bsp is a list of maps, one per line.
-/// Errors: no maps in the list.
-std::vector<fs::path> MapsOf(const std::vector<std::string> &words, bool mayBeList) {
+/// Whether a single word that is not a .bsp may name a text file that lists maps, one per line.
+enum class MapLists { Refuse, Allow };
+
+/// Maps that the words name. Errors: no maps in the list.
+std::vector<fs::path> MapsOf(const std::vector<std::string> &words, MapLists lists) {
     std::vector<fs::path> maps;
     for (const std::string &word : words) {
         const fs::path map = MapPath(word, ".bsp");
-        const bool isList = mayBeList && words.size() == 1 && map == fs::absolute(word) && fs::is_regular_file(map) &&
-                            !EqualNoCase(map.extension().string(), ".bsp");
+        const bool isList = lists == MapLists::Allow && words.size() == 1 && map == fs::absolute(word) &&
+                            fs::is_regular_file(map) && !EqualNoCase(map.extension().string(), ".bsp");
         if (!isList) {
             RequireMap(map);
             maps.push_back(map);
@@ -111,7 +113,7 @@ std::vector<std::string> TakeMaps(const StageContext &context, Arguments &argume
 /// Warns of bot files that do not fit the packed map: those beside it, and those of archives that engines would take,
 /// whether they are packed or not.
 void WarnOfBotFiles(const fs::path &map, const PackageSource &source, const PackagePlan &plan, Log &log) {
-    BotCheck(map, log).Report(BotCheck::SameGeometry, false);
+    BotCheck(map, log).Report(BotCheck::SameGeometry, BotCheck::OnlyWarn);
     for (const std::string_view end : kBotFileEnds) {
         const std::string name = fmt::format("maps/{}{}", map.stem().string(), end);
         const auto entry = std::ranges::find(plan.Files(), name, &PackageEntry::name);
@@ -158,7 +160,7 @@ int Finish(const PackagePlan &plan, RunReport &report, Log &log) {
     PrintList("not there, and not needed", "~fail", plan.absent, log);
     PrintList("missing", "!FAIL!", plan.missing, log);
     if (!plan.missing.empty())
-        report.Conclude(Counted(plan.missing.size(), "files missing"));
+        report.AddFault(Counted(plan.missing.size(), "files missing"));
     return plan.missing.empty() ? 0 : 1;
 }
 
@@ -174,7 +176,7 @@ int PackStage(const StageContext &context, Arguments arguments) {
     log.Section("Pk3");
     PackOptions options;
     TakeSettings(PackSettings(), options, arguments, log);
-    const std::vector<fs::path> maps = MapsOf(TakeMaps(context, arguments), false);
+    const std::vector<fs::path> maps = MapsOf(TakeMaps(context, arguments), MapLists::Refuse);
     const std::string name = maps.back().stem().string();
     const fs::path folder = OutputFolder(context, options);
     const fs::path path = folder / (name + "_autopacked.pk3"), failed = folder / (name + "_FAILEDpack.pk3");
@@ -197,7 +199,7 @@ int RepackStage(const StageContext &context, Arguments arguments) {
     log.Section("Repack");
     RepackOptions options;
     TakeSettings(RepackSettings(), options, arguments, log);
-    const std::vector<fs::path> maps = MapsOf(TakeMaps(context, arguments), true);
+    const std::vector<fs::path> maps = MapsOf(TakeMaps(context, arguments), MapLists::Allow);
     const std::string name = maps.back().stem().string();
     const fs::path folder = options.onlyList ? fs::path() : OutputFolder(context, options);
     const fs::path path = folder / (name + "_repacked.pk3"), script = folder / (name + "_strippedBYrepacker.shader");

@@ -75,7 +75,7 @@ int VisStage(const StageContext &context, Arguments arguments) {
     }
     CheckClusters(bsp, bspPath, portals, prtPath);
     const std::string name = bspPath.string();
-    RecordCommand(bsp, "-vis", name, file.recorded);
+    RecordCommand(bsp, "-vis", name, file.wordsToRecord);
     const Entity world = StoredEntities(bsp.entities, name).front();
     options.vis.farPlane = FarPlaneOf(world);
 
@@ -86,7 +86,7 @@ int VisStage(const StageContext &context, Arguments arguments) {
     guard.CheckUnchanged();
     const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
-    bots.Report(BotCheck::SameGeometry, false);
+    bots.Report(BotCheck::SameGeometry, BotCheck::OnlyWarn);
     if (!options.savePrt)
         RemovePrt(prtPath, log);
     return 0;

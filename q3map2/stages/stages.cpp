@@ -24,13 +24,13 @@ namespace q3 {
 namespace {
 
 /// The sections, with the section of presets in front.
-std::vector<SettingSection> AfterPresets(std::vector<SettingSection> sections) {
+std::vector<SettingSection> WithPresets(std::vector<SettingSection> sections) {
     sections.insert(sections.begin(), PresetSection());
     return sections;
 }
 
 std::vector<SettingSection> LightSections() {
-    std::vector<SettingSection> sections = AfterPresets(Describe(LightOptionSettings()));
+    std::vector<SettingSection> sections = WithPresets(Describe(LightOptionSettings()));
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
     sections.push_back(VradSection());
@@ -49,7 +49,7 @@ std::vector<std::string> GridFormatChoices(std::string_view option) {
     return names;
 }
 
-/// From the map source to the lit map, and looks into it.
+/// The stages from the map source to the lit map, and those that print, export or show what is in it.
 std::vector<Stage> CompilingStages() {
     return {
         {"-bsp", "[-bsp] [options] maps/x.map", "Compile a map: maps/x.map to x.bsp, x.srf and x.prt",
@@ -59,11 +59,11 @@ std::vector<Stage> CompilingStages() {
          "or `.lin` that does not belong to them and an old `.reg` are removed; a run that fails leaves all as they "
          "were. A map that leaks gets `x.lin` in place of `x.prt`; that is a warning, and the exit status is 0. A map "
          "without an entity in the open is an error, because nothing tells its inside from its outside.",
-         BspStage, [] { return AfterPresets(Describe(BspSettings())); }},
+         BspStage, [] { return WithPresets(Describe(BspSettings())); }},
         {"-vis", "-vis [options] maps/x.bsp", "Compute what can be seen from where, from maps/x.prt",
          "Reads `x.bsp` and `x.prt`, which the bsp stage wrote, and puts visibility data into `x.bsp`. "
          "[vis.md](vis.md) explains when to use what.",
-         VisStage, [] { return AfterPresets(Describe(VisSettings())); }},
+         VisStage, [] { return WithPresets(Describe(VisSettings())); }},
         {"-light", "-light [options] maps/x.bsp", "Light a compiled map: lightmaps, vertices and light grids", "",
          LightStage, LightSections},
         {"-convertgrid", "-convertgrid -gridformats LIST [options] maps/x.bsp",

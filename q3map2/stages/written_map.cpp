@@ -34,14 +34,14 @@ void BotCheck::Fix(const BotFile &file, std::uint32_t checksum) const {
                   file.path.string());
 }
 
-void BotCheck::Report(Change change, bool fix) const {
+void BotCheck::Report(Change change, Remedy remedy) const {
     if (files_.empty())
         return;
     const std::uint32_t checksum = MapChecksum(bspPath_);
     for (const BotFile &file : files_) {
         if (file.checksum == checksum)
             continue;
-        if (fix && change == SameGeometry) {
+        if (remedy == FixFiles && change == SameGeometry) {
             Fix(file, checksum);
             continue;
         }

@@ -19,12 +19,14 @@ class BotCheck {
   public:
     /// What a stage changes in the map.
     enum Change { SameGeometry, OtherGeometry };
+    /// Whether bot files that no longer fit get the checksum of the written map, or a warning.
+    enum Remedy { OnlyWarn, FixFiles };
 
     /// A file that cannot be read is a warning, and no file is checked then.
     BotCheck(std::filesystem::path bspPath, Log &log);
-    /// Warns about each file that names another map than the written one. With `fix` and SameGeometry, files get the
-    /// checksum of the written map instead.
-    void Report(Change change, bool fix) const;
+    /// Warns about each file that names another map than the written one. With FixFiles and SameGeometry, files get
+    /// the checksum of the written map instead.
+    void Report(Change change, Remedy remedy) const;
 
   private:
     void Fix(const BotFile &file, std::uint32_t checksum) const;

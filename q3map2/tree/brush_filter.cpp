@@ -10,8 +10,8 @@ namespace q3 {
 
 namespace {
 
-constexpr double kLeastVolume = 1; ///< smaller fragments are dropped, cubic units
-constexpr double kOverlap = 1;     ///< least overlap of an area portal side and a portal, game units
+constexpr double kMinVolume = 1;  ///< smaller fragments are dropped, cubic units
+constexpr double kMinOverlap = 1; ///< least overlap of an area portal side and a portal, game units
 
 /// Part of a brush, cut by planes of tree nodes.
 struct BrushFragment {
@@ -22,14 +22,15 @@ struct BrushFragment {
     std::vector<Side> sides;
 };
 
-BrushFragment PieceOf(const Brush &brush) {
-    BrushFragment piece;
+BrushFragment WholeBrush(const Brush &brush) {
+    BrushFragment whole;
     for (const BrushSide &side : brush.sides)
         if (!side.winding.empty())
-            piece.sides.push_back({side.planeNum, side.winding});
-    return piece;
+            whole.sides.push_back({side.planeNum, side.winding});
+    return whole;
 }
 
+/// Cubic units: the sum over sides of (distance of the side from a corner) (area of the side) / 3.
 double VolumeOf(const BrushFragment &piece, const PlaneTable &planes) {
     if (piece.sides.empty())
         return 0;
@@ -111,12 +112,13 @@ std::array<std::optional<BrushFragment>, 2> SplitPiece(BrushFragment piece, int 
     parts[0].sides.push_back({planeNum ^ 1, Reversed(section)});
     parts[1].sides.push_back({planeNum, section});
     for (std::size_t i = 0; i < 2; i++)
-        if (VolumeOf(parts[i], planes) >= kLeastVolume)
+        if (VolumeOf(parts[i], planes) >= kMinVolume)
             halves[i] = std::move(parts[i]);
     return halves;
 }
 
-std::pair<double, double> Extent(const Polygon &polygon, const Vec3d &axis) {
+/// Least and greatest coordinate of the points along the axis.
+std::pair<double, double> ExtentAlong(const Polygon &polygon, const Vec3d &axis) {
     std::pair<double, double> extent{Dot(axis, Vec3d(polygon[0])), Dot(axis, Vec3d(polygon[0]))};
     for (const Vec3f &p : polygon) {
         const double d = Dot(axis, Vec3d(p));
@@ -125,14 +127,14 @@ std::pair<double, double> Extent(const Polygon &polygon, const Vec3d &axis) {
     return extent;
 }
 
-/// Whether along the normal of an edge of `edges` the two coplanar polygons overlap by less than kOverlap.
-bool Separates(const Polygon &edges, const Polygon &other, const Vec3d &normal) {
+/// Whether along the normal of an edge of `edges` the two coplanar polygons overlap by less than kMinOverlap.
+bool EdgeAxisSeparates(const Polygon &edges, const Polygon &other, const Vec3d &normal) {
     for (std::size_t i = 0; i < edges.size(); i++) {
         const Vec3d along = Vec3d(edges[(i + 1) % edges.size()]) - Vec3d(edges[i]);
         const Vec3d axis = Normalize(Cross(normal, along));
-        const auto [low, high] = Extent(edges, axis);
-        const auto [otherLow, otherHigh] = Extent(other, axis);
-        if (axis != Vec3d{} && (low > otherHigh - kOverlap || otherLow > high - kOverlap))
+        const auto [low, high] = ExtentAlong(edges, axis);
+        const auto [otherLow, otherHigh] = ExtentAlong(other, axis);
+        if (axis != Vec3d{} && (low > otherHigh - kMinOverlap || otherLow > high - kMinOverlap))
             return true;
     }
     return false;
@@ -147,8 +149,8 @@ void MarkAreaPortals(const Brush &brush, Tree &tree, int leaf, const PlaneTable 
         for (const int number : tree.nodes[std::size_t(leaf)].portals) {
             TreePortal &portal = tree.portals[std::size_t(number)];
             if (portal.onNode >= 0 && (portal.planeNum & ~1) == (side.planeNum & ~1) &&
-                !Separates(side.winding, portal.polygon, planes[side.planeNum].normal) &&
-                !Separates(portal.polygon, side.winding, planes[side.planeNum].normal))
+                !EdgeAxisSeparates(side.winding, portal.polygon, planes[side.planeNum].normal) &&
+                !EdgeAxisSeparates(portal.polygon, side.winding, planes[side.planeNum].normal))
                 portal.compileFlags |= C_AREAPORTAL;
         }
     }
@@ -171,7 +173,7 @@ class BrushFilter {
 template <typename Reached> void BrushFilter::Add(const Brush &brush, const Reached &reached) {
     brushes_++;
     std::vector<std::pair<int, BrushFragment>> pending;
-    pending.emplace_back(tree_.head, PieceOf(brush));
+    pending.emplace_back(tree_.head, WholeBrush(brush));
     while (!pending.empty()) {
         auto [at, piece] = std::move(pending.back());
         pending.pop_back();

@@ -18,35 +18,37 @@ namespace q3 {
 namespace {
 
 /// Whether the flood starts at the entity. It does not at brush entities: their origin may be anywhere.
-bool Floods(const MapEntity &entity) {
+bool StartsFlood(const MapEntity &entity) {
     return !entity.pairs.pairs.empty() && entity.model < 0 && entity.brushes.empty() && entity.patches.empty() &&
            !EqualNoCase(entity.pairs.ClassName(), "_decal") && !entity.pairs.Value("model").starts_with('*');
 }
 
+/// The leaf on the other side of the portal.
 int FarSide(const TreePortal &portal, int leaf) {
     return portal.nodes[0] == leaf ? portal.nodes[1] : portal.nodes[0];
 }
 
-/// Sets `occupied` of leafs to the number of leafs on the path from `start`, unless it is already as small.
+/// Sets `floodSteps` of leafs to the number of leafs on the path from `start`, unless it is already as small.
 void FloodSteps(Tree &tree, int start) {
-    std::vector<int> ring{start};
-    for (int steps = 1; !ring.empty(); steps++) {
+    std::vector<int> frontier{start}; // leafs at `steps` leafs from the start
+    for (int steps = 1; !frontier.empty(); steps++) {
         std::vector<int> reached;
-        for (const int leaf : ring) {
-            int &occupied = tree.nodes[std::size_t(leaf)].occupied;
-            if (occupied != 0 && occupied <= steps)
+        for (const int leaf : frontier) {
+            int &floodSteps = tree.nodes[std::size_t(leaf)].floodSteps;
+            if (floodSteps != 0 && floodSteps <= steps)
                 continue;
-            occupied = steps;
+            floodSteps = steps;
             for (const int portal : tree.nodes[std::size_t(leaf)].portals) {
                 const int other = FarSide(tree.portals[std::size_t(portal)], leaf);
                 if (!tree.nodes[std::size_t(other)].opaque)
                     reached.push_back(other);
             }
         }
-        ring = std::move(reached);
+        frontier = std::move(reached);
     }
 }
 
+/// Marks all leafs that are connected to `start` as leafs of a sky box.
 void MarkSkyBox(Tree &tree, int start) {
     std::vector<int> pending{start};
     while (!pending.empty()) {
@@ -99,37 +101,37 @@ void WarnOfLightsInDetail(const Map &map, const BspContext &context) {
 
 } // namespace
 
-Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn) {
+Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, SolidWarnings warnings) {
     context.log.VerboseSection("FloodEntities");
-    if (warn)
+    if (warnings == SolidWarnings::Print)
         WarnOfLightsInDetail(map, context);
-    bool inside = false;
+    bool anyFlood = false;
     for (std::size_t i = 1; i < map.entities.size(); i++) {
         const MapEntity &entity = map.entities[i];
-        if (!Floods(entity))
+        if (!StartsFlood(entity))
             continue;
         const int leaf = tree.LeafAt(entity.Origin() + Vec3f(0, 0, 1), map.planes);
         if (tree.nodes[std::size_t(leaf)].opaque) {
-            if (warn)
+            if (warnings == SolidWarnings::Print)
                 context.log.Warn("entity in solid", "{}: the {} stands in solid", entity.MessagePrefix(),
                                  entity.pairs.ClassName());
             continue;
         }
-        tree.nodes[std::size_t(leaf)].occupant = int(i);
+        tree.nodes[std::size_t(leaf)].floodEntity = int(i);
         FloodSteps(tree, leaf);
         if (EqualNoCase(entity.pairs.ClassName(), "_skybox"))
             MarkSkyBox(tree, leaf);
-        inside = true;
+        anyFlood = true;
     }
     const auto flooded =
-        std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const TreeNode &node) { return node.occupied != 0; });
+        std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const TreeNode &node) { return node.floodSteps != 0; });
     context.log.VerboseCount(flooded, "flooded leafs");
-    if (!inside) {
+    if (!anyFlood) {
         context.log.Verbose("no entity stands in the open: nothing can be filled\n");
         return Sealing::Empty;
     }
     const MapEntity &world = map.entities.front();
-    const bool leaked = tree.outside >= 0 && tree.nodes[std::size_t(tree.outside)].occupied != 0;
+    const bool leaked = tree.outside >= 0 && tree.nodes[std::size_t(tree.outside)].floodSteps != 0;
     const bool ignored = keys::kIgnoreLeaks.Flag(world.pairs);
     return leaked && !ignored ? Sealing::Leaked : Sealing::Sealed;
 }
@@ -143,7 +145,7 @@ void FillOutside(Tree &tree, const BspContext &context) {
             continue;
         if (node.opaque)
             solid++;
-        else if (node.occupied == 0)
+        else if (node.floodSteps == 0)
             node.opaque = true, filled++;
         else
             inside++;
@@ -160,26 +162,26 @@ struct LeakPath {
     int entity = -1;
 };
 
-/// The path from outside to an entity: each step goes to the neighbor with the least `occupied`.
+/// The path from outside to an entity: each step goes to the neighbor with the least `floodSteps`.
 LeakPath FindLeakPath(const Tree &tree) {
     LeakPath path;
-    if (tree.outside < 0 || tree.nodes[std::size_t(tree.outside)].occupied == 0)
+    if (tree.outside < 0 || tree.nodes[std::size_t(tree.outside)].floodSteps == 0)
         return path;
     int leaf = tree.outside;
-    while (tree.nodes[std::size_t(leaf)].occupied > 1) {
-        int next = -1, through = -1, steps = tree.nodes[std::size_t(leaf)].occupied;
+    while (tree.nodes[std::size_t(leaf)].floodSteps > 1) {
+        int next = -1, through = -1, steps = tree.nodes[std::size_t(leaf)].floodSteps;
         for (const int number : tree.nodes[std::size_t(leaf)].portals) {
             const int other = FarSide(tree.portals[std::size_t(number)], leaf);
-            const int occupied = tree.nodes[std::size_t(other)].occupied;
-            if (occupied != 0 && occupied < steps)
-                next = other, through = number, steps = occupied;
+            const int floodSteps = tree.nodes[std::size_t(other)].floodSteps;
+            if (floodSteps != 0 && floodSteps < steps)
+                next = other, through = number, steps = floodSteps;
         }
         if (next < 0)
             return {};
         path.portals.push_back(through);
         leaf = next;
     }
-    path.entity = tree.nodes[std::size_t(leaf)].occupant;
+    path.entity = tree.nodes[std::size_t(leaf)].floodEntity;
     return path;
 }
 
@@ -283,7 +285,7 @@ void FloodArea(Tree &tree, int start, int area) {
         for (const int number : node.portals) {
             const TreePortal &portal = tree.portals[std::size_t(number)];
             if (IsPassable(tree, portal) && !(portal.compileFlags & C_AREAPORTAL))
-                pending.push_back(portal.nodes[0] == leaf ? portal.nodes[1] : portal.nodes[0]);
+                pending.push_back(FarSide(portal, leaf));
         }
     }
     for (const int leaf : members)

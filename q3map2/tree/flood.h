@@ -17,9 +17,11 @@ enum class Sealing {
     Empty   ///< no entity stands in the open
 };
 
-/// Floods from all point entities in open leafs. `warn`: about entities in solid and lights in detail brushes; once per
-/// map is enough.
-Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, bool warn = true);
+/// Whether FloodEntities warns of entities in solid and of lights in detail brushes; once per map is enough.
+enum class SolidWarnings { Omit, Print };
+/// Floods from all point entities in open leafs.
+Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context,
+                      SolidWarnings warnings = SolidWarnings::Print);
 /// Makes all leafs opaque that no flood reached.
 void FillOutside(Tree &tree, const BspContext &context);
 /// The shortest line from outside to an entity: centers of portals, then the entity's origin. Empty: sealed.

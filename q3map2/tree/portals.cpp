@@ -19,12 +19,13 @@ namespace {
 constexpr double kPadding = 8;         ///< around the bounds of the tree, game units
 constexpr double kNodeEpsilon = 0.001; ///< for cuts by planes of nodes
 constexpr double kBorderEpsilon = 0.1; ///< for cuts by portals around the node
-constexpr std::size_t kMostPortals = 1 << 24;
+constexpr std::size_t kMaxPortals = 1 << 24;
 
 Plane Flipped(const Plane &plane) {
     return {-plane.normal, -plane.dist};
 }
 
+/// On which sides of a plane a polygon has points.
 struct Reach {
     bool front = false, back = false;
 };
@@ -78,8 +79,8 @@ class PortalMaker {
 };
 
 int PortalMaker::NewPortal(TreePortal portal) {
-    if (tree_.portals.size() >= kMostPortals)
-        throw Error("the tree has more than {} portals: make brushes detail", kMostPortals);
+    if (tree_.portals.size() >= kMaxPortals)
+        throw Error("the tree has more than {} portals: make brushes detail", kMaxPortals);
     tree_.portals.push_back(std::move(portal));
     positions_.emplace_back();
     return int(tree_.portals.size()) - 1;
@@ -277,12 +278,15 @@ class PortalFileWriter {
     int portalCount_ = 0, faceCount_ = 0;
 };
 
+/// Coordinates this near to a whole number are written as that number. Game units.
+constexpr double kWholeTolerance = 0.001;
+
 void PortalFileWriter::AppendPoints(std::string &text, const Polygon &polygon) {
     for (const Vec3f &p : polygon) {
         text += '(';
         for (std::size_t axis = 0; axis < 3; axis++) {
             const double value = double(p[axis]), whole = std::rint(value);
-            if (std::abs(value - whole) < 0.001)
+            if (std::abs(value - whole) < kWholeTolerance)
                 fmt::format_to(std::back_inserter(text), "{} ", static_cast<long long>(whole));
             else
                 fmt::format_to(std::back_inserter(text), "{:f} ", value);
@@ -293,14 +297,16 @@ void PortalFileWriter::AppendPoints(std::string &text, const Polygon &polygon) {
 }
 
 void PortalFileWriter::AddPortal(const TreePortal &portal) {
+    constexpr double kSameFacing = 0.99; // cosine of the angle between the two normals
     // Readers compute the plane from the first three points. If these give a flipped plane, swaps the clusters.
     int front = tree_.nodes[std::size_t(portal.nodes[0])].cluster;
     int back = tree_.nodes[std::size_t(portal.nodes[1])].cluster;
     const Polygon &w = portal.polygon;
     const Vec3d normal = Normalize(Cross(Vec3d(w[2]) - Vec3d(w[0]), Vec3d(w[1]) - Vec3d(w[0])));
-    if (Dot(portal.plane.normal, normal) < 0.99)
+    if (Dot(portal.plane.normal, normal) < kSameFacing)
         std::swap(front, back);
-    const int flags = (portal.compileFlags & C_HINT ? 1 : 0) | (portal.compileFlags & C_SKY ? 2 : 0);
+    constexpr int kHintFlag = 1, kSkyFlag = 2; // of the .prt file
+    const int flags = (portal.compileFlags & C_HINT ? kHintFlag : 0) | (portal.compileFlags & C_SKY ? kSkyFlag : 0);
     fmt::format_to(std::back_inserter(portals_), "{} {} {} {} ", w.size(), front, back, flags);
     AppendPoints(portals_, w);
     portalCount_++;

@@ -14,11 +14,16 @@ namespace q3 {
 namespace {
 
 constexpr double kClipEpsilon = 0.2; ///< game units
-constexpr std::size_t kMostNodes = std::size_t(1) << 20;
+constexpr std::size_t kMaxNodes = std::size_t(1) << 20;
 /// Budget of plane-face tests for a node; reached with tens of thousands of tilted brushes. Once it is spent, only
 /// kSampledPlanes of the remaining candidate planes, evenly spaced, are tested.
-constexpr std::int64_t kManyTests = std::int64_t(1) << 20;
+constexpr std::int64_t kTestBudget = std::int64_t(1) << 20;
 constexpr std::size_t kSampledPlanes = 32;
+/// Score of a plane: kScorePerFace for each face on it, minus as much for each face that it cuts, plus kAxialBonus if
+/// it is axial, plus the highest priority of its faces. With -altsplit: kAltBase minus the number of nodes that it
+/// splits already, minus its faces, minus kScorePerFace for each cut, minus the difference of the numbers of faces on
+/// both sides, plus the bonus.
+constexpr double kScorePerFace = 5, kAxialBonus = 5, kAltBase = 20000;
 
 class TreeBuilder {
   public:
@@ -38,12 +43,13 @@ class TreeBuilder {
         std::vector<int> faces;
         Boundsf bounds;
     };
-    /// Faces of a list that lie on one plane. bestFace: position in the list of the one with the highest bonus. facing:
-    /// their number. bound: upper bound of the plane's score.
+    /// Faces of a list that lie on one plane.
     struct PlaneGroup {
-        int planeNum = 0, facing = 0;
-        std::size_t bestFace = 0;
-        double bonus = 0, bound = 0;
+        int planeNum = 0;
+        int faces = 0;            ///< their number
+        std::size_t bestFace = 0; ///< position in the list of the face with the highest bonus
+        double bonus = 0;         ///< of that face
+        double bound = 0;         ///< upper bound of the plane's score
     };
 
     Pending Root();
@@ -98,7 +104,7 @@ void TreeBuilder::FillGroups(const std::vector<int> &list) {
         if (added)
             groups_.push_back({face.planeNum, 0, i, bonus, 0});
         PlaneGroup &group = groups_[it->second];
-        group.facing++;
+        group.faces++;
         if (bonus > group.bonus)
             group.bestFace = i, group.bonus = bonus;
     }
@@ -113,10 +119,10 @@ PolygonSide TreeBuilder::SideOfFace(int face, int planeNum) const {
         const double n = plane.normal[axis], a = n * double(box.mins[axis]), b = n * double(box.maxs[axis]);
         low += std::min(a, b), high += std::max(a, b);
     }
-    constexpr double kRoom = 0.01; ///< far above what rounding does to the sums
-    if (low > kSideEpsilon + kRoom)
+    constexpr double kSlack = 0.01; ///< far above what rounding does to the sums
+    if (low > kSideEpsilon + kSlack)
         return PolygonSide::Front;
-    if (high < -kSideEpsilon - kRoom)
+    if (high < -kSideEpsilon - kSlack)
         return PolygonSide::Back;
     return SideOf(faces_[std::size_t(face)].polygon, plane);
 }
@@ -124,9 +130,9 @@ PolygonSide TreeBuilder::SideOfFace(int face, int planeNum) const {
 /// Upper bound of the score: as if the plane split no face.
 double TreeBuilder::BoundOf(const PlaneGroup &group) const {
     if (!options_.altSplit)
-        return 5.0 * group.facing + (planes_.IsAxial(group.planeNum) ? 5 : 0) + group.bonus;
+        return kScorePerFace * group.faces + (planes_.IsAxial(group.planeNum) ? kAxialBonus : 0) + group.bonus;
     const auto used = uses_.find(group.planeNum);
-    return 20000.0 - (used == uses_.end() ? 0 : used->second) - group.facing + group.bonus;
+    return kAltBase - (used == uses_.end() ? 0 : used->second) - group.faces + group.bonus;
 }
 
 /// Score of the plane, higher is better. Once it falls below `toBeat` counting stops: then only an upper bound.
@@ -140,7 +146,7 @@ double TreeBuilder::ValueOf(const PlaneGroup &group, const std::vector<int> &lis
         sideTests_++;
         front += side == PolygonSide::Front;
         back += side == PolygonSide::Back;
-        if (side == PolygonSide::Cross && (value -= 5) < toBeat)
+        if (side == PolygonSide::Cross && (value -= kScorePerFace) < toBeat)
             break;
     }
     return options_.altSplit ? value - std::abs(front - back) : value;
@@ -158,7 +164,7 @@ TreeBuilder::Choice TreeBuilder::ChooseSplit(const std::vector<int> &list) {
     });
     const PlaneGroup *best = nullptr;
     double bestValue = std::numeric_limits<double>::lowest();
-    const std::int64_t testLimit = sideTests_ + kManyTests;
+    const std::int64_t testLimit = sideTests_ + kTestBudget;
     for (std::size_t at = 0, step = 1; at < groups_.size(); at += step) {
         const PlaneGroup &group = groups_[at];
         if (best && group.bound < bestValue)
@@ -247,8 +253,8 @@ Tree TreeBuilder::Build() {
             choice = ChooseSplit(work.faces);
         if (choice.planeNum < 0)
             continue;
-        if (tree.nodes.size() > kMostNodes)
-            throw Error("the tree has more than {} nodes: larger blocks (world key _blocksize) make fewer", kMostNodes);
+        if (tree.nodes.size() > kMaxNodes)
+            throw Error("the tree has more than {} nodes: larger blocks (world key _blocksize) make fewer", kMaxNodes);
         std::array<std::vector<int>, 2> parts;
         Partition(work, choice.planeNum, parts);
         const auto bounds = CutBounds(work.bounds, choice.planeNum);
@@ -307,8 +313,9 @@ Tree SingleLeafTree(const Boundsf &bounds) {
 
 namespace {
 
-constexpr std::size_t kFewestSides = 4; ///< fewest sides that enclose a volume
+constexpr std::size_t kMinSides = 4; ///< fewest sides that enclose a volume
 
+/// Faces with higher priority split earlier.
 int PriorityOf(std::uint32_t flags) {
     int priority = 0;
     if (flags & C_HINT)
@@ -334,6 +341,7 @@ TreeFace FaceOf(const Brush &brush, const BrushSide &side, const Polygon &polygo
     return face;
 }
 
+/// Warns if the world has many brushes and more than 90 % of them are structural.
 void WarnOfStructure(const MapEntity &world, const BspContext &context) {
     constexpr std::size_t kManyBrushes = 500;
     const auto structural = std::size_t(
@@ -355,7 +363,7 @@ std::vector<TreeFace> StructuralFaces(MapEntity &world, const BspContext &contex
             continue;
         const auto windings = std::count_if(brush.sides.begin(), brush.sides.end(),
                                             [](const auto &side) { return !side.winding.empty(); });
-        if (!brush.detail && std::size_t(windings) < kFewestSides) {
+        if (!brush.detail && std::size_t(windings) < kMinSides) {
             context.WarnAt("structural brush with few sides", brush.settings.entity, brush.primitive,
                            fmt::format("structural brush with {} usable sides becomes detail", windings));
             brush.detail = true;

@@ -46,8 +46,8 @@ struct TreeNode {
     // Leafs.
     bool opaque = false, areaPortal = false, skyBox = false;
     int cluster = -1, area = -1;
-    int occupied = 0;         ///< number of leafs on the shortest path to an entity, this leaf included; 0: not reached
-    int occupant = -1;        ///< an entity in this leaf where a flood started (index in the map)
+    int floodSteps = 0;       ///< number of leafs on the shortest path to an entity, this leaf included; 0: not reached
+    int floodEntity = -1;     ///< an entity in this leaf where a flood started (index in the map)
     std::vector<int> brushes; ///< indexes in the entity's brush list, newest first
     std::vector<int> surfaces; ///< draw surfaces (index in the .bsp), in order of addition
     bool IsLeaf() const { return planeNum < 0; }

@@ -13,9 +13,10 @@ namespace q3 {
 
 namespace {
 
-constexpr double kOnPlane = 0.1;     ///< also for further points of coincident sides; game units
-constexpr double kSamePoint = 0.001; ///< for the first two points of coincident sides
+constexpr double kOnPlane = 0.1;     ///< tolerance of points in a plane, game units
+constexpr double kSamePoint = 0.001; ///< tolerance of the first two points of coincident sides; kOnPlane for others
 
+/// Numbers of sides that were culled.
 struct Culled {
     int hidden = 0, coincident = 0;
 };
@@ -331,14 +332,14 @@ std::vector<Polygon> VisibleParts::OutsideOf(const Brush &wall, const Polygon &p
     return outside;
 }
 
-/// Cuts out of the pieces what detail walls cover.
-void VisibleParts::CutOutDetail(const Brush &own, const BrushSide &side, std::vector<Polygon> &pieces) const {
+/// Cuts out of the pieces of a side of `brush` what other detail walls cover.
+void VisibleParts::CutOutDetail(const Brush &brush, const BrushSide &side, std::vector<Polygon> &pieces) const {
     const Boundsf box = WindingBounds(side.winding);
     const Vec3f up = Vec3f(planes_[side.planeNum].normal) * kCoverHeight;
     for (const Brush *wall : walls_) {
         if (wall->bounds.mins.x > box.maxs.x + 1)
             break;
-        if (wall == &own || !wall->bounds.Touches(box, 1))
+        if (wall == &brush || !wall->bounds.Touches(box, 1))
             continue;
         std::vector<Polygon> rest;
         for (Polygon &piece : pieces) {

@@ -31,7 +31,7 @@ class VisibleParts {
 
   private:
     std::vector<Polygon> OutsideOf(const Brush &wall, const Polygon &polygon) const;
-    void CutOutDetail(const Brush &own, const BrushSide &side, std::vector<Polygon> &pieces) const;
+    void CutOutDetail(const Brush &brush, const BrushSide &side, std::vector<Polygon> &pieces) const;
 
     const PlaneTable &planes_;
     std::vector<const Brush *> walls_; ///< opaque detail brushes, by the least x of their bounds

@@ -172,11 +172,12 @@ class ChainSearch {
     /// nothing is left.
     bool ClipSourceBackwards(const ChainLink &last, const FlowPortal &portal, ChainLink &next) const {
         VisPlane planes[kMaxSeparators];
-        int count = TangentPlanes(next.pass, portal.plane.normal, last.pass, true, planes);
+        int count = TangentPlanes(next.pass, portal.plane.normal, last.pass, NormalSide::Behind, planes);
         for (int i = 0; i < count; ++i)
             if (!next.ClipSource(planes[i]))
                 return false;
-        count = TangentPlanes(last.pass, map_.Portal(last.lastPortal).plane.normal, next.pass, false, planes);
+        count =
+            TangentPlanes(last.pass, map_.Portal(last.lastPortal).plane.normal, next.pass, NormalSide::Front, planes);
         for (int i = 0; i < count; ++i)
             if (!next.ClipSource(planes[i].Flipped()))
                 return false;
@@ -196,7 +197,7 @@ class ChainSearch {
             }
             for (int edge = 0; edge < s.count && list.count < kMaxSeparators; ++edge) {
                 VisPlane &plane = list.planes[list.count];
-                if (!SeparatorOfEdge(s, t, edge, side == 1, plane))
+                if (!SeparatorOfEdge(s, t, edge, side == 0 ? InFront::T : InFront::S, plane))
                     continue;
                 list.count++;
                 const float d = plane.Distance(portal.center);

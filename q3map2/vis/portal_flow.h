@@ -69,9 +69,9 @@ struct ChainLink {
     bool ClipSource(const VisPlane &plane) { return Clip(source, sourceBuffers, plane); }
     /// Makes the separators of the clipped windings. Arguments: normals of the first and of the last portal.
     void MakeSeparators(const Vec3f &sourceNormal, const Vec3f &passNormal) {
-        separators[0].count = TangentPlanes(source, sourceNormal, pass, false, separators[0].planes);
+        separators[0].count = TangentPlanes(source, sourceNormal, pass, NormalSide::Front, separators[0].planes);
         VisPlane found[kMaxSeparators];
-        const int count = TangentPlanes(pass, passNormal, source, true, found);
+        const int count = TangentPlanes(pass, passNormal, source, NormalSide::Behind, found);
         separators[1].count = 0;
         for (int i = 0; i < count; ++i) {
             const VisPlane plane = found[i].Flipped();

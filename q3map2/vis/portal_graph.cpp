@@ -92,10 +92,11 @@ PortalGraph BuildPortalGraph(const PortalFile &file, std::string_view name) {
 
 namespace {
 
-constexpr double kConcave = 0.2;     ///< a union with dents up to this depth counts as convex, game units
-constexpr float kSamePoint = 0.1f;   ///< corners closer than this on each axis are equal
-constexpr float kCollinear = 0.005f; ///< corners closer than this to the line of their neighbors are dropped
+constexpr double kConvexTolerance = 0.2; ///< a union with dents up to this depth counts as convex, game units
+constexpr float kSamePoint = 0.1f;       ///< corners closer than this on each axis are equal
+constexpr float kCollinear = 0.005f;     ///< corners closer than this to the line of their neighbors are dropped
 
+/// A polygon that bounds a leaf.
 struct Border {
     const Winding<float> *winding;
     const VisPlane *plane;
@@ -116,10 +117,12 @@ std::vector<Border> BordersOf(const PortalGraph &graph, int leaf, int other) {
 }
 
 bool AnyInFront(const Winding<float> &winding, const VisPlane &plane) {
-    return std::any_of(winding.begin(), winding.end(),
-                       [&](const Vec3f &p) { return double(Dot(p, plane.normal)) - double(plane.dist) > kConcave; });
+    return std::any_of(winding.begin(), winding.end(), [&](const Vec3f &p) {
+        return double(Dot(p, plane.normal)) - double(plane.dist) > kConvexTolerance;
+    });
 }
 
+/// Whether every border of each leaf has no point of the other leaf in front, up to the tolerance.
 bool IsUnionConvex(const PortalGraph &graph, int i, int j) {
     const std::vector<Border> bordersI = BordersOf(graph, i, j), bordersJ = BordersOf(graph, j, i);
     for (const Border &a : bordersI)

@@ -76,14 +76,19 @@ namespace {
 
 constexpr std::uint64_t kMaxPassageBytes = std::uint64_t(4) << 30;
 
+std::string_view PluralEnd(int count) {
+    return count == 1 ? "" : "s";
+}
+
 void Merge(PortalGraph &graph, const VisOptions &options, Log &log) {
     if (options.merge) {
         const auto merged = MergeLeafs(graph, options.keepHints);
-        log.Print("{:6} {}\n", merged, merged == 1 ? "leaf merged" : "leaves merged");
+        log.Print("{:6} {} merged\n", merged, merged == 1 ? "leaf" : "leaves");
     }
     if (options.merge || options.mergePortals) {
         const MergedPortals merged = MergePortals(graph);
-        log.Print("{:6} portals merged\n{:6} hint portals merged\n", merged.pairs, merged.hintPairs);
+        log.Print("{:6} portal{} merged\n{:6} hint portal{} merged\n", merged.pairs, PluralEnd(merged.pairs),
+                  merged.hintPairs, PluralEnd(merged.hintPairs));
     }
     log.Print("{:6} active portals\n{:6} hint portals\n", graph.ActivePortals(), graph.HintPortals());
 }
@@ -237,7 +242,7 @@ void PrintStatistics(const Visibility &visibility, bool histogram, Log &log) {
     if (histogram)
         for (const auto &[count, clusters] : clustersOf)
             log.Verbose("{:4} cluster{} exactly {:4} visible cluster{}\n", clusters, clusters == 1 ? " has" : "s have",
-                        count, count == 1 ? "" : "s");
+                        count, PluralEnd(count));
     const double all = visibility.clusters, average = total / all;
     const double deviation = std::sqrt(std::max(0.0, squares / all - average * average));
     const int least = clustersOf.begin()->first, most = clustersOf.rbegin()->first;

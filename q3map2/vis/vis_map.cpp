@@ -206,7 +206,7 @@ std::vector<int> OrderPortals(const VisMap &map, const MightSeeTable &mightSee, 
 
 namespace {
 
-constexpr int kMaxPlanes = 64;
+constexpr int kMaxPlanes = 64; ///< with fewer planes more is seen, which is safe
 
 /// Separators of a pair of consecutive portals: the region seen through both is in front of all of them.
 struct PassagePlanes {
@@ -214,12 +214,12 @@ struct PassagePlanes {
     int count = 0;
 
     PassagePlanes(const WindingView &first, const WindingView &second) {
-        AddSeparators(first, second, false);
-        AddSeparators(second, first, true);
+        AddSeparators(first, second, InFront::T);
+        AddSeparators(second, first, InFront::S);
     }
-    void AddSeparators(const WindingView &s, const WindingView &t, bool flip) {
+    void AddSeparators(const WindingView &s, const WindingView &t, InFront inFront) {
         for (int edge = 0; edge < s.count && count < kMaxPlanes; ++edge)
-            count += SeparatorOfEdge(s, t, edge, flip, planes[count]);
+            count += SeparatorOfEdge(s, t, edge, inFront, planes[count]);
     }
     /// Whether a part of the portal is in front of all planes.
     bool MaySee(const FlowPortal &q) const {

@@ -59,9 +59,9 @@ bool IsInFront(const float *u, const float *v, int count, float slope, float eps
 
 } // namespace
 
-int TangentPlanes(const WindingView &s, const Vec3f &normal, const WindingView &t, bool behind,
+int TangentPlanes(const WindingView &s, const Vec3f &normal, const WindingView &t, NormalSide side,
                   std::span<VisPlane> planes) {
-    const Vec3f up = behind ? -normal : normal;
+    const Vec3f up = side == NormalSide::Behind ? -normal : normal;
     const float offset = Dot(up, s.Point(0));
     float u[kMaxPortalPoints], v[kMaxPortalPoints];
     for (int i = 0; i < t.count; i += kPointGroup)

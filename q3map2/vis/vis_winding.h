@@ -143,9 +143,12 @@ inline bool ChopInFront(WindingView &w, const VisPlane &plane, WindingBuffer &bu
     return true;
 }
 
-/// The plane through an edge of `s` (points `edge` and `edge` + 1) and a point of `t` that has `s` behind it and `t` in
-/// front; with `flip`, facing the other way. False: no point of `t` gives such a plane.
-inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge, bool flip, VisPlane &plane) {
+/// Which of two windings is in front of a plane that separates them.
+enum class InFront { S, T };
+
+/// The plane through an edge of `s` (points `edge` and `edge` + 1) and a point of `t` that separates the two windings.
+/// False: no point of `t` gives such a plane.
+inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge, InFront inFront, VisPlane &plane) {
     const int after = edge + 1 == s.count ? 0 : edge + 1;
     const Vec3f a = s.Point(edge), b = s.Point(after);
     for (int j = 0; j < t.count; ++j) {
@@ -170,18 +173,20 @@ inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge
         }
         if (back || !front)
             continue;
-        if (flip)
+        if (inFront == InFront::S)
             plane = plane.Flipped();
         return true;
     }
     return false;
 }
 
+/// Side of a winding's plane: that of the tip of its normal, or the opposite one.
+enum class NormalSide { Front, Behind };
+
 /// The planes of SeparatorOfEdge for all edges of `s`, found in one pass over the points of `t` per edge. `normal` is
-/// the unit normal of `s`; seen from its tip the points of `s` run counterclockwise. `t` lies on that side, or on the
-/// opposite one with `behind`. All planes have `s` behind them. Writes as many as fit into `planes` and returns
-/// their number.
-int TangentPlanes(const WindingView &s, const Vec3f &normal, const WindingView &t, bool behind,
+/// the unit normal of `s`; seen from its tip the points of `s` run counterclockwise. `side`: where `t` lies. All planes
+/// have `s` behind them. Writes as many as fit into `planes` and returns their number.
+int TangentPlanes(const WindingView &s, const Vec3f &normal, const WindingView &t, NormalSide side,
                   std::span<VisPlane> planes);
 
 } // namespace q3

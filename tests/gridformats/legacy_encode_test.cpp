@@ -95,7 +95,7 @@ TEST(LegacyGridFromSH, OtherEnginesShowIt) {
 TEST(LegacyGridFromSH, DaemonKeepsTheMeanLight) {
     const Fixture f;
     for (const double k : {0.25, 0.4}) {
-        const auto lump = EncodeLegacyGrid(f.points, {.skipsSolid = true, .directedShare = k}, GridTone(), 1);
+        const auto lump = EncodeLegacyGrid(f.points, {.skipsSolid = true, .directedWeight = k}, GridTone(), 1);
         for (std::size_t i = 0; i < lump.size(); ++i) {
             const Vec3d mean = MeanLight(f.points.light[i]) * 255.0;
             for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -217,7 +217,7 @@ TEST(LegacyGridFromSH, PointsThatNoneInTheOpenCanReplace) {
         SampleLegacyPoints(GridSource(stored, SolidPoints(space, shLayout)), space, LegacyLayout(bsp));
     for (const std::int64_t x : {0, 1}) {
         const auto index = std::size_t(points.layout.Index(x, 1, 1));
-        EXPECT_EQ(points.use[index], PointUse::Only);
+        EXPECT_EQ(points.use[index], PointUse::SoleSource);
         EXPECT_GT(EncodeLegacyGrid(points, kForIoquake3, GridTone(), 1)[index].ambient[0], 100);
     }
 }

@@ -44,7 +44,7 @@ class StylesBakeTest : public testing::Test {
         LightInputs inputs;
         inputs.name = "test";
         const LightSetup setup(bsp, inputs, light, SurfaceDefaultsOf(lightmap), library, quiet.log);
-        library.ReleaseImages(bounces > 0);
+        library.ReleaseImages(bounces > 0 ? KeptImages::OfReflectors : KeptImages::SeeThrough);
         const JobPool jobs(threads);
         SurfacePasses passes(setup, lightmap, jobs, quiet.log);
         passes.Run();

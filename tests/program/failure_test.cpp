@@ -255,6 +255,17 @@ TEST(FileGuardTest, NoDiskHasRoomForAnExabyte) {
     EXPECT_THAT(out.text, testing::HasSubstr("free on this disk"));
 }
 
+TEST(FileGuardTest, FoldersOfOneDiskShareItsSpace) {
+    const GameFolder folder;
+    QuietLog out;
+    std::filesystem::create_directories(folder / "a");
+    std::filesystem::create_directories(folder / "b");
+    const std::uint64_t most = std::filesystem::space(folder / "a").available / 8 * 5;
+    FileGuard guard(false, out.log);
+    EXPECT_NO_THROW(guard.Writes(folder / "a/x.bsp", most));
+    EXPECT_THROW(guard.Writes(folder / "b/x.bsp", most), Error);
+}
+
 /// The measured rule of docs/troubleshooting.md: the file, and its lumps without BSPX once more.
 TEST(EngineMemoryTest, AMapBeyondTheDefaultOfItsEnginesSaysWhatToDo) {
     const GameFolder folder;

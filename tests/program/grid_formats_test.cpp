@@ -122,6 +122,13 @@ TEST_F(GridFormatsTest, TheSHGridOfABakeStaysOnlyIfAskedFor) {
     EXPECT_FALSE(other.gridSH || StoredWorld(other.entities).Has("_q3map2_sh"));
 }
 
+TEST_F(GridFormatsTest, AFileInPlaceOfTheFolderIsFoundFirst) {
+    RunWell("-light -fast -sh MAP");
+    std::filesystem::remove_all(Map(""));
+    ReplaceTextFile(Map(""), "no folder");
+    ExpectError("-convertgrid -gridformats sh,raw-ioq3 MAP", "cannot write to this folder");
+}
+
 TEST_F(GridFormatsTest, RadianceGivesTheSameGrids) {
     RunWell("-light -fast -sh MAP");
     Bsp lit = ReadMap();

@@ -25,6 +25,13 @@ TEST_F(PresetTest, StandsForOptionsThatTheLineOverrides) {
     EXPECT_EQ(IntOf(LumpOf(MapBytes(), 18), 12), 0x43000000) << "cell of 128 units";
 }
 
+TEST_F(PresetTest, SparseGridsGetTheCellToo) {
+    for (const std::string_view grid : {"-shadaptive", "-shbudget 20000"}) {
+        const Outcome run = RunWell(fmt::format("-light -preset draft {} MAP", grid));
+        EXPECT_THAT(run.text, HasSubstr("preset draft: -faster -gridsh 64 64 128\n")) << grid;
+    }
+}
+
 TEST_F(PresetTest, SHSmallKeepsItsOwnGrid) {
     const Outcome run = RunWell("-light -preset draft -sh -shsmall MAP");
     EXPECT_THAT(run.text, HasSubstr("preset draft: -faster\n"));

@@ -164,11 +164,11 @@ TEST_F(ShaderImages, ThoseThatShadowsNeedStay) {
     const std::array<const ShaderInfo *, 3> shaders = {&library->Get("plain"), &library->Get("grate"),
                                                        &library->Get("sky")};
     const auto red = [&](std::size_t i) { return int(shaders[i]->lightImage->Texel(0, 0)[0]); };
-    library->ReleaseImages(true);
+    library->ReleaseImages(KeptImages::OfReflectors);
     EXPECT_EQ(red(0), 200);
     EXPECT_EQ(red(1), 10);
     EXPECT_EQ(red(2), 255);
-    library->ReleaseImages(false);
+    library->ReleaseImages(KeptImages::SeeThrough);
     EXPECT_EQ(red(0), 255);
     EXPECT_EQ(red(1), 10);
     EXPECT_EQ(shaders[0]->averageColor, (Vec3f{200, 100, 50}));
@@ -191,10 +191,10 @@ TEST_F(ShaderImages, WhatGivesOrFiltersLightHasItsImageAtOnceOthersWithTheBounce
     const ShaderInfo &wall = library->Get("wall");
     library->Get("broken");
     ASSERT_NE(wall.lightImage, nullptr);
-    library->ReleaseImages(false);
+    library->ReleaseImages(KeptImages::SeeThrough);
     EXPECT_FALSE(wall.imageFound);
     EXPECT_EQ(Warnings("damaged image"), 0);
-    library->ReleaseImages(true);
+    library->ReleaseImages(KeptImages::OfReflectors);
     EXPECT_TRUE(wall.imageFound);
     EXPECT_EQ(wall.averageColor, (Vec3f{200, 100, 50}));
     EXPECT_EQ(Warnings("damaged image"), 1);

@@ -40,7 +40,7 @@ class LibraryTest : public testing::Test {
     /// With the image and colors that bounced light would see.
     const ShaderInfo &Get(std::string_view name) {
         const ShaderInfo &info = library->Get(name);
-        library->ReleaseImages(true);
+        library->ReleaseImages(KeptImages::OfReflectors);
         return info;
     }
     int Warnings(std::string_view kind) const { return out.log.WarningCount(kind); }

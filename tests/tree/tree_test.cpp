@@ -127,7 +127,7 @@ TEST(Tree, PointsOfSolidsAreInOpaqueLeafsAndOthersAreNot) {
         if (nearest > 1) {
             solid++;
             EXPECT_TRUE(leaf.opaque);
-        } else if (nearest < -1 && leaf.occupied > 0) {
+        } else if (nearest < -1 && leaf.floodSteps > 0) {
             open++;
             EXPECT_FALSE(leaf.opaque);
         }
@@ -225,9 +225,9 @@ TEST(Tree, OtherSplitWeightsGiveAnotherSoundTree) {
     EXPECT_NE(test::Leafs(made.first).size(), test::Leafs(usual.first).size());
     double volume[2] = {0, 0};
     for (const int leaf : test::Leafs(usual.first))
-        volume[0] += usual.first.nodes[std::size_t(leaf)].occupied > 0 ? test::VolumeOf(usual.first, leaf) : 0;
+        volume[0] += usual.first.nodes[std::size_t(leaf)].floodSteps > 0 ? test::VolumeOf(usual.first, leaf) : 0;
     for (const int leaf : test::Leafs(made.first))
-        volume[1] += made.first.nodes[std::size_t(leaf)].occupied > 0 ? test::VolumeOf(made.first, leaf) : 0;
+        volume[1] += made.first.nodes[std::size_t(leaf)].floodSteps > 0 ? test::VolumeOf(made.first, leaf) : 0;
     EXPECT_NEAR(volume[1] / volume[0], 1, 1e-3);
 }
 

@@ -40,14 +40,14 @@ std::vector<VisPlane> SlowPlanes(const WindingView &s, const WindingView &t) {
     std::vector<VisPlane> planes;
     VisPlane plane;
     for (int edge = 0; edge < s.count; ++edge)
-        if (SeparatorOfEdge(s, t, edge, false, plane))
+        if (SeparatorOfEdge(s, t, edge, InFront::T, plane))
             planes.push_back(plane);
     return planes;
 }
 
-void ExpectSamePlanes(const Polygon &s, const Polygon &t, bool behind) {
+void ExpectSamePlanes(const Polygon &s, const Polygon &t, NormalSide side) {
     std::array<VisPlane, 32> planes;
-    const int count = TangentPlanes(s.view, s.normal, t.view, behind, planes);
+    const int count = TangentPlanes(s.view, s.normal, t.view, side, planes);
     const std::vector<VisPlane> slow = SlowPlanes(s.view, t.view);
     ASSERT_EQ(count, int(slow.size()));
     for (std::size_t i = 0; i < slow.size(); ++i) {
@@ -67,7 +67,7 @@ TEST(Separators, OfTwoSquaresOppositeEachOther) {
     for (int i = 0; i < 4; ++i)
         a.Set(i, corners[i]), b.Set(i, corners[i] + Vec3f(64, 0, 0));
     std::array<VisPlane, 8> planes;
-    ASSERT_EQ(TangentPlanes(a.View(4), {1, 0, 0}, b.View(4), false, planes), 4);
+    ASSERT_EQ(TangentPlanes(a.View(4), {1, 0, 0}, b.View(4), NormalSide::Front, planes), 4);
     // Each goes through an edge of the first and the opposite one of the second: 16 units aside over 64.
     const float length = std::sqrt(1 + 16.0f);
     const Vec3f sides[4] = {{0, 0, -4}, {0, 4, 0}, {0, 0, 4}, {0, -4, 0}};
@@ -76,7 +76,7 @@ TEST(Separators, OfTwoSquaresOppositeEachOther) {
         EXPECT_LT(Length(planes[i].normal - expected), 1e-5f) << i;
         EXPECT_NEAR(planes[i].Distance(corners[i]), 0, 1e-4) << i;
     }
-    EXPECT_EQ(TangentPlanes(a.View(4), {1, 0, 0}, b.View(4), false, std::span(planes).first(3)), 3);
+    EXPECT_EQ(TangentPlanes(a.View(4), {1, 0, 0}, b.View(4), NormalSide::Front, std::span(planes).first(3)), 3);
 }
 
 TEST(Separators, OfSquaresThatShareAnEdge) {
@@ -87,7 +87,7 @@ TEST(Separators, OfSquaresThatShareAnEdge) {
     for (int i = 0; i < 4; ++i)
         a.Set(i, floor[i]), b.Set(i, wall[i]);
     std::array<VisPlane, 8> planes;
-    const int count = TangentPlanes(a.View(4), {0, 0, 1}, b.View(4), false, planes);
+    const int count = TangentPlanes(a.View(4), {0, 0, 1}, b.View(4), NormalSide::Front, planes);
     for (int i = 0; i < count; ++i) {
         const VisPlane &plane = planes[std::size_t(i)];
         EXPECT_LE(PointDistances(a.View(4), plane).max, kOnEpsilon);
@@ -103,8 +103,8 @@ TEST(Separators, AreThoseOfTheSlowSearch) {
         const Vec3f away(200 + 100 * unit(), 60 * unit(), 60 * unit());
         const Polygon s({}, {1, 0.3f * unit(), 0.3f * unit()}, 30 + 20 * unit(), 3 + int(random() % 6));
         const Polygon t(away, {1, 0.5f * unit(), 0.5f * unit()}, 30 + 20 * unit(), 3 + int(random() % 6));
-        ExpectSamePlanes(s, t, false);
-        ExpectSamePlanes(t, s, true);
+        ExpectSamePlanes(s, t, NormalSide::Front);
+        ExpectSamePlanes(t, s, NormalSide::Behind);
     }
 }
 

@@ -38,7 +38,7 @@ std::optional<int> ExternalImageNumber(std::string_view path) {
 } // namespace
 
 std::string LightmapImage::Name() const {
-    return fmt::format("{}_{:04}", external ? "lm" : "lightmap", number);
+    return fmt::format("{}_{:04}", place == Place::External ? "lm" : "lightmap", number);
 }
 
 MeshLightmaps::MeshLightmaps(const Bsp &bsp, const std::filesystem::path &bspPath, const std::filesystem::path &script)
@@ -46,7 +46,8 @@ MeshLightmaps::MeshLightmaps(const Bsp &bsp, const std::filesystem::path &bspPat
     const auto folder = bspPath.parent_path() / bspPath.stem();
     std::error_code ignored;
     while (external_ < kMaxExternalImages &&
-           std::filesystem::exists(folder / (LightmapImage{external_, true}.Name() + std::string(kImageExtension)),
+           std::filesystem::exists(folder / (LightmapImage{external_, LightmapImage::Place::External}.Name() +
+                                             std::string(kImageExtension)),
                                    ignored))
         ++external_;
     if (std::filesystem::exists(script, ignored))
@@ -73,11 +74,12 @@ void MeshLightmaps::ReadScript(const std::filesystem::path &script) {
 
 std::optional<LightmapImage> MeshLightmaps::Of(const bspDrawSurface_t &surface, std::string_view shader) const {
     if (surface.lightmapNum >= 0)
-        return LightmapImage{surface.lightmapNum, internal_ == 0};
+        return LightmapImage{surface.lightmapNum,
+                             internal_ == 0 ? LightmapImage::Place::External : LightmapImage::Place::InBsp};
     const auto found = byShader_.find(LowerCase(shader));
     if (found == byShader_.end())
         return std::nullopt;
-    return LightmapImage{found->second, true};
+    return LightmapImage{found->second, LightmapImage::Place::External};
 }
 
 // ---- The drawn triangles of a map with their materials ----
@@ -86,8 +88,8 @@ namespace {
 
 constexpr std::string_view kNoLightmap = "no_lightmap";
 
-/// Without -0, which is confusing in text, and without what is no number.
-float Tidy(float value) {
+/// The value with -0 and what is not finite as 0, for text.
+float PrintableNumber(float value) {
     return std::isfinite(value) ? value + 0.0f : 0.0f;
 }
 
@@ -144,9 +146,9 @@ class MeshSceneBuilder {
             bspPath_.parent_path().parent_path() / options_.shaderFolder / fmt::format("q3map2_{}.shader", scene_.name);
         lightmaps_.emplace(bsp_, bspPath_, script);
         for (int i = 0; i < lightmaps_->InternalCount(); ++i)
-            LightmapMaterial({i, false});
+            LightmapMaterial({i, LightmapImage::Place::InBsp});
         for (int i = 0; i < lightmaps_->ExternalCount(); ++i)
-            LightmapMaterial({i, true});
+            LightmapMaterial({i, LightmapImage::Place::External});
         if (lightmaps_->InternalCount() > 0)
             log_.Print("{:9} lightmaps in the file: -export writes their images {}/lightmap_NNNN.tga\n",
                        lightmaps_->InternalCount(), scene_.name);
@@ -220,9 +222,9 @@ class MeshSceneBuilder {
     MeshVertex Vertex(const bspDrawVert_t &from, const Vec3f &origin) const {
         const Vec3f xyz = Vec3f(from.xyz) + origin;
         const auto &st = WantsLightmaps() ? from.lightmap : from.st;
-        return {{Tidy(xyz.x), Tidy(xyz.y), Tidy(xyz.z)},
-                {Tidy(from.normal[0]), Tidy(from.normal[1]), Tidy(from.normal[2])},
-                {Tidy(st[0]), Tidy(st[1])}};
+        return {{PrintableNumber(xyz.x), PrintableNumber(xyz.y), PrintableNumber(xyz.z)},
+                {PrintableNumber(from.normal[0]), PrintableNumber(from.normal[1]), PrintableNumber(from.normal[2])},
+                {PrintableNumber(st[0]), PrintableNumber(st[1])}};
     }
 
     const Bsp &bsp_;

@@ -17,10 +17,12 @@
 
 namespace q3 {
 
-/// A lightmap image: a page of the file, which -export writes, or an external one that shaders name.
+/// A lightmap image: a page of the .bsp, which -export writes, or an external one that shaders name.
 struct LightmapImage {
+    enum class Place { InBsp, External };
+
     int number = 0;
-    bool external = false;
+    Place place = Place::InBsp;
 
     /// File name without extension: "lightmap_0003" or "lm_0003".
     std::string Name() const;
@@ -35,7 +37,9 @@ class MeshLightmaps {
     /// Number of pages in the file, and of external images up to the first gap.
     int InternalCount() const { return internal_; }
     int ExternalCount() const { return external_; }
-    bool Exists(const LightmapImage &image) const { return image.number < (image.external ? external_ : internal_); }
+    bool Exists(const LightmapImage &image) const {
+        return image.number < (image.place == LightmapImage::Place::External ? external_ : internal_);
+    }
     /// The surface's own number (in a file without pages that of an external image), else the image that its shader
     /// draws. Nothing: the surface has no lightmap.
     std::optional<LightmapImage> Of(const bspDrawSurface_t &surface, std::string_view shader) const;

@@ -176,7 +176,7 @@ struct Plan {
 };
 
 /// Rank of a position: brightness of opposite sides, plus weighted contrast of their colors; axis maxima.
-float Strength(const SHSample &sample) {
+float InterestOf(const SHSample &sample) {
     float brightness = 0, contrast = 0;
     for (const Vec3f &axis : {Vec3f(1, 0, 0), Vec3f(0, 1, 0), Vec3f(0, 0, 1)}) {
         const Vec3f a = LightOn(sample, axis), b = LightOn(sample, -axis);
@@ -193,7 +193,7 @@ class Preview {
     explicit Preview(const Bsp &bsp)
         : sparse_(bsp.sparseGridSH ? &*bsp.sparseGridSH : nullptr), map_(bsp), sh_(bsp),
           legacy_(LegacyPreview::Make(bsp)), plan_(map_), canvas_(kWidth, kHeight, kPaper) {
-        positions_ = map_.ChoosePositions(kColumns * kRows, [this](const Vec3f &p) { return Strength(sh_.At(p)); });
+        positions_ = map_.ChoosePositions(kColumns * kRows, [this](const Vec3f &p) { return InterestOf(sh_.At(p)); });
         exposure_ = ChooseExposure();
     }
 
@@ -214,7 +214,7 @@ class Preview {
     float Exposure() const { return exposure_; }
 
   private:
-    // The brightest side of nine in ten positions is not clipped. Rounded to two digits for the caption.
+    /// The brightest side of nine in ten positions is not clipped. Rounded to two digits for the caption.
     float ChooseExposure() const {
         std::vector<float> brightest;
         for (const Vec3f &position : positions_) {

@@ -31,10 +31,10 @@ std::optional<SparseCell> SparseCellAt(const SparseGridSH &grid, const Vec3f &po
     const SparseGridNode *node = &grid.nodes[root];
     for (cell.size = grid.levels - 1;; --cell.size) {
         const auto bit = [&](std::size_t axis) { return unsigned(cell.low[axis] >> cell.size & 1); };
-        const unsigned octant = bit(0) | bit(1) << 1 | bit(2) << 2, before = (1u << octant) - 1;
+        const unsigned octant = bit(0) | bit(1) << 1 | bit(2) << 2, lowerOctants = (1u << octant) - 1;
         if ((node->inner >> octant & 1) == 0)
             break;
-        node = &grid.nodes[node->children + std::size_t(std::popcount(node->inner & before))];
+        node = &grid.nodes[node->children + std::size_t(std::popcount(node->inner & lowerOctants))];
     }
     for (std::int32_t &low : cell.low)
         low = low >> cell.size << cell.size;
@@ -53,13 +53,14 @@ namespace {
 
 constexpr float kRenormalizeBelow = 0.99f; ///< engines renormalize only smaller sums of weights
 
-Vec3f Decode(const bspGridPoint_t &point) {
-    constexpr float step = 2 * std::numbers::pi_v<float> / 256;
+/// The unit direction that a point of the legacy grid stores as two angles in bytes.
+Vec3f DirectionOf(const bspGridPoint_t &point) {
+    constexpr float step = 2 * std::numbers::pi_v<float> / 256; // radians
     const float polar = float(point.latLong[0]) * step, around = float(point.latLong[1]) * step;
     return {std::cos(around) * std::sin(polar), std::sin(around) * std::sin(polar), std::cos(polar)};
 }
 
-Vec3f Color(const std::array<std::uint8_t, 3> &bytes) {
+Vec3f FromBytes(const std::array<std::uint8_t, 3> &bytes) {
     return Vec3f(float(bytes[0]), float(bytes[1]), float(bytes[2])) / 255.0f;
 }
 
@@ -147,9 +148,9 @@ LegacySample LegacyPreview::At(const Vec3f &position) const {
         if (point.ambient == std::array<std::uint8_t, 3>{}) // inside a wall
             continue;
         total += weight;
-        sum.ambient += Color(point.ambient) * weight;
-        sum.directed += Color(point.directed) * weight;
-        sum.direction += Decode(point) * weight;
+        sum.ambient += FromBytes(point.ambient) * weight;
+        sum.directed += FromBytes(point.directed) * weight;
+        sum.direction += DirectionOf(point) * weight;
     }
     if (total > 0 && total < kRenormalizeBelow) {
         sum.ambient = sum.ambient / total;

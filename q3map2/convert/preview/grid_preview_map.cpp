@@ -19,7 +19,7 @@ constexpr std::int32_t kTopSide = 5;        ///< number of the brush side that f
 constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested per position, so that damaged brush lists stay cheap
 constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< coordinates that engines allow
 constexpr float kFloorDepth = 128, kFloorStep = 16;  ///< range and step of the search for a floor
-constexpr float kRoom = 24;                          ///< free distance around a position
+constexpr float kClearance = 24;                     ///< free distance around a position
 constexpr int kHeights = 96, kHeightSamples = 64;    ///< probes for the best height, per axis
 constexpr int kAreaSamples = 256;
 constexpr int kCandidateColumns = 40, kCandidateLevels = 24;
@@ -27,13 +27,14 @@ constexpr std::array<std::string_view, 6> kPlaceClasses = {"info_player_", "team
                                                            "weapon_",      "ammo_", "holdable_"};
 constexpr Vec3f kPlayMargin{384, 384, 160}; ///< around entities of these classes
 constexpr float kBaseWeight = 0.6f;         ///< weight of a dark position; light adds up to 1
+constexpr float kFarthest = 1e18f;          ///< distance that counts where no position is chosen yet
 
-// Middle of cell i of n between two bounds.
+/// Middle of cell i of n between two bounds.
 float Middle(float low, float high, int i, int n) {
     return low + (high - low) * ((float(i) + 0.5f) / float(n));
 }
 
-// Bounds of the world model, clipped to kWorldLimit and at least one unit wide.
+/// Bounds of the world model, clipped to kWorldLimit and at least one unit wide.
 Boundsf WorldBounds(const Bsp &bsp) {
     Boundsf bounds{Max(Vec3f(bsp.models[0].mins), -kWorldLimit), Min(Vec3f(bsp.models[0].maxs), kWorldLimit)};
     for (std::size_t axis = 0; axis < 3; axis++)
@@ -44,7 +45,7 @@ Boundsf WorldBounds(const Bsp &bsp) {
     return bounds;
 }
 
-// Positions of player starts and items.
+/// Positions of player starts and items.
 std::vector<Vec3f> Places(const Bsp &bsp) {
     std::vector<Vec3f> places;
     try {
@@ -59,7 +60,7 @@ std::vector<Vec3f> Places(const Bsp &bsp) {
     return places;
 }
 
-// Clusters that a place sees; empty without places in the open, or without visibility data.
+/// Clusters that a place sees; empty without places in the open, or without visibility data.
 std::vector<bool> ClustersSeenFrom(const Bsp &bsp, const std::vector<Vec3f> &places) {
     constexpr std::size_t kHead = 8; // the numbers of clusters and of bytes in a row
     if (bsp.visibility.size() < kHead)
@@ -81,6 +82,7 @@ std::vector<bool> ClustersSeenFrom(const Bsp &bsp, const std::vector<Vec3f> &pla
     return any ? seen : std::vector<bool>{};
 }
 
+/// The box of player starts and items with kPlayMargin around it; that of the world if there are none.
 Boundsf PlaySpace(const Bsp &bsp) {
     const Boundsf world = WorldBounds(bsp);
     Boundsf entities;
@@ -98,6 +100,7 @@ struct Candidate {
     float distance = std::numeric_limits<float>::max(); ///< to the nearest chosen one
 };
 
+/// Positions with their weights: kBaseWeight + min(1, strength / upper quartile of all strengths).
 std::vector<Candidate> Weigh(const std::vector<Vec3f> &positions, const std::function<float(const Vec3f &)> &strength) {
     std::vector<Candidate> candidates;
     std::vector<float> sorted;
@@ -167,9 +170,9 @@ bool PreviewMap::IsOverFloor(const Vec3f &position) const {
     return false;
 }
 
-bool PreviewMap::HasRoom(const Vec3f &position) const {
+bool PreviewMap::HasClearance(const Vec3f &position) const {
     for (std::size_t axis = 0; axis < 3; axis++)
-        for (const float side : {-kRoom, kRoom}) {
+        for (const float side : {-kClearance, kClearance}) {
             Vec3f beside = position;
             beside[axis] += side;
             if (!IsOpen(beside))
@@ -189,7 +192,7 @@ float PreviewMap::BestHeight() const {
             for (int column = 0; column < kHeightSamples; column++) {
                 const Vec3f position(Middle(mins.x, maxs.x, column, kHeightSamples),
                                      Middle(mins.y, maxs.y, row, kHeightSamples), height);
-                open += IsOverFloor(position) && IsOpen(position + Vec3f(0, 0, kRoom));
+                open += IsOverFloor(position) && IsOpen(position + Vec3f(0, 0, kClearance));
             }
         if (open > most)
             most = open, best = height;
@@ -225,7 +228,7 @@ std::vector<Vec3f> PreviewMap::Candidates() const {
                 if (!IsOpen(position))
                     continue;
                 open.push_back(position);
-                if (HasRoom(position) && IsOverFloor(position))
+                if (HasClearance(position) && IsOverFloor(position))
                     standing.push_back(position);
             }
     return standing.empty() ? open : standing;
@@ -241,7 +244,7 @@ std::vector<Vec3f> PreviewMap::ChoosePositions(std::size_t count,
     // Weighted farthest-point sampling. The first choice goes by weight alone, since all distances are alike.
     while (chosen.size() < std::min(count, candidates.size())) {
         const auto best = std::ranges::max_element(
-            candidates, {}, [](const Candidate &c) { return std::min(c.distance, 1e18f) * c.weight; });
+            candidates, {}, [](const Candidate &c) { return std::min(c.distance, kFarthest) * c.weight; });
         chosen.push_back(best->position);
         for (Candidate &candidate : candidates)
             candidate.distance = std::min(candidate.distance, Length(candidate.position - chosen.back()));

@@ -34,7 +34,7 @@ class PreviewMap {
     const bspBrush_t *BrushAt(const bspLeaf_t &leaf, const Vec3f &position) const;
     /// Lowers `budget` by the number of planes it tests; false when it runs out.
     bool InBrush(const bspBrush_t &brush, const Vec3f &position, std::int32_t &budget) const;
-    bool HasRoom(const Vec3f &position) const;
+    bool HasClearance(const Vec3f &position) const;
     std::vector<Vec3f> Candidates() const;
 
     const Bsp &bsp_;

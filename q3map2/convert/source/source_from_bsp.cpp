@@ -21,9 +21,7 @@
 
 namespace q3 {
 
-// ---- Brushes of a .bsp as convex solids, and planes as the three points of map text ----
-
-// ---- Finds three points that define a plane in map text ----
+// ---- Planes as the three points of map text ----
 
 namespace {
 
@@ -53,7 +51,7 @@ ThreePoints PointsApart(const Plane &plane, const Vec3d &near) {
 }
 
 /// The points rounded to `decimals`, in the order that makes the plane face along `front`.
-PlanePoints Printed(ThreePoints points, int decimals, const Vec3d &front) {
+PlanePoints PrintedPoints(ThreePoints points, int decimals, const Vec3d &front) {
     PlanePoints printed;
     for (Vec3d &p : points)
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -69,7 +67,7 @@ PlanePoints Printed(ThreePoints points, int decimals, const Vec3d &front) {
     return printed;
 }
 
-/// Half the spacing of floats from `value` upward if it is a power of two; otherwise up to twice that.
+/// value * 2^-24: half the spacing of the floats that follow it if it is a power of two, else up to twice that.
 double HalfStep(double value) {
     return std::abs(value) * double(std::numeric_limits<float>::epsilon()) / 2;
 }
@@ -94,7 +92,7 @@ Vec3d UnitStoredAs(const Vec3d &normal) {
 }
 
 /// Whether the planes are the same once they are stored as float.
-bool Agrees(const Plane &a, const Plane &b) {
+bool AreSameStored(const Plane &a, const Plane &b) {
     return Vec3f(a.normal) == Vec3f(b.normal) &&
            std::abs(a.dist - b.dist) <= std::max(kSameDistance, HalfStep(b.dist) / 2);
 }
@@ -114,8 +112,8 @@ PlanePoints PointsOfPlane(const Plane &plane, std::span<const Vec3d> winding) {
     const Plane wanted{UnitStoredAs(Vec3d(Vec3f(plane.normal))), plane.dist};
     if (winding.size() >= 3)
         for (const int decimals : {3, 6}) {
-            const PlanePoints points = Printed(SpreadCorners(winding), decimals, wanted.normal);
-            if (Agrees(points.plane, wanted))
+            const PlanePoints points = PrintedPoints(SpreadCorners(winding), decimals, wanted.normal);
+            if (AreSameStored(points.plane, wanted))
                 return points;
         }
     Vec3d center;
@@ -124,19 +122,19 @@ PlanePoints PointsOfPlane(const Plane &plane, std::span<const Vec3d> winding) {
     const ThreePoints apart = PointsApart(wanted, center);
     constexpr int kMostDecimals = 12;
     for (int decimals = 3; decimals < kMostDecimals; decimals += 3) {
-        const PlanePoints points = Printed(apart, decimals, wanted.normal);
-        if (Agrees(points.plane, wanted))
+        const PlanePoints points = PrintedPoints(apart, decimals, wanted.normal);
+        if (AreSameStored(points.plane, wanted))
             return points;
     }
-    return Printed(apart, kMostDecimals, wanted.normal);
+    return PrintedPoints(apart, kMostDecimals, wanted.normal);
 }
 
-// ---- Rebuilds the brushes of a .bsp as convex polyhedra ----
+// ---- Brushes of a .bsp as convex polyhedra ----
 
 namespace {
 
-constexpr double kClipEpsilon = 1e-6; ///< game units
-constexpr std::size_t kFewestSides = 4;
+constexpr double kClipEpsilon = 1e-6;   ///< game units
+constexpr std::size_t kFewestSides = 4; ///< of a solid: a tetrahedron
 
 bool IsInWorld(const Winding<double> &winding) {
     return std::ranges::all_of(winding, [](const Vec3d &p) {
@@ -217,7 +215,7 @@ std::vector<bool> BrushesInTheOpen(const Bsp &bsp) {
     return open;
 }
 
-// ---- Decompiles a .bsp to a map source ----
+// ---- The map source: entities, brushes with their textures, patches ----
 
 namespace {
 
@@ -252,7 +250,7 @@ class Decompiler {
     std::optional<std::size_t> ModelOf(const Entity &entity, std::size_t number) const;
     void WriteOriginBrush(const Vec3d &origin);
     void WriteBrush(std::size_t brush, std::size_t model, const Vec3d &origin, const TextureSamples &samples);
-    SideWords Words(const RebuiltSide &side, const Vec3d &origin, const TextureSamples &samples, int contents);
+    SideWords WordsOfSide(const RebuiltSide &side, const Vec3d &origin, const TextureSamples &samples, int contents);
     void WritePatch(std::size_t surface, const Vec3d &origin);
     std::vector<std::size_t> SourceOrder(const bspModel_t &model) const;
     std::uint32_t CompileFlagsOf(std::size_t brush) const;
@@ -266,7 +264,7 @@ class Decompiler {
     std::vector<bool> open_; ///< by brush: a leaf that is not solid holds it
     SourceWriter writer_;
     int entityCount_ = 0, brushCount_ = 0, detailCount_ = 0, patchCount_ = 0, modelClipCount_ = 0;
-    int sideCount_ = 0, unknownCount_ = 0;
+    int sideCount_ = 0, defaultAxesCount_ = 0;
 };
 
 std::string Decompiler::Write() {
@@ -284,7 +282,7 @@ void Decompiler::PrintCounts() const {
     log.Count(detailCount_, "detail brushes");
     log.Count(modelClipCount_, "clip brushes of models, left out");
     log.Count(sideCount_, "sides");
-    log.Count(unknownCount_, "sides with default texture axes");
+    log.Count(defaultAxesCount_, "sides with default texture axes");
     log.Count(patchCount_, "patches");
 }
 
@@ -408,13 +406,14 @@ void Decompiler::WriteBrush(std::size_t brush, std::size_t model, const Vec3d &o
     const bool detail = IsDetail(brush, model);
     std::vector<SideWords> words;
     for (const RebuiltSide &side : sides)
-        words.push_back(Words(side, origin, samples, detail ? kDetailFlag : 0));
+        words.push_back(WordsOfSide(side, origin, samples, detail ? kDetailFlag : 0));
     writer_.WriteBrush(int(brush), words);
     ++brushCount_;
     detailCount_ += detail;
 }
 
-SideWords Decompiler::Words(const RebuiltSide &side, const Vec3d &origin, const TextureSamples &samples, int contents) {
+SideWords Decompiler::WordsOfSide(const RebuiltSide &side, const Vec3d &origin, const TextureSamples &samples,
+                                  int contents) {
     const GeometryDirectives &directives = context_.shaders.Get(side.shader).geometry;
     const Plane moved{side.plane.normal, side.plane.dist + Dot(side.plane.normal, origin)};
     Winding<double> corners = side.winding;
@@ -434,7 +433,7 @@ SideWords Decompiler::Words(const RebuiltSide &side, const Vec3d &origin, const 
                     .words;
             return words;
         }
-    ++unknownCount_;
+    ++defaultAxesCount_;
     words.texture = DefaultTexture(options_.form, moved.normal, options_.withTextures ? kUnknownScale : kFastScale);
     const bool isTool = words.shader.starts_with("common/") || words.shader.starts_with("system/");
     if (options_.markUnknown && !isTool)
@@ -448,8 +447,10 @@ void Decompiler::WritePatch(std::size_t surface, const Vec3d &origin) {
         return;
     const std::string_view name = FieldName(bsp_.shaders[std::size_t(record.shaderNum)].shader);
     const GeometryDirectives &directives = context_.shaders.Get(name).geometry;
-    PatchWords patch{
-        std::string(WithoutTextures(name)), false, {"0", "0", "0"}, record.patchWidth, record.patchHeight, {}};
+    PatchWords patch{.shader = std::string(WithoutTextures(name)),
+                     .header = {"0", "0", "0"},
+                     .width = record.patchWidth,
+                     .height = record.patchHeight};
     if (std::int64_t(patch.width) * patch.height > record.numVerts)
         return;
     for (std::int32_t i = 0; i < patch.width * patch.height; ++i) {

@@ -31,8 +31,8 @@ constexpr std::string_view FormName(MapForm form) {
 
 /// The shader name, in quotes if readers would otherwise take only a part of it.
 std::string NameToken(std::string_view name) {
-    const bool cut = name.empty() || std::ranges::any_of(name, [](char c) { return IsBlank(c) || c == ';'; });
-    return cut ? fmt::format("\"{}\"", name) : std::string(name);
+    const bool needsQuotes = name.empty() || std::ranges::any_of(name, [](char c) { return IsBlank(c) || c == ';'; });
+    return needsQuotes ? fmt::format("\"{}\"", name) : std::string(name);
 }
 
 } // namespace
@@ -69,11 +69,11 @@ void SourceWriter::WriteSide(const SideWords &side) {
 }
 
 void SourceWriter::WriteBrush(int number, std::span<const SideWords> sides) {
-    const bool wrapped = form_ == MapForm::Primitive;
-    text_ += fmt::format("\t// brush {}\n\t{{\n{}", number, wrapped ? "\tbrushDef\n\t{\n" : "");
+    const bool hasInnerBlock = form_ == MapForm::Primitive;
+    text_ += fmt::format("\t// brush {}\n\t{{\n{}", number, hasInnerBlock ? "\tbrushDef\n\t{\n" : "");
     for (const SideWords &side : sides)
         WriteSide(side);
-    text_ += wrapped ? "\t}\n\t}\n\n" : "\t}\n\n";
+    text_ += hasInnerBlock ? "\t}\n\t}\n\n" : "\t}\n\n";
 }
 
 void SourceWriter::WritePatch(int number, const PatchWords &patch) {
@@ -124,7 +124,7 @@ class SourceConverter : public MapEntityHandler {
     void OnBrush(int primitive, const std::string &first) override;
     void OnPatch(int primitive, bool hasTolerances) override;
     void EndEntity() override { writer_.EndEntity(); }
-    SideWords Words(const BrushSide &side, const SideText &text, std::span<const Vec3d> winding) const;
+    SideWords WordsOfSide(const BrushSide &side, const SideText &text, std::span<const Vec3d> winding) const;
     void ReportError(double texels, std::string_view shader) const;
 
     const BspContext &context_;
@@ -145,22 +145,23 @@ void SourceConverter::BeginEntity(int entity) {
 void SourceConverter::OnBrush(int primitive, const std::string &first) {
     std::vector<SideText> texts;
     Brush brush = primitives_.ReadBrush(first, &texts);
-    const bool whole =
+    const bool hasAllPlanes =
         std::ranges::all_of(brush.sides, [](const BrushSide &side) { return side.planeNum >= 0; }) && !texts.empty();
-    if (whole)
+    if (hasAllPlanes)
         MakeBrushWindings(brush, planes_);
     std::vector<SideWords> words;
     for (std::size_t i = 0; i < texts.size(); ++i) {
         std::vector<Vec3d> winding;
         for (const Vec3f &p : brush.sides[i].winding)
             winding.emplace_back(p);
-        words.push_back(Words(brush.sides[i], texts[i], winding));
+        words.push_back(WordsOfSide(brush.sides[i], texts[i], winding));
     }
     writer_.WriteBrush(primitive, words);
     ++brushCount_;
 }
 
-SideWords SourceConverter::Words(const BrushSide &side, const SideText &text, std::span<const Vec3d> winding) const {
+SideWords SourceConverter::WordsOfSide(const BrushSide &side, const SideText &text,
+                                       std::span<const Vec3d> winding) const {
     SideWords words;
     words.shader = text.hasPoints ? std::string_view(text.shader) : WithoutTextures(text.shader);
     words.flags = text.flags;

@@ -17,8 +17,9 @@ namespace {
 
 /// Shorter texture axes have no direction. Texels per game unit.
 constexpr double kNoExtent = 1e-12;
-constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr int kFewestDigits = 3, kAllDigits = 17;
+constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+constexpr int kFewestDigits = 3, kAllDigits = 17; ///< significant ones
+constexpr double kAngleReference = 100;           ///< degrees, see FormNumber
 
 /// A number to write. Its significant digits count from the larger of its own and the reference's magnitude, so that
 /// numbers with the same reference get about as many decimals.
@@ -26,15 +27,15 @@ struct FormNumber {
     double value = 0, reference = 1;
 };
 
-/// A texture coordinate as a function of points p of the plane: a (p . s) + b (p . t) + constant.
-struct PlaneRow {
+/// Factors of a texture coordinate as a function of points p of a plane: a (p . s) + b (p . t) + constant.
+struct PlaneFactors {
     double a = 0, b = 0;
 };
 
-PlaneRow RowOnPlane(const std::array<double, 4> &row, const Plane &plane, const ProjectionAxes &axes) {
+PlaneFactors FactorsOnPlane(const std::array<double, 4> &row, const Plane &plane, const ProjectionAxes &axes) {
     const Vec3d vector{row[0], row[1], row[2]}, across = Cross(axes.s, axes.t);
-    const double share = Dot(across, vector) / Dot(across, plane.normal);
-    const Vec3d within = vector - plane.normal * share;
+    const double alongNormal = Dot(across, vector) / Dot(across, plane.normal);
+    const Vec3d within = vector - plane.normal * alongNormal;
     return {Dot(within, axes.s), Dot(within, axes.t)};
 }
 
@@ -47,7 +48,7 @@ std::vector<FormNumber> MatrixNumbers(const TextureRequest &request) {
     const ProjectionAxes axes = MatrixAxes(request.normal);
     std::vector<FormNumber> numbers;
     for (const auto &row : request.projection.vecs) {
-        const auto [a, b] = RowOnPlane(row, request.plane, axes);
+        const auto [a, b] = FactorsOnPlane(row, request.plane, axes);
         const double reference = std::max(std::abs(a), std::abs(b));
         numbers.insert(numbers.end(), {{a, reference}, {b, reference}, {0, 1}});
     }
@@ -77,10 +78,10 @@ std::vector<FormNumber> ValveNumbers(const TextureRequest &request) {
 std::vector<FormNumber> ClassicNumbers(const TextureRequest &request) {
     const ProjectionAxes axes = ClassicAxes(request.normal);
     const std::array<int, 2> size = SizeOf(request.shader);
-    std::array<PlaneRow, 2> rows;
+    std::array<PlaneFactors, 2> rows;
     std::array<double, 2> lengths{};
     for (std::size_t i = 0; i < 2; ++i) {
-        rows[i] = RowOnPlane(request.projection.vecs[i], request.plane, axes);
+        rows[i] = FactorsOnPlane(request.projection.vecs[i], request.plane, axes);
         lengths[i] = std::hypot(rows[i].a, rows[i].b) * size[i];
         if (!(lengths[i] > kNoExtent))
             return {};
@@ -91,14 +92,16 @@ std::vector<FormNumber> ClassicNumbers(const TextureRequest &request) {
     const double sign = rows[1].a * std::sin(sAngle) + rows[1].b * std::cos(sAngle) < 0 ? -1 : 1;
     const double tAngle = std::atan2(rows[1].a * sign, rows[1].b * sign);
     std::array<double, 2> scales{1 / lengths[0], sign / lengths[1]};
-    double degrees = (sAngle + std::remainder(tAngle - sAngle, 2 * std::numbers::pi) / 2) * kDegrees;
-    if (constexpr double kRight = 90 + 1e-9; degrees > kRight || degrees <= -kRight + 2e-9) {
+    double degrees = (sAngle + std::remainder(tAngle - sAngle, 2 * std::numbers::pi) / 2) * kDegreesPerRadian;
+    // An angle outside -90 < degrees <= 90, but for rounding, becomes its opposite with both scales negated.
+    constexpr double kRounding = 1e-9;
+    if (degrees > 90 + kRounding || degrees <= -90 + kRounding) {
         degrees += degrees > 0 ? -180 : 180;
         scales = {-scales[0], -scales[1]};
     }
     return {{0, double(size[0])},
             {0, double(size[1])},
-            {degrees, 100},
+            {degrees, kAngleReference},
             {scales[0], std::abs(scales[0])},
             {scales[1], std::abs(scales[1])}};
 }
@@ -171,11 +174,12 @@ TextureWords Rounded(MapForm form, const std::vector<FormNumber> &numbers, int d
     for (const Vec3d &p : request.corners)
         middle += p / double(request.corners.size());
     const bool wraps = form == MapForm::Classic && !request.shader.globalTexture;
-    const TextureProjection without = Projected(form, rounded, request);
+    const TextureProjection withoutOffsets = Projected(form, rounded, request);
     const std::array<int, 2> size = SizeOf(request.shader);
     for (std::size_t row = 0; row < 2; ++row) {
         const std::size_t place = OffsetPlaces(form)[row];
-        double offset = CoordinateAt(request.projection.vecs[row], middle) - CoordinateAt(without.vecs[row], middle);
+        double offset =
+            CoordinateAt(request.projection.vecs[row], middle) - CoordinateAt(withoutOffsets.vecs[row], middle);
         if (wraps)
             offset -= std::floor(offset);
         if (form != MapForm::Primitive)
@@ -247,8 +251,8 @@ std::vector<std::string> DefaultTexture(MapForm form, const Vec3d &normal, doubl
     const std::string each = ExactText(scale);
     if (form == MapForm::Classic)
         return {"0", "0", "0", each, each};
-    constexpr double kTexels = 64;
-    const std::string images = ExactText(1 / (kTexels * scale));
+    constexpr double kImageSide = 64; // texels
+    const std::string images = ExactText(1 / (kImageSide * scale));
     if (form == MapForm::Primitive)
         return {images, "0", "0", "0", images, "0"};
     const ProjectionAxes axes = ClassicAxes(normal);

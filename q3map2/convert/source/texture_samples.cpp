@@ -16,19 +16,19 @@ namespace {
 
 /// Largest distance of a vertex from the plane of its side. The compiler rounds vertices to 1/8 game unit, which moves
 /// them by up to sqrt(3) / 16 = 0.108. Game units.
-constexpr double kRounded = 0.12;
-/// The same if no triangle is within kRounded, since shaders may move vertices. Game units.
-constexpr double kMoved = 2;
+constexpr double kMaxRounding = 0.12;
+/// The same if no triangle is within kMaxRounding, since shaders may move vertices. Game units.
+constexpr double kMaxMove = 2;
 /// Smallest cosine between the normals of a side and of a triangle made from it.
-constexpr double kSameDirection = 0.9;
+constexpr double kMinCosine = 0.9;
 /// A triangle that overlaps a side by less merely touches it from beside. Square game units.
 constexpr double kLeastArea = 1e-3;
-/// A triangle counts as inside a side if more than this share of its area is; its rounded vertices may lie outside.
-constexpr double kInside = 0.99;
-/// Triangles that cover less than this share of what the first one covers are not used for the fit.
-constexpr double kLeastShare = 0.01;
+/// A triangle counts as inside a side if more than this fraction of its area is; its rounded vertices may lie outside.
+constexpr double kInsideFraction = 0.99;
+/// Triangles that cover less than this fraction of what the first one covers are not used for the fit.
+constexpr double kLeastCover = 0.01;
 /// Largest misfit of a triangle that extends a fit: texels, plus game units on the surface converted to texels.
-constexpr double kSameProjection = 0.1, kSameProjectionUnits = 2 * kRounded;
+constexpr double kSameProjection = 0.1, kSameProjectionUnits = 2 * kMaxRounding;
 
 /// A vertex of a triangle. `st` is shifted by whole images, so that triangles of one side continue each other.
 struct Corner {
@@ -39,8 +39,8 @@ struct Corner {
 
 bool IsBetween(const Vec3d &p, const Vec3d &a, const Vec3d &b) {
     const Vec3d edge = b - a;
-    const double length = Length(edge), along = Dot(p - a, edge) / std::max(length, kRounded);
-    return along > kRounded && along < length - kRounded && Length(Cross(p - a, edge)) < kRounded * length;
+    const double length = Length(edge), along = Dot(p - a, edge) / std::max(length, kMaxRounding);
+    return along > kMaxRounding && along < length - kMaxRounding && Length(Cross(p - a, edge)) < kMaxRounding * length;
 }
 
 /// Trusts corners of the side most, and vertices between two others least: the compiler inserted these at T-junctions,
@@ -48,7 +48,7 @@ bool IsBetween(const Vec3d &p, const Vec3d &a, const Vec3d &b) {
 void SetTrust(std::vector<Corner> &corners, const Winding<double> &winding) {
     constexpr double kClipped = 0.1, kBetween = 1e-3;
     for (Corner &corner : corners) {
-        const auto isThere = [&](const Vec3d &p) { return Length(p - corner.xyz) < kRounded; };
+        const auto isThere = [&](const Vec3d &p) { return Length(p - corner.xyz) < kMaxRounding; };
         const auto isBetweenOthers = [&] {
             return std::ranges::any_of(corners, [&](const Corner &a) {
                 return std::ranges::any_of(corners,
@@ -66,9 +66,9 @@ std::optional<TextureProjection> Fitted(std::span<const Corner> corners, std::sp
     std::array<double, 2> mean{};
     const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        const double share = weights[i] / total;
-        center += corners[i].xyz * share;
-        mean = {mean[0] + corners[i].st[0] * share, mean[1] + corners[i].st[1] * share};
+        const double weight = weights[i] / total;
+        center += corners[i].xyz * weight;
+        mean = {mean[0] + corners[i].st[0] * weight, mean[1] + corners[i].st[1] * weight};
     }
     double xx = 0, xy = 0, yy = 0;
     std::array<double, 2> xs{}, ys{};
@@ -222,7 +222,7 @@ std::vector<TextureSamples::Cover> TextureSamples::Covering(std::span<const Tria
     const Boundsd box = WindingBounds(winding);
     std::vector<Cover> covers;
     for (const Triangle &triangle : triangles) {
-        if (!triangle.box.Touches(box, farthest) || Dot(triangle.normal, plane.normal) < kSameDirection)
+        if (!triangle.box.Touches(box, farthest) || Dot(triangle.normal, plane.normal) < kMinCosine)
             continue;
         if (std::ranges::any_of(triangle.xyz, [&](const Vec3d &p) { return std::abs(plane.Distance(p)) > farthest; }))
             continue;
@@ -235,7 +235,7 @@ std::vector<TextureSamples::Cover> TextureSamples::Covering(std::span<const Tria
             ChopPolygon(part, {inward, Dot(inward, a)}, epsilon_);
         }
         if (const double area = WindingArea(part); area > kLeastArea)
-            covers.push_back({&triangle, area, area > kInside * triangle.area});
+            covers.push_back({&triangle, area, area > kInsideFraction * triangle.area});
     }
     std::ranges::stable_sort(
         covers, [](const Cover &a, const Cover &b) { return a.isInside != b.isInside ? a.isInside : a.area > b.area; });
@@ -247,26 +247,26 @@ std::optional<TextureProjection> TextureSamples::Find(std::string_view shader, c
     const auto found = triangles_.find(LowerCase(shader));
     if (found == triangles_.end())
         return std::nullopt;
-    std::vector<Cover> covers = Covering(found->second, plane, winding, kRounded);
+    std::vector<Cover> covers = Covering(found->second, plane, winding, kMaxRounding);
     if (covers.empty())
-        covers = Covering(found->second, plane, winding, kMoved);
+        covers = Covering(found->second, plane, winding, kMaxMove);
     std::vector<Corner> corners;
     std::optional<TextureProjection> best;
     for (const Cover &cover : covers) {
-        if (cover.area < kLeastShare * covers.front().area)
+        if (cover.area < kLeastCover * covers.front().area)
             continue;
-        std::vector<Corner> more;
-        std::array<double, 2> whole{};
+        std::vector<Corner> added;
+        std::array<double, 2> wholeImages{};
         for (std::size_t i = 0; i < 2 && best; ++i)
-            whole[i] = std::round(At(*best, i, cover.triangle->xyz[0]) - cover.triangle->st[0][i]);
+            wholeImages[i] = std::round(At(*best, i, cover.triangle->xyz[0]) - cover.triangle->st[0][i]);
         for (std::size_t k = 0; k < 3; ++k) {
             const auto &[s, t] = cover.triangle->st[k];
-            more.push_back({cover.triangle->xyz[k], {s + whole[0], t + whole[1]}});
+            added.push_back({cover.triangle->xyz[k], {s + wholeImages[0], t + wholeImages[1]}});
         }
-        if (best && LargestMisfit(*best, more, directives) >
+        if (best && LargestMisfit(*best, added, directives) >
                         kSameProjection + kSameProjectionUnits * TexelsPerUnit(*best, directives))
             continue;
-        corners.insert(corners.end(), more.begin(), more.end());
+        corners.insert(corners.end(), added.begin(), added.end());
         constexpr std::size_t kManyCorners = 60; // the fit is settled
         if (corners.size() > kManyCorners)
             break;

@@ -2,6 +2,7 @@
 #include "q3map2/geometry/effects/decals.h"
 
 #include "q3map2/bspfile/map_keys.h"
+#include "q3map2/geometry/faces/patch_surfaces.h"
 #include "q3map2/map/map_parse.h"
 #include "q3map2/map/map_patch.h"
 
@@ -9,11 +10,16 @@
 #include <cmath>
 
 namespace q3 {
+
+// ---- Projectors: the prisms of _decal entities ----
+
 namespace {
 
 constexpr std::size_t kMaxProjectors = 1024;
 constexpr std::string_view kLostDecal = "decal without surface";
-constexpr double kMinDistance = 0.125, kClipEpsilon = 0.0625, kFacingEpsilon = 0.0001;
+constexpr double kMinDistance = 0.125;    ///< from a decal to its target, game units
+constexpr double kClipEpsilon = 0.0625;   ///< game units
+constexpr double kFacingEpsilon = 0.0001; ///< cosine
 
 const MapEntity *FindTarget(const Map &map, std::string_view name) {
     const auto at = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &entity) {
@@ -22,6 +28,7 @@ const MapEntity *FindTarget(const Map &map, std::string_view name) {
     return at == map.entities.end() ? nullptr : &*at;
 }
 
+/// The place from which an entity's decals are projected: its origin, else the middle of its patches.
 Vec3d StartOf(const MapEntity &entity) {
     if (entity.origin != Vec3f{})
         return Vec3d(entity.origin);
@@ -141,7 +148,7 @@ std::optional<Vec3d> ProjectionOf(const MapEntity &entity, const Map &map, const
     return {};
 }
 
-// ---- applying
+// ---- Decals on surfaces: the parts of their polygons in a projector ----
 
 struct DecalFragment {
     Polygon polygon;
@@ -149,14 +156,14 @@ struct DecalFragment {
     int planeNum = -1;
 };
 
-DecalFragment TrianglePiece(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
+DecalFragment TriangleFragment(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
     DecalFragment piece;
     piece.polygon = {a, b, c};
     piece.plane = PlaneOf(piece.polygon);
     return piece;
 }
 
-std::vector<DecalFragment> PiecesOf(const DrawSurface &surface, const BspContext &context) {
+std::vector<DecalFragment> FragmentsOf(const DrawSurface &surface, const BspContext &context) {
     std::vector<DecalFragment> pieces;
     if (surface.kind == SurfaceKind::Face) {
         DecalFragment piece;
@@ -166,20 +173,15 @@ std::vector<DecalFragment> PiecesOf(const DrawSurface &surface, const BspContext
         piece.planeNum = surface.planeNum;
         pieces.push_back(std::move(piece));
     } else if (surface.kind == SurfaceKind::Patch) {
-        Patch patch;
-        patch.shader = surface.shader;
-        patch.width = surface.width, patch.height = surface.height;
-        patch.verts = surface.verts;
-        patch.longestCurve = surface.longestCurve;
-        const PatchMesh mesh = TessellatePatch(patch, context.options.subdivisions);
+        const PatchMesh mesh = TessellatedSurface(surface, context.options.subdivisions);
         for (const auto &[a, b, c] : MeshTriangles(mesh))
-            pieces.push_back(TrianglePiece(mesh.verts[std::size_t(a)].xyz, mesh.verts[std::size_t(b)].xyz,
-                                           mesh.verts[std::size_t(c)].xyz));
+            pieces.push_back(TriangleFragment(mesh.verts[std::size_t(a)].xyz, mesh.verts[std::size_t(b)].xyz,
+                                              mesh.verts[std::size_t(c)].xyz));
     } else {
         for (std::size_t i = 0; i + 2 < surface.indexes.size(); i += 3)
-            pieces.push_back(TrianglePiece(surface.verts[std::size_t(surface.indexes[i])].xyz,
-                                           surface.verts[std::size_t(surface.indexes[i + 1])].xyz,
-                                           surface.verts[std::size_t(surface.indexes[i + 2])].xyz));
+            pieces.push_back(TriangleFragment(surface.verts[std::size_t(surface.indexes[i])].xyz,
+                                              surface.verts[std::size_t(surface.indexes[i + 1])].xyz,
+                                              surface.verts[std::size_t(surface.indexes[i + 2])].xyz));
     }
     return pieces;
 }
@@ -250,8 +252,9 @@ DrawSurface DecalSurface(const DecalFragment &piece, const DecalProjector &proje
             const auto &row = projector.texture[axis];
             vert.st[axis] = float(row[0] * world.x + row[1] * world.y + row[2] * world.z + row[3]);
         }
-        const double d = -projector.planes[0].Distance(world), rest = -projector.planes[1].Distance(world);
-        const double alpha = d + rest > 0 ? 255 * rest / (d + rest) : 255;
+        // The decal fades from the front of the prism to its back.
+        const double fromFront = -projector.planes[0].Distance(world), fromBack = -projector.planes[1].Distance(world);
+        const double depth = fromFront + fromBack, alpha = depth > 0 ? 255 * fromBack / depth : 255;
         vert.color = {255, 255, 255, std::uint8_t(std::clamp(alpha, 0., 255.))};
         decal.bounds.Add(vert.xyz);
         decal.verts.push_back(vert);
@@ -289,7 +292,7 @@ void ApplyDecals(std::vector<DecalProjector> &projectors, Geometry &geometry, st
             const Vec3f apart = spheres[i].center + origin - projector.center;
             if (!TakesDecals(geometry.surfaces[i]) || Length(apart) > spheres[i].radius + projector.radius)
                 continue;
-            for (DecalFragment &piece : PiecesOf(geometry.surfaces[i], context))
+            for (DecalFragment &piece : FragmentsOf(geometry.surfaces[i], context))
                 if (ClipToProjector(piece, projector, Vec3d(origin))) {
                     geometry.surfaces.push_back(DecalSurface(piece, projector, geometry.surfaces[i], origin));
                     projector.hit = true;

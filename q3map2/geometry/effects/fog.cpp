@@ -16,27 +16,28 @@ namespace q3 {
 
 namespace {
 
-struct Grid {
+/// Control points of a patch.
+struct ControlGrid {
     int width = 0, height = 0;
     std::vector<DrawVert> verts;
     const DrawVert &At(int column, int row) const { return verts[std::size_t(row * width + column)]; }
 };
 
 /// Turned by 90 degrees: rows become columns, and the front side stays the front.
-Grid Turned(const Grid &grid) {
-    Grid turned{grid.height, grid.width, {}};
+ControlGrid Turned(const ControlGrid &grid) {
+    ControlGrid turned{grid.height, grid.width, {}};
     for (int row = 0; row < turned.height; ++row)
         for (int column = 0; column < turned.width; ++column)
             turned.verts.push_back(grid.At(grid.width - 1 - row, column));
     return turned;
 }
 
-Grid TurnedBack(const Grid &grid) {
+ControlGrid TurnedBack(const ControlGrid &grid) {
     return Turned(Turned(Turned(grid)));
 }
 
 /// Index of the column after which every row crosses the plane. -1: rows cross it elsewhere, never or repeatedly.
-int CrossingColumn(const Grid &grid, const Plane &plane, double epsilon) {
+int CrossingColumn(const ControlGrid &grid, const Plane &plane, double epsilon) {
     int found = -1;
     for (int row = 0; row < grid.height; ++row) {
         int crossing = -1;
@@ -69,7 +70,7 @@ DrawVert Between(const DrawVert &a, const DrawVert &b, double t) {
     return v;
 }
 
-std::vector<DrawVert> CrossingVerts(const Grid &grid, int column, const Plane &plane) {
+std::vector<DrawVert> CrossingVerts(const ControlGrid &grid, int column, const Plane &plane) {
     std::vector<DrawVert> verts;
     for (int row = 0; row < grid.height; ++row) {
         const DrawVert &a = grid.At(column, row), &b = grid.At(column + 1, row);
@@ -81,9 +82,9 @@ std::vector<DrawVert> CrossingVerts(const Grid &grid, int column, const Plane &p
 
 /// Columns from..to plus, at the cut end, one or two columns on the plane, whichever makes the width odd. No part is
 /// wider than the whole, whose width is odd, because at least one of its columns is left out.
-Grid Part(const Grid &grid, int from, int to, const std::vector<DrawVert> &crossing) {
+ControlGrid Part(const ControlGrid &grid, int from, int to, const std::vector<DrawVert> &crossing) {
     const int copies = (to - from + 1) % 2 == 0 ? 1 : 2;
-    Grid part{to - from + 1 + copies, grid.height, {}};
+    ControlGrid part{to - from + 1 + copies, grid.height, {}};
     for (int row = 0; row < grid.height; ++row) {
         if (from > 0)
             part.verts.insert(part.verts.end(), std::size_t(copies), crossing[std::size_t(row)]);
@@ -95,7 +96,7 @@ Grid Part(const Grid &grid, int from, int to, const std::vector<DrawVert> &cross
     return part;
 }
 
-DrawSurface WithGrid(DrawSurface surface, Grid grid) {
+DrawSurface WithGrid(DrawSurface surface, ControlGrid grid) {
     surface.width = grid.width, surface.height = grid.height;
     surface.verts = std::move(grid.verts);
     surface.bounds = {};
@@ -116,7 +117,7 @@ PatchCut CutPatchSurface(const DrawSurface &surface, const Plane &plane, double 
         return {PatchCut::Outside, {}, {}};
     if (!anyFront)
         return {PatchCut::Inside, {}, {}};
-    Grid grid{surface.width, surface.height, surface.verts};
+    ControlGrid grid{surface.width, surface.height, surface.verts};
     int column = CrossingColumn(grid, plane, epsilon);
     const bool turned = column < 0;
     if (turned) {
@@ -126,7 +127,7 @@ PatchCut CutPatchSurface(const DrawSurface &surface, const Plane &plane, double 
     if (column < 0)
         return {PatchCut::Impossible, {}, {}};
     const std::vector<DrawVert> crossing = CrossingVerts(grid, column, plane);
-    Grid low = Part(grid, 0, column, crossing), high = Part(grid, column + 1, grid.width - 1, crossing);
+    ControlGrid low = Part(grid, 0, column, crossing), high = Part(grid, column + 1, grid.width - 1, crossing);
     const bool lowIsFront = plane.Distance(Vec3d(grid.At(0, 0).xyz)) > epsilon;
     if (turned)
         low = TurnedBack(low), high = TurnedBack(high);
@@ -140,7 +141,7 @@ PatchCut CutPatchSurface(const DrawSurface &surface, const Plane &plane, double 
 
 namespace {
 
-constexpr double kFogEpsilon = 0.1;
+constexpr double kFogEpsilon = 0.1;  ///< game units
 constexpr std::size_t kMaxFogs = 31; ///< engines have five bits for the fog in their sort key
 
 /// Index of the side whose normal is most opposite to `direction`; -1: none.
@@ -183,8 +184,8 @@ class WorldFogger {
             const DrawSurface &surface = geometry_.surfaces[i];
             if (surface.Empty() || surface.shader == nullptr || surface.shader->geometry.noFog)
                 continue;
-            const bool inside =
-                brush == nullptr ? surface.fogNum < 0 : BoundsOf(surface).Touches(brush->bounds) && Cut(i, *brush);
+            const bool inside = brush == nullptr ? surface.fogNum < 0
+                                                 : BoundsOf(surface).Touches(brush->bounds) && KeepInside(i, *brush);
             if (inside) {
                 geometry_.surfaces[i].fogNum = fogNum;
                 ++counts.fogged;
@@ -195,7 +196,8 @@ class WorldFogger {
     FogCounts counts;
 
   private:
-    bool Cut(std::size_t number, const Brush &brush) {
+    /// Cuts the surface at the sides of the brush; the part inside keeps the number. False: nothing of it is inside.
+    bool KeepInside(std::size_t number, const Brush &brush) {
         switch (geometry_.surfaces[number].kind) {
         case SurfaceKind::Face:
             return CutFace(number, brush);
@@ -256,7 +258,8 @@ class WorldFogger {
     }
 
     bool CutPatch(std::size_t number, const Brush &brush) {
-        for (std::size_t i = 4; i <= 5 && i < brush.sides.size(); ++i) { // bottom and top, see Brush
+        constexpr std::size_t kBottom = 4, kTop = 5; // numbers of sides, see Brush
+        for (std::size_t i = kBottom; i <= kTop && i < brush.sides.size(); ++i) {
             if (brush.sides[i].planeNum < 0)
                 continue;
             auto cut = CutPatchSurface(geometry_.surfaces[number], planes_[brush.sides[i].planeNum], kFogEpsilon);

@@ -16,13 +16,11 @@
 
 namespace q3 {
 
-// ---- Surfaces that are added to those of brushes and patches: flares, foliage, fur, copies, sky boxes, portals ----
-
 // ---- Copies by cel, clone and back shaders ----
 
 namespace {
 
-constexpr int kMaxCopyChain = 16;
+constexpr int kMaxCopyChain = 16; ///< copies of copies
 
 DrawSurface CopyOf(const DrawSurface &surface, const ShaderInfo &shader) {
     DrawSurface copy = surface;
@@ -144,7 +142,8 @@ void MakeShaderFlare(std::size_t surface, const Vec3f &origin, Geometry &geometr
 namespace {
 
 constexpr std::size_t kMaxInstances = 8192;
-constexpr double kMinUp = 0.5, kMinAlpha = 0.75;
+constexpr double kMinUp = 0.5;     ///< z of the normal: on steeper triangles nothing grows
+constexpr double kMinAlpha = 0.75; ///< mean vertex alpha of a triangle on which something grows
 
 bool IsSteep(const SurfaceTriangle &t) {
     const Vec3d a(t[0].xyz), b(t[1].xyz), c(t[2].xyz);
@@ -153,7 +152,7 @@ bool IsSteep(const SurfaceTriangle &t) {
 
 /// Probability that the triangle gets an instance.
 double InstanceProbability(const SurfaceTriangle &t, const FoliageDirective &directive) {
-    double alpha = (int(t[0].color[3]) + t[1].color[3] + t[2].color[3]) / 765.;
+    double alpha = (int(t[0].color[3]) + t[1].color[3] + t[2].color[3]) / (3 * 255.);
     if (directive.invertAlpha == 1)
         alpha = 1 - alpha;
     else if (directive.invertAlpha == 2)
@@ -230,7 +229,7 @@ void MakeFoliage(std::size_t surface, Geometry &geometry, const BspContext &cont
 
 namespace {
 
-constexpr int kMaxLayers = 256;
+constexpr int kMaxFurLayers = 256;
 
 /// Moves each vertex along its normal by `distance` times its alpha.
 void MoveAlongNormals(DrawSurface &surface, float distance) {
@@ -248,7 +247,7 @@ void MakeFur(std::size_t surface, Geometry &geometry) {
     base.furred = true;
     MoveAlongNormals(base, fur.offset);
     const DrawSurface lowest = base; // a copy: appending invalidates references
-    for (int layer = 1; layer < std::min(fur.layers, kMaxLayers); ++layer) {
+    for (int layer = 1; layer < std::min(fur.layers, kMaxFurLayers); ++layer) {
         DrawSurface copy = lowest;
         copy.isCopy = true;
         MoveAlongNormals(copy, fur.offset * float(layer));
@@ -262,9 +261,9 @@ void MakeFur(std::size_t surface, Geometry &geometry) {
 
 namespace {
 
-constexpr double kDefaultScale = 64;
+constexpr double kDefaultScale = 64; ///< of a sky box
 
-Vec3d ScaleOf(const Entity &pairs) {
+Vec3d SkyBoxScale(const Entity &pairs) {
     if (const auto scale = keys::kSkyBoxScale.Vector(pairs))
         return Vec3d(*scale);
     const double scale = NumberFromText(keys::kSkyBoxScale.Text(pairs));
@@ -280,7 +279,7 @@ std::optional<SkyBoxTransform> ReadSkyBox(const Map &map) {
             continue;
         const Vec3d angles = AnglesOf(entity.pairs);
         const ModelTransform turned = MakeModelTransform({1, 1, 1}, angles, {});
-        const ModelTransform scaled = MakeModelTransform(ScaleOf(entity.pairs), angles, {});
+        const ModelTransform scaled = MakeModelTransform(SkyBoxScale(entity.pairs), angles, {});
         const Vec3d shift = scaled.Point(Vec3d(entity.origin));
         result.emplace();
         for (std::size_t i = 0; i < 3; ++i) {
@@ -366,7 +365,7 @@ const ShaderInfo *LayerShader(const IndexMap &map, int low, int high, const Shad
     return &geometry.ownShaders.back();
 }
 
-void ApplyTo(DrawSurface &surface, const IndexMap &map, Geometry &geometry, const BspContext &context) {
+void ApplyIndexMap(DrawSurface &surface, const IndexMap &map, Geometry &geometry, const BspContext &context) {
     std::vector<int> layers;
     for (const DrawVert &vert : surface.verts)
         layers.push_back(map.LayerAt(vert.xyz));
@@ -391,10 +390,10 @@ void ApplyTo(DrawSurface &surface, const IndexMap &map, Geometry &geometry, cons
 void ApplyIndexedTerrain(const MapEntity &, Geometry &geometry, std::size_t first, const BspContext &context) {
     for (std::size_t i = first; i < geometry.surfaces.size(); ++i) {
         DrawSurface &surface = geometry.surfaces[i];
-        const bool fits = surface.kind == SurfaceKind::Face || surface.kind == SurfaceKind::Patch;
-        if (fits && surface.shader != nullptr && surface.shader->geometry.indexed && surface.settings.indexMap &&
+        const bool takesLayers = surface.kind == SurfaceKind::Face || surface.kind == SurfaceKind::Patch;
+        if (takesLayers && surface.shader != nullptr && surface.shader->geometry.indexed && surface.settings.indexMap &&
             !surface.Empty())
-            ApplyTo(surface, *surface.settings.indexMap, geometry, context);
+            ApplyIndexMap(surface, *surface.settings.indexMap, geometry, context);
     }
 }
 

@@ -16,7 +16,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxName = 63;
+constexpr std::size_t kMaxName = 63; ///< bytes
 constexpr std::string_view kNoShader = "noshader";
 
 /// Bounds rounded outward to integers; zeros for an empty box.
@@ -39,7 +39,7 @@ std::array<char, 64> NameField(std::string_view name) {
 }
 
 /// Bounds of an entity. For a world with lightgrid brushes (surfaceparm lightgrid), bounds of these brushes only.
-Boundsf BoundsOf(const MapEntity &entity, bool isWorld) {
+Boundsf ModelBounds(const MapEntity &entity, bool isWorld) {
     Boundsf all, grid;
     for (const Brush &brush : entity.brushes) {
         all.Add(brush.bounds);
@@ -54,16 +54,16 @@ Boundsf BoundsOf(const MapEntity &entity, bool isWorld) {
 
 /// Value of bspFog_t::visibleSide: the last axial side that is visible, else the first other visible side; -1: none.
 int VisibleSide(const Brush &brush) {
-    constexpr int kAxial = 6;
+    constexpr int kAxialSides = 6;
     const auto isVisible = [&](int number) {
         const BrushSide &side = brush.sides[std::size_t(number)];
         return side.visibleHull.size() >= 3 && side.shader && (side.compileFlags & C_NODRAW) == 0;
     };
     const int count = int(brush.sides.size());
-    for (int i = std::min(kAxial, count) - 1; i >= 0; --i)
+    for (int i = std::min(kAxialSides, count) - 1; i >= 0; --i)
         if (isVisible(i))
             return i;
-    for (int i = kAxial; i < count; ++i)
+    for (int i = kAxialSides; i < count; ++i)
         if (isVisible(i))
             return i;
     return -1;
@@ -98,7 +98,7 @@ int BspWriter::ShaderNumber(std::string_view name) {
 }
 
 void BspWriter::BeginModel(const MapEntity &entity) {
-    const Boundsf bounds = BoundsOf(entity, bsp.models.empty());
+    const Boundsf bounds = ModelBounds(entity, bsp.models.empty());
     bspModel_t model{};
     if (!bounds.Empty()) {
         model.mins = bounds.mins.Array();
@@ -272,7 +272,7 @@ std::string_view KindName(SurfaceKind kind) {
     return "Bad";
 }
 
-std::string Triple(const Vec3f &v) {
+std::string TripleText(const Vec3f &v) {
     return fmt::format("( {:f} {:f} {:f} )", v.x, v.y, v.z);
 }
 
@@ -281,12 +281,12 @@ std::string Triple(const Vec3f &v) {
 std::string DefaultSurfaceBlock(const SurfaceSettings &world, int sampleSize) {
     return fmt::format("default\n{{\n\tcastShadows 1\n\treceiveShadows 1\n\tsampleSize {}\n\tambientColor {}\n"
                        "\tlongestCurve {:f}\n}}\n\n",
-                       sampleSize, Triple(world.ambient), 0.0);
+                       sampleSize, TripleText(world.ambient), 0.0);
 }
 
 std::string SurfaceBlock(const DrawSurface &surface, int number, std::string_view shader, const SurfaceSettings &world,
                          int sampleSize) {
-    constexpr float kSameAxis = 0.001f;
+    constexpr float kNoAxis = 0.001f; // smaller components are 0
     const SurfaceSettings &settings = surface.settings;
     std::string text =
         fmt::format("{} // ESurfaceType::{} V: {} I: {} {}\n{{\n\tshader {}\n", number, KindName(surface.kind),
@@ -302,12 +302,12 @@ std::string SurfaceBlock(const DrawSurface &surface, int number, std::string_vie
     if (surface.sampleSize != sampleSize)
         text += fmt::format("\tsampleSize {}\n", surface.sampleSize);
     if (settings.ambient != Vec3f{} && settings.ambient != world.ambient)
-        text += fmt::format("\tambientColor {}\n", Triple(settings.ambient));
+        text += fmt::format("\tambientColor {}\n", TripleText(settings.ambient));
     if (surface.longestCurve != 0)
         text += fmt::format("\tlongestCurve {:f}\n", surface.longestCurve);
     const Vec3f &axis = surface.lightmapAxis;
-    if (std::abs(axis.x) >= kSameAxis || std::abs(axis.y) >= kSameAxis || std::abs(axis.z) >= kSameAxis)
-        text += fmt::format("\tlightmapAxis {}\n", Triple(axis));
+    if (std::abs(axis.x) >= kNoAxis || std::abs(axis.y) >= kNoAxis || std::abs(axis.z) >= kNoAxis)
+        text += fmt::format("\tlightmapAxis {}\n", TripleText(axis));
     return text + "}\n\n";
 }
 

@@ -13,7 +13,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kEpsilon = 0.1; // game units
+constexpr double kOnPlaneEpsilon = 0.1; ///< game units
 
 /// Adds one surface to the leafs that its polygons and points reach.
 class SurfaceFilter {
@@ -58,7 +58,7 @@ std::vector<std::pair<int, Polygon>> SurfaceFilter::Split(const TreeNode &node, 
     if (planeNum >= 0 && (planeNum ^ 1) == node.planeNum)
         return {{node.children[1], polygon}};
     Polygon front, back;
-    ClipPolygon(polygon, planes_[node.planeNum], kEpsilon, front, back);
+    ClipPolygon(polygon, planes_[node.planeNum], kOnPlaneEpsilon, front, back);
     if (front.empty() && back.empty())
         return {{node.children[1], polygon}, {node.children[0], polygon}};
     std::vector<std::pair<int, Polygon>> parts;
@@ -101,9 +101,9 @@ void SurfaceFilter::AddHull(std::span<const Vec3f> points) {
             least = std::min(least, d);
             most = std::max(most, d);
         }
-        if (least <= kEpsilon)
+        if (least <= kOnPlaneEpsilon)
             stack_.push_back(node.children[1]);
-        if (most >= -kEpsilon)
+        if (most >= -kOnPlaneEpsilon)
             stack_.push_back(node.children[0]);
     }
 }
@@ -203,16 +203,14 @@ int FilterSurface(const DrawSurface &surface, int number, Tree &tree, const Plan
     return filter.Count();
 }
 
-// ---- Last changes to vertices and triangles before they are written ----
-
 // ---- Last changes to vertices before they are written ----
 
 namespace {
 
-constexpr double kVolumeSlack = 1; // game units outside a color volume that still count as inside
+constexpr double kVolumeMargin = 1; ///< points this near to a color volume are in it, game units
 
 /// The factor by which a dot-product step scales a color; 1 for other steps.
-float Facing(const ColorStep &step, const Vec3f &normal) {
+float DotProductFactor(const ColorStep &step, const Vec3f &normal) {
     using enum ColorStep::Kind;
     const float d = Dot(normal, step.value);
     const float range = step.max - step.min;
@@ -233,21 +231,21 @@ float Facing(const ColorStep &step, const Vec3f &normal) {
 void ApplyStep(const ColorStep &step, DrawVert &vert) {
     using enum ColorStep::Kind;
     constexpr float kFull = 255;
-    const float facing = Facing(step, vert.normal);
+    const float dotProductFactor = DotProductFactor(step, vert.normal);
     for (std::size_t channel = step.alpha ? 3 : 0; channel < (step.alpha ? 4u : 3u); ++channel) {
         const float argument = step.alpha ? step.value.x : step.value[channel];
         float value = vert.color[channel];
         if (step.kind == Set)
             value = kFull * argument;
         else
-            value *= step.kind == Scale ? argument : facing;
+            value *= step.kind == Scale ? argument : dotProductFactor;
         vert.color[channel] = std::uint8_t(std::clamp(value, 0.0f, kFull));
     }
 }
 
-bool Inside(const Brush &brush, const Vec3f &p, const PlaneTable &planes) {
+bool IsInside(const Brush &brush, const Vec3f &p, const PlaneTable &planes) {
     return std::all_of(brush.sides.begin(), brush.sides.end(), [&](const BrushSide &side) {
-        return side.planeNum < 0 || planes[side.planeNum].Distance(Vec3d(p)) <= kVolumeSlack;
+        return side.planeNum < 0 || planes[side.planeNum].Distance(Vec3d(p)) <= kVolumeMargin;
     });
 }
 
@@ -259,11 +257,11 @@ void ApplyVolumes(DrawSurface &surface, const MapEntity &owner, const PlaneTable
         bounds.Add(vert.xyz);
     for (const Brush &volume : owner.colorVolumes) {
         const bool applies = volume.settings.entity == 0 || volume.settings.entity == surface.settings.entity;
-        if (!applies || !volume.contentShader || !volume.bounds.Touches(bounds, float(kVolumeSlack)))
+        if (!applies || !volume.contentShader || !volume.bounds.Touches(bounds, float(kVolumeMargin)))
             continue;
         const std::vector<ColorStep> &steps = volume.contentShader->geometry.colorSteps;
         for (DrawVert &vert : surface.verts)
-            if (Inside(volume, vert.xyz, planes))
+            if (IsInside(volume, vert.xyz, planes))
                 for (const ColorStep &step : steps)
                     if (step.kind != ColorStep::Kind::Volume)
                         ApplyStep(step, vert);
@@ -343,7 +341,8 @@ void OrderSpriteQuad(DrawSurface &surface, const BspContext &context) {
                                    surface.shader->name, surface.verts.size()));
         return;
     }
-    if (std::abs(side(0) - side(1)) < 0.1f) {
+    constexpr float kSameLength = 0.1f; // game units
+    if (std::abs(side(0) - side(1)) < kSameLength) {
         context.WarnAt(
             "sprite shape", surface.settings.entity, surface.primitive,
             fmt::format("shader {}: autosprite2 needs an oblong quad, this one is a square", surface.shader->name));
@@ -358,7 +357,7 @@ void OrderSpriteQuad(DrawSurface &surface, const BspContext &context) {
 
 namespace {
 
-constexpr int kWarmHits = 3; // all three vertices are in the cache
+constexpr int kAllHits = 3; ///< all three vertices are in the cache
 
 /// FIFO of the vertices that entered the cache last, newest first. A hit does not move its entry.
 class VertexCache {
@@ -400,7 +399,7 @@ std::vector<int> OrderTriangles(const std::vector<int> &indexes) {
     while (firstFree < used.size()) {
         std::size_t best = firstFree;
         int bestHits = -1;
-        for (std::size_t i = firstFree; i < used.size() && bestHits != kWarmHits; ++i)
+        for (std::size_t i = firstFree; i < used.size() && bestHits != kAllHits; ++i)
             if (!used[i])
                 if (const int hits = cache.Hits(&indexes[i * kIndexesPerTriangle]); hits > bestHits) {
                     bestHits = hits;
@@ -425,6 +424,7 @@ namespace {
 
 constexpr std::size_t kPair = 2 * kIndexesPerTriangle; ///< number of indexes of two triangles
 
+/// FNV-1a of `count` indexes from `at` on.
 template <typename List> std::uint64_t HashOf(const List &list, std::size_t at, std::size_t count) {
     std::uint64_t hash = 14695981039346656037u;
     for (std::size_t i = 0; i < count; ++i)

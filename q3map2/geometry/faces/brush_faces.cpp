@@ -13,7 +13,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kOnEpsilon = 0.1;
+constexpr double kOnEpsilon = 0.1; ///< game units
 
 /// The lowest grid plane that cuts the polygon, with more than kOnEpsilon of it on both sides.
 std::optional<Plane> GridPlane(const Polygon &w, double size) {
@@ -58,7 +58,7 @@ std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surfa
     return pieces;
 }
 
-bool IsSubdivided(const DrawSurface &surface) {
+bool HasTessSize(const DrawSurface &surface) {
     return surface.kind == SurfaceKind::Face && !surface.Empty() && surface.brush >= 0 &&
            surface.shader->geometry.tessSize >= 1 && (surface.shader->compileFlags & C_SKY) == 0;
 }
@@ -71,7 +71,7 @@ void SubdivideFaces(MapEntity &entity, Geometry &geometry, std::size_t first, co
         return;
     const std::size_t last = geometry.surfaces.size();
     for (std::size_t i = first; i < last; ++i) {
-        if (!IsSubdivided(geometry.surfaces[i]))
+        if (!HasTessSize(geometry.surfaces[i]))
             continue;
         const DrawSurface surface = geometry.surfaces[i];
         Polygon w;
@@ -93,8 +93,9 @@ void SubdivideFaces(MapEntity &entity, Geometry &geometry, std::size_t first, co
 
 namespace {
 
-float Snapped(float coordinate, bool snap) {
-    return snap ? float(std::floor(8.0 * double(coordinate) + 0.5) / 8) : coordinate;
+/// The nearest multiple of 1/8 game unit.
+float Snapped(float coordinate) {
+    return float(std::floor(8.0 * double(coordinate) + 0.5) / 8);
 }
 
 /// Computed in float like the established program, so that coordinates at a whole number round as they do there.
@@ -141,7 +142,7 @@ int MakeFaceSurface(const MapEntity &entity, int brush, int side, const Polygon 
     for (const Vec3f &p : w) {
         DrawVert vert;
         for (std::size_t i = 0; i < 3; ++i)
-            vert.xyz[i] = Snapped(p[i], context.options.snapVertices);
+            vert.xyz[i] = context.options.snapVertices ? Snapped(p[i]) : p[i];
         vert.normal = normal;
         vert.st = context.options.flat ? FlatCoordinates(*from.shader)
                                        : TextureCoordinates(from, vert.xyz + solid.textureOrigin);
@@ -159,13 +160,13 @@ void MakeFaceSurfaces(MapEntity &entity, Geometry &geometry, const PlaneTable &p
             BrushSide &side = entity.brushes[b].sides[s];
             if (!MakesSurface(side))
                 continue;
-            const bool whole = side.shader->autosprite || side.shader->geometry.noClip;
-            if (const auto found = parts.find(&side); !whole && found != parts.end()) {
+            const bool isUnclipped = side.shader->autosprite || side.shader->geometry.noClip;
+            if (const auto found = parts.find(&side); !isUnclipped && found != parts.end()) {
                 for (const Polygon &part : found->second)
                     side.surface = MakeFaceSurface(entity, int(b), int(s), part, geometry, planes, context);
                 continue;
             }
-            const Polygon &w = whole ? side.winding : side.visibleHull;
+            const Polygon &w = isUnclipped ? side.winding : side.visibleHull;
             side.surface = MakeFaceSurface(entity, int(b), int(s), w, geometry, planes, context);
             if ((side.shader->compileFlags & C_FOG) != 0)
                 side.surface = MakeFaceSurface(entity, int(b), int(s), Reversed(w), geometry, planes, context);
@@ -176,8 +177,8 @@ void MakeFaceSurfaces(MapEntity &entity, Geometry &geometry, const PlaneTable &p
 
 namespace {
 
-constexpr double kMinSine2 = 1e-5;  ///< squared sine of the smallest angle
-constexpr double kMinTwiceArea = 1; ///< square units
+constexpr double kMinSineSquared = 1e-5; ///< of the smallest angle
+constexpr double kMinTwiceArea = 1;      ///< square game units
 /// The search for triangles of greatest area grows with the cube of the number of corners.
 constexpr std::size_t kMaxAreaCorners = 340;
 constexpr int kMaxAreaTries = 8;
@@ -200,11 +201,11 @@ double TwiceArea(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
 
 /// Whether the triangle is neither a sliver nor tiny. Those show cracks when drawn.
 bool IsSound(const Vec3d &a, const Vec3d &b, const Vec3d &c) {
-    const double twice = TwiceArea(a, b, c);
+    const double twiceArea = TwiceArea(a, b, c);
     std::array<double, 3> squares{Dot(b - a, b - a), Dot(c - b, c - b), Dot(a - c, a - c)};
     std::ranges::sort(squares);
     // The smallest angle lies between the two longest edges: sine = 2 area / (their product).
-    return twice > kMinTwiceArea && twice * twice > kMinSine2 * squares[1] * squares[2];
+    return twiceArea > kMinTwiceArea && twiceArea * twiceArea > kMinSineSquared * squares[1] * squares[2];
 }
 
 /// A triangle strip that alternates between the two sides of a start vertex, but prefers the side whose next vertex was
@@ -229,20 +230,21 @@ std::optional<Indexes> StripFrom(const Verts &verts, int start) {
     }
 }
 
+/// The strip from the first vertex, by x, y and z, that has one of sound triangles; empty if none has.
 std::optional<Indexes> Strip(const DrawSurface &surface) {
     const auto order = [](const DrawVert &v) { return std::tuple(v.xyz.x, v.xyz.y, v.xyz.z); };
     const int n = int(surface.verts.size());
     const int least = surface.shader->autosprite
                           ? 0
                           : int(std::ranges::min_element(surface.verts, {}, order) - surface.verts.begin());
-    for (int r = 0; r < n; ++r)
-        if (std::optional<Indexes> indexes = StripFrom(surface.verts, least + r))
+    for (int i = 0; i < n; ++i)
+        if (std::optional<Indexes> indexes = StripFrom(surface.verts, least + i))
             return indexes;
     return {};
 }
 
 /// Inserts a vertex in the middle and a fan of triangles around it.
-void Fan(DrawSurface &surface) {
+void MakeFan(DrawSurface &surface) {
     const int n = int(surface.verts.size());
     Vec3d xyz, normal;
     std::array<double, 2> st{};
@@ -344,7 +346,7 @@ void TriangulateFace(DrawSurface &surface, const BspContext &context) {
     if (indexes)
         surface.indexes = std::move(*indexes);
     else
-        Fan(surface);
+        MakeFan(surface);
 }
 
 } // namespace q3

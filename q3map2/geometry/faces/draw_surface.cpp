@@ -12,7 +12,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kPlanar = 0.5;      ///< greatest distance of a planar surface's vertices from its plane, game units
+constexpr double kMaxOffPlane = 0.5; ///< greatest distance of a planar surface's vertices from its plane, game units
 constexpr float kAxisFacing = 0.25f; ///< minimum cosine between normals and lightmap axis
 constexpr int kMaxSampleSize = 16384;
 
@@ -26,7 +26,7 @@ void FindPlane(DrawSurface &surface, PlaneTable &planes) {
             plane = {Vec3d(v->normal), Dot(Vec3d(v->normal), Vec3d(v->xyz))};
     }
     surface.planar = plane.normal != Vec3d{} && std::ranges::all_of(surface.verts, [&](const DrawVert &v) {
-                         return std::abs(plane.Distance(Vec3d(v.xyz))) <= kPlanar;
+                         return std::abs(plane.Distance(Vec3d(v.xyz))) <= kMaxOffPlane;
                      });
     if (surface.planar && surface.planeNum < 0) {
         const std::array<Vec3d, 1> point{Vec3d(surface.verts.front().xyz)};
@@ -70,7 +70,7 @@ int SampleSize(const DrawSurface &surface, const BspOptions &options) {
 } // namespace
 
 Vec3f DominantAxis(const Vec3f &normal) {
-    constexpr float kTie = 0.0001f;
+    constexpr float kTie = 0.0001f; // of components
     const Vec3f a{std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)};
     if (a.z > a.x - kTie && a.z > a.y - kTie)
         return {0, 0, normal.z < 0 ? -1.f : 1.f};
@@ -84,8 +84,8 @@ bool IsVertexLit(const DrawSurface &surface) {
 }
 
 void ClassifySurface(DrawSurface &surface, PlaneTable &planes, const BspContext &context) {
-    const bool plain = surface.kind == SurfaceKind::Face || surface.kind == SurfaceKind::Patch;
-    if (!plain && int(surface.verts.size()) > context.options.maxVertexLitVerts)
+    const bool mayBeLarge = surface.kind == SurfaceKind::Face || surface.kind == SurfaceKind::Patch;
+    if (!mayBeLarge && int(surface.verts.size()) > context.options.maxVertexLitVerts)
         surface.kind = SurfaceKind::ForcedMeta;
     surface.bounds = {};
     for (const DrawVert &v : surface.verts)
@@ -134,10 +134,10 @@ DrawSurface DebugSurface(const Polygon &polygon, const Vec3f &normal, const Shad
 
 namespace {
 
-constexpr double kCell = 0.5;
+constexpr double kCell = 0.5; ///< edge of a cell, game units
 /// Draw vertices lie on multiples of 1/8. Cell borders halfway between these keep vertices off the borders.
-constexpr double kShift = 0.0625;
-constexpr double kFar = 1e9; ///< cells
+constexpr double kCellShift = 0.0625;
+constexpr double kMaxCell = 1e9; ///< number of a cell on an axis
 
 } // namespace
 
@@ -149,7 +149,9 @@ std::size_t PointTable::CellHash::operator()(const Cell &c) const {
 
 PointTable::Cell PointTable::CellOf(const Vec3f &p, double x, double y, double z) const {
     // No map has points beyond the limit; if any, they share a cell.
-    const auto cell = [](double v) { return (long long)(std::floor(std::clamp((v + kShift) / kCell, -kFar, kFar))); };
+    const auto cell = [](double v) {
+        return (long long)(std::floor(std::clamp((v + kCellShift) / kCell, -kMaxCell, kMaxCell)));
+    };
     return {cell(double(p.x) + x), cell(double(p.y) + y), cell(double(p.z) + z)};
 }
 

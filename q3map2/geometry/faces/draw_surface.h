@@ -16,7 +16,8 @@
 
 namespace q3 {
 
-/// Where a surface comes from and how it is processed.
+/// Where a surface comes from and how it is processed. ForcedMeta: triangles that go through the meta step, Meta: what
+/// it makes.
 enum class SurfaceKind { Bad, Face, Patch, Triangles, ForcedMeta, Meta, FogHull, Decal, Flare, Foliage, Shader };
 
 /// One draw surface. Indexes are relative to its first vertex. Faces are polygons until they are triangulated.
@@ -41,8 +42,9 @@ struct DrawSurface {
     int width = 0, height = 0; ///< of a patch; foliage: numbers of instances and of model vertices
     bool backSide = false;     ///< written reversed
     bool skyBoxCopy = false;
-    int parent = -1; ///< sky box copies: number of the original surface in the .bsp
-    bool furred = false, isCopy = false;
+    int parent = -1;            ///< sky box copies: number of the original surface in the .bsp
+    bool furred = false;        ///< its fur has been made
+    bool isCopy = false;        ///< by a cel, clone or back shader, or a layer of fur
     bool collisionOnly = false; ///< patches drawn as triangles instead: written with the nodraw and pointlight flags
     bool Empty() const { return verts.empty(); }
 };

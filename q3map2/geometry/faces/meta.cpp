@@ -18,8 +18,8 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMinEdge = 0.125; ///< game units
-constexpr float kSameTexture = 1e-4f;
+constexpr double kMinEdge = 0.125;    ///< game units
+constexpr float kSameTexture = 1e-4f; ///< difference of s or t
 
 bool SameCorner(const DrawVert &a, const DrawVert &b) {
     return SameVector(a.normal, b.normal) && std::abs(a.st[0] - b.st[0]) <= kSameTexture &&
@@ -28,7 +28,7 @@ bool SameCorner(const DrawVert &a, const DrawVert &b) {
 
 bool HasShortEdge(const std::array<DrawVert, 3> &corners) {
     for (std::size_t i = 0; i < 3; ++i)
-        // Written so that NaN, which forced may contain, counts as short.
+        // Not `<`, so that NaN, which models may contain, counts as short.
         if (!(Length(Vec3d(corners[(i + 1) % 3].xyz) - Vec3d(corners[i].xyz)) >= kMinEdge))
             return true;
     return false;
@@ -109,16 +109,13 @@ bool MetaMesh::HasTriangle(const MetaTriangle &triangle) const {
     });
 }
 
-void MetaMesh::Link(MetaTriangle triangle, const std::array<DrawVert, 3> &corners, bool refuseRepeated,
-                    const DrawSurface *surface, const BspContext *context) {
+MetaTriangle MetaMesh::WithVerts(MetaTriangle triangle, const std::array<DrawVert, 3> &corners) {
     for (std::size_t i = 0; i < 3; ++i)
         triangle.verts[i] = VertOf(corners[i]);
-    if (refuseRepeated && HasTriangle(triangle)) {
-        context->WarnAt("duplicate triangle", surface->settings.entity, surface->primitive,
-                        "two triangles of shader " + surface->shader->name +
-                            " have the same corners; one of them is left out");
-        return;
-    }
+    return triangle;
+}
+
+void MetaMesh::Append(const MetaTriangle &triangle) {
     for (const int v : triangle.verts)
         verts_[std::size_t(v)].triangles.push_back(int(triangles_.size()));
     triangles_.push_back(triangle);
@@ -140,7 +137,13 @@ void MetaMesh::Add(const DrawSurface &surface, int number, const PlaneTable &pla
         triangle.key = key, triangle.surface = number;
         triangle.planeNum = surface.planar ? surface.planeNum : -1;
         triangle.lightmapAxis = TriangleAxis(surface, triangle.plane);
-        Link(triangle, corners, true, &surface, &context);
+        triangle = WithVerts(triangle, corners);
+        if (HasTriangle(triangle))
+            context.WarnAt("duplicate triangle", surface.settings.entity, surface.primitive,
+                           "two triangles of shader " + surface.shader->name +
+                               " have the same corners; one of them is left out");
+        else
+            Append(triangle);
     }
 }
 
@@ -155,7 +158,7 @@ void MetaMesh::ReplaceNormals(const std::vector<std::array<Vec3f, 3>> &normals) 
             corners[c] = verts[std::size_t(triangles[t].verts[c])].vert;
             corners[c].normal = normals[t][c];
         }
-        Link(triangles[t], corners, false, nullptr, nullptr);
+        Append(WithVerts(triangles[t], corners));
     }
 }
 
@@ -199,14 +202,14 @@ void MakeMetaSurfaces(Geometry &geometry, std::size_t first, PlaneTable &planes,
 namespace {
 
 constexpr double kSameNormal = 0.01; ///< per component
-constexpr double kAngleSlack = 1e-6; ///< radians
+constexpr double kAngleError = 1e-6; ///< of an arc cosine by rounding, radians
 
 /// A corner of a triangle at the point that is being smoothed.
 struct SmoothedCorner {
     int triangle = 0, corner = 0;
     double shadeAngle = 0; ///< radians
     Vec3d normal;
-    bool done = false;
+    bool isSmoothed = false;
 };
 
 double ShadeAngle(const DrawSurface &surface, const BspOptions &options) {
@@ -226,14 +229,15 @@ std::vector<SmoothedCorner> CornersOf(const MetaMesh &mesh, int group, const std
             const double angle = angles[std::size_t(triangle.surface)];
             if (angle > 0)
                 corners.push_back({t, int(std::ranges::find(triangle.verts, v) - triangle.verts.begin()), angle,
-                                   Vec3d(mesh.Verts()[std::size_t(v)].vert.normal), false});
+                                   Vec3d(mesh.Verts()[std::size_t(v)].vert.normal)});
         }
     return corners;
 }
 
-bool Together(const SmoothedCorner &a, const SmoothedCorner &b) {
+/// Whether the angle between the normals is below the shade angle of both.
+bool AreSmoothedTogether(const SmoothedCorner &a, const SmoothedCorner &b) {
     const double angle = std::acos(std::clamp(Dot(a.normal, b.normal), -1., 1.));
-    return angle + kAngleSlack < std::min(a.shadeAngle, b.shadeAngle);
+    return angle + kAngleError < std::min(a.shadeAngle, b.shadeAngle);
 }
 
 /// Adds up the distinct normals and returns their number.
@@ -252,20 +256,20 @@ int AddDistinctNormals(const std::vector<SmoothedCorner *> &corners, Vec3d &sum)
     return int(distinct.size());
 }
 
-/// Returns the number of corners whose normal changed.
+/// Smooths the corners at one point. Returns the number of corners whose normal changed.
 int SmoothPoint(std::vector<SmoothedCorner> corners, std::vector<std::array<Vec3f, 3>> &normals) {
     int changed = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (corners[i].done)
+        if (corners[i].isSmoothed)
             continue;
         std::vector<SmoothedCorner *> together{&corners[i]};
         for (std::size_t k = i + 1; k < corners.size(); ++k)
-            if (!corners[k].done && Together(corners[i], corners[k]))
+            if (!corners[k].isSmoothed && AreSmoothedTogether(corners[i], corners[k]))
                 together.push_back(&corners[k]);
         if (together.size() < 2)
             continue;
         for (SmoothedCorner *corner : together)
-            corner->done = true;
+            corner->isSmoothed = true;
         Vec3d sum;
         const bool several = AddDistinctNormals(together, sum) > 1;
         const Vec3f normal(Normalize(sum));
@@ -316,11 +320,14 @@ constexpr Vec3d kSweep{0.786868, 0.316861, 0.529564};
 
 using TextureBounds = std::array<std::array<float, 2>, 2>; ///< mins, maxs
 
+/// A surface while triangles are added to it.
 struct Growth {
     DrawSurface surface;
     const MetaTriangle *seed = nullptr;
-    bool vertexLit = false, anyPlane = false;
-    int maxVerts = 0, maxExtent = 0;
+    bool vertexLit = false;
+    bool anyPlane = false; ///< triangles need not be in the plane of the seed
+    int maxVerts = 0;
+    int maxExtent = 0;      ///< of the lightmap, game units
     std::vector<int> verts; ///< mesh vertices, in the order of surface.verts
     TextureBounds texture{};
     Boundsf bounds;
@@ -486,7 +493,8 @@ int SurfaceGrower::TextureScore(const Growth &growth, const MetaTriangle &triang
     const std::array<double, 2> texels{double(shader.textureWidth), double(shader.textureHeight)};
     // Ranges in whole texels, limited so that huge texture coordinates do not overflow the conversion to long long.
     const auto range = [&](const TextureBounds &b, std::size_t i) {
-        return (long long)(std::min(1e15, (double(b[1][i]) - double(b[0][i])) * texels[i]));
+        constexpr double kMost = 1e15;
+        return (long long)(std::min(kMost, (double(b[1][i]) - double(b[0][i])) * texels[i]));
     };
     int score = 0;
     for (std::size_t i = 0; i < 2; ++i) {

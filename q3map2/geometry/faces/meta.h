@@ -11,9 +11,6 @@
 
 namespace q3 {
 
-// ---- Triangles of an entity's faces and ForcedMeta surfaces, with shared vertices, before they are
-// merged.
-
 /// Triangles with equal keys may be merged.
 struct MetaKey {
     int shaderOrder = 0; ///< order of first appearance
@@ -40,7 +37,7 @@ struct MetaTriangle {
     Vec3f lightmapAxis;
 };
 
-/// Triangle mesh with shared vertices.
+/// The triangles of an entity's faces and ForcedMeta surfaces, with shared vertices, before they are merged.
 class MetaMesh {
   public:
     /// Adds the triangles of a surface; `number`: its index in Geometry::surfaces. `planes`: what planeNum refers to.
@@ -59,10 +56,11 @@ class MetaMesh {
     int KeyOf(const DrawSurface &surface);
     int VertOf(const DrawVert &vert);
     bool HasTriangle(const MetaTriangle &triangle) const;
-    void Link(MetaTriangle triangle, const std::array<DrawVert, 3> &corners, bool refuseRepeated,
-              const DrawSurface *surface, const BspContext *context);
+    /// The triangle with the numbers of these vertices, which are added if they are new.
+    MetaTriangle WithVerts(MetaTriangle triangle, const std::array<DrawVert, 3> &corners);
+    void Append(const MetaTriangle &triangle);
 
-    PointTable positions_{0.001};
+    PointTable positions_{0.001}; ///< tolerance in game units
     std::vector<std::vector<int>> groups_;
     std::vector<MetaVert> verts_;
     std::vector<MetaTriangle> triangles_;

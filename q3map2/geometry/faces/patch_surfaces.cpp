@@ -13,11 +13,11 @@ namespace q3 {
 
 namespace {
 
-constexpr double kSame = 0.001; ///< game units, and components of normals
+constexpr double kEqualEpsilon = 0.001; ///< game units, and components of normals
 
-bool Same(const Vec3f &a, const Vec3f &b) {
+bool AreEqual(const Vec3f &a, const Vec3f &b) {
     const Vec3d d = Vec3d(a) - Vec3d(b);
-    return std::abs(d.x) <= kSame && std::abs(d.y) <= kSame && std::abs(d.z) <= kSame;
+    return std::abs(d.x) <= kEqualEpsilon && std::abs(d.y) <= kEqualEpsilon && std::abs(d.z) <= kEqualEpsilon;
 }
 
 /// Gives a flat patch a plane number, and the plane's normal at all vertices.
@@ -25,7 +25,7 @@ void FlattenPatch(DrawSurface &surface, PlaneTable &planes) {
     const DrawVert &first = surface.verts.front();
     const Vec3d normal(first.normal), origin(first.xyz);
     surface.planar = std::ranges::all_of(surface.verts, [&](const DrawVert &v) {
-        return Same(v.normal, first.normal) && std::abs(Dot(Vec3d(v.xyz) - origin, normal)) <= kSame;
+        return AreEqual(v.normal, first.normal) && std::abs(Dot(Vec3d(v.xyz) - origin, normal)) <= kEqualEpsilon;
     });
     if (!surface.planar)
         return;
@@ -85,7 +85,7 @@ const Patch *PatchOf(const DrawSurface &surface, const MapEntity &entity) {
                : nullptr;
 }
 
-bool IsMeshed(const DrawSurface &surface, const Patch *patch, const BspOptions &options) {
+bool IsDrawnAsTriangles(const DrawSurface &surface, const Patch *patch, const BspOptions &options) {
     if (surface.kind != SurfaceKind::Patch || surface.shader == nullptr || surface.Empty() || surface.collisionOnly)
         return false;
     if (!options.patchMeta && (patch == nullptr || !patch->patchMeta))
@@ -93,13 +93,8 @@ bool IsMeshed(const DrawSurface &surface, const Patch *patch, const BspOptions &
     return (options.meta || surface.shader->geometry.forceMeta) && !surface.shader->autosprite;
 }
 
-DrawSurface MeshOfPatch(const DrawSurface &surface, int subdivisions) {
-    Patch patch;
-    patch.shader = surface.shader;
-    patch.width = surface.width, patch.height = surface.height;
-    patch.verts = surface.verts;
-    patch.longestCurve = surface.longestCurve;
-    const PatchMesh mesh = TessellatePatch(patch, subdivisions);
+DrawSurface TriangleSurfaceOf(const DrawSurface &surface, int subdivisions) {
+    const PatchMesh mesh = TessellatedSurface(surface, subdivisions);
     DrawSurface result = surface;
     result.kind = SurfaceKind::ForcedMeta;
     result.verts = mesh.verts;
@@ -120,14 +115,24 @@ bool Collides(const ShaderInfo &shader, const Game &game) {
 
 } // namespace
 
+PatchMesh TessellatedSurface(const DrawSurface &surface, int subdivisions) {
+    Patch patch;
+    patch.shader = surface.shader;
+    patch.width = surface.width, patch.height = surface.height;
+    patch.verts = surface.verts;
+    patch.longestCurve = surface.longestCurve;
+    return TessellatePatch(patch, subdivisions);
+}
+
 void MakePatchMeshes(const MapEntity &entity, Geometry &geometry, std::size_t first, const BspContext &context) {
     const std::size_t count = geometry.surfaces.size();
     for (std::size_t i = first; i < count; ++i) {
         const Patch *patch = PatchOf(geometry.surfaces[i], entity);
-        if (!IsMeshed(geometry.surfaces[i], patch, context.options))
+        if (!IsDrawnAsTriangles(geometry.surfaces[i], patch, context.options))
             continue;
-        const int own = patch == nullptr ? 0 : patch->patchSubdivisions;
-        geometry.surfaces.push_back(MeshOfPatch(geometry.surfaces[i], own > 0 ? own : context.options.subdivisions));
+        const int ofPatch = patch == nullptr ? 0 : patch->patchSubdivisions;
+        const int subdivisions = ofPatch > 0 ? ofPatch : context.options.subdivisions;
+        geometry.surfaces.push_back(TriangleSurfaceOf(geometry.surfaces[i], subdivisions));
         DrawSurface &source = geometry.surfaces[i];
         if (Collides(*source.shader, context.game))
             source.collisionOnly = true;

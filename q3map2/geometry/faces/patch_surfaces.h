@@ -3,6 +3,7 @@
 
 #include "q3map2/geometry/faces/draw_surface.h"
 #include "q3map2/map/bsp_options.h"
+#include "q3map2/map/map_patch.h"
 
 #include <cstddef>
 
@@ -10,6 +11,9 @@ namespace q3 {
 
 /// Appends a surface for each patch of the entity. Flat patches get a plane number.
 void MakePatchSurfaces(MapEntity &entity, Geometry &geometry, PlaneTable &planes, const BspContext &context);
+
+/// The triangles of a surface that is a patch, by its control points.
+PatchMesh TessellatedSurface(const DrawSurface &surface, int subdivisions);
 
 /// Tessellates patches (from `first` on) that have -patchmeta or the key _patchMeta, if -meta or q3map_forceMeta sends
 /// them through the meta step: appends the mesh as a ForcedMeta surface. The patch itself stays for collision

@@ -15,7 +15,8 @@ namespace q3 {
 namespace {
 
 constexpr double kNearLine = 0.25, kSamePoint = 0.25; ///< game units
-constexpr double kMaxCellsAcross = 64, kMinCell = 16;
+constexpr double kMaxCellsAcross = 64;
+constexpr double kMinCell = 16; ///< game units
 /// Bound on the distance from the line for points within kNearLine of both planes (0.25 * sqrt(2) = 0.36).
 constexpr double kReach = 0.5;
 
@@ -71,7 +72,8 @@ void EdgeLines::EnterCells(int number) {
     double from = std::numeric_limits<double>::lowest(), to = std::numeric_limits<double>::max();
     for (std::size_t i = 0; i < 3; ++i) {
         const double d = line.direction[i];
-        if (std::abs(d) < 1e-9)
+        constexpr double kParallel = 1e-9; // component of the unit direction
+        if (std::abs(d) < kParallel)
             continue;
         const double t0 = (bounds_.mins[i] - kReach - line.origin[i]) / d;
         const double t1 = (bounds_.maxs[i] + kReach - line.origin[i]) / d;
@@ -130,8 +132,9 @@ struct Edge {
     int line = -1;
 };
 
-struct Counts {
-    int degenerate = 0, axialLines = 0, lines = 0, added = 0, verts = 0, natural = 0, rotated = 0, impossible = 0;
+struct RepairCounts {
+    int degenerate = 0, axialLines = 0, lines = 0, added = 0, verts = 0;
+    int natural = 0, rotated = 0, impossible = 0; ///< faces whose fan starts at the first vertex, at another, at none
 };
 
 bool IsRepaired(const DrawSurface &surface) {
@@ -146,7 +149,8 @@ bool IsRepaired(const DrawSurface &surface) {
 class EdgeList {
   public:
     void Add(std::size_t surface, int vert, const Vec3f &from, const Vec3f &to) {
-        Edge edge{surface, vert, from, to, {}, Length(Vec3d(to) - Vec3d(from)), false, -1};
+        Edge edge{.surface = surface, .vert = vert, .from = from, .to = to};
+        edge.length = Length(Vec3d(to) - Vec3d(from));
         if (edge.length < kDegenerate) {
             ++degenerate;
             return;
@@ -184,7 +188,7 @@ class EdgeList {
     int degenerate = 0;
 };
 
-EdgeLines MakeLines(EdgeList &list, const Boundsf &bounds, Counts &counts) {
+EdgeLines MakeLines(EdgeList &list, const Boundsf &bounds, RepairCounts &counts) {
     EdgeLines lines(bounds, list.edges.size());
     std::vector<Edge *> oblique;
     for (Edge &edge : list.edges) {
@@ -204,7 +208,8 @@ EdgeLines MakeLines(EdgeList &list, const Boundsf &bounds, Counts &counts) {
     return lines;
 }
 
-DrawVert Between(const DrawVert &a, const DrawVert &b, double fraction, const Vec3f &xyz) {
+/// The vertex at `xyz`, with attributes interpolated from a (fraction 0) to b (1).
+DrawVert InsertedVert(const DrawVert &a, const DrawVert &b, double fraction, const Vec3f &xyz) {
     DrawVert vert = a;
     vert.xyz = xyz;
     vert.inserted = true;
@@ -229,7 +234,7 @@ void AddPointsOn(const EdgeLine &line, const DrawVert &a, const DrawVert &b, std
     const auto begin = std::ranges::upper_bound(line.points, lo, {}, &EdgeLine::Point::along);
     const std::size_t before = corners.size();
     for (auto p = begin; p != line.points.end() && p->along < hi; ++p)
-        corners.push_back({Between(a, b, (p->along - from) / (to - from), p->xyz), edge});
+        corners.push_back({InsertedVert(a, b, (p->along - from) / (to - from), p->xyz), edge});
     if (to < from)
         std::reverse(corners.begin() + std::ptrdiff_t(before), corners.end());
 }
@@ -245,7 +250,7 @@ std::size_t FanStart(const std::vector<FaceVert> &corners) {
     return n;
 }
 
-void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const Edge> edges, Counts &counts) {
+void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const Edge> edges, RepairCounts &counts) {
     std::vector<int> lineFrom(surface.verts.size(), -1);
     for (const Edge &edge : edges)
         lineFrom[std::size_t(edge.vert)] = edge.line;
@@ -307,7 +312,7 @@ void Weld(DrawSurface &surface) {
         verts.clear();
 }
 
-void Report(const Counts &counts, Log &log) {
+void Report(const RepairCounts &counts, Log &log) {
     log.VerboseCount(counts.axialLines, "axial edge lines");
     log.VerboseCount(counts.lines - counts.axialLines, "non-axial edge lines");
     log.VerboseCount(counts.degenerate, "degenerate edges");
@@ -336,7 +341,7 @@ void FixTJunctions(Geometry &geometry, std::size_t first, const BspContext &cont
         else
             list.AddPatch(surface, i);
     }
-    Counts counts;
+    RepairCounts counts;
     const EdgeLines lines = MakeLines(list, bounds, counts);
     std::size_t edge = 0;
     for (std::size_t i = first; i < geometry.surfaces.size(); ++i) {

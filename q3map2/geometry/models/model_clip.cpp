@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <tuple>
 #include <unordered_map>
@@ -17,7 +18,9 @@ namespace q3 {
 
 namespace {
 
-constexpr double kSameNormal = 0.00001, kSamePlane = 0.01, kStraight = 0.00001;
+constexpr double kSameNormal = 0.00001; ///< length of the difference of unit normals
+constexpr double kSamePlane = 0.01;     ///< difference of plane distances, game units
+constexpr double kStraight = 0.00001;   ///< sine of the angle between edges in line
 
 struct ConvexPolygon {
     std::vector<int> corners; ///< indexes of positions; empty: merged into another
@@ -54,7 +57,7 @@ class PolygonMerger {
 
     std::vector<Polygon> Run() {
         for (std::size_t i = 0; i < polygons_.size(); ++i)
-            while (!polygons_[i].corners.empty() && JoinOne(i)) {
+            while (!polygons_[i].corners.empty() && JoinNeighbor(i)) {
             }
         std::vector<Polygon> polygons;
         for (const ConvexPolygon &source : polygons_) {
@@ -76,7 +79,8 @@ class PolygonMerger {
             edges_[Edge(corners[i], corners[(i + 1) % corners.size()])] = polygon;
     }
 
-    bool JoinOne(std::size_t number) {
+    /// Joins one neighbor to the polygon. False: there is none that it can be joined to.
+    bool JoinNeighbor(std::size_t number) {
         const std::vector<int> corners = polygons_[number].corners;
         for (std::size_t i = 0; i < corners.size(); ++i) {
             const auto at = edges_.find(Edge(corners[(i + 1) % corners.size()], corners[i]));
@@ -87,7 +91,7 @@ class PolygonMerger {
                 std::abs(other.plane.dist - polygons_[number].plane.dist) > kSamePlane)
                 continue;
             std::vector<int> joined = Joined(corners, i, other.corners);
-            if (!Tidy(joined, polygons_[number].plane.normal))
+            if (!RemoveCollinear(joined, polygons_[number].plane.normal))
                 continue;
             other.corners.clear();
             polygons_[number].corners = std::move(joined);
@@ -112,7 +116,7 @@ class PolygonMerger {
     }
 
     /// Removes collinear corners. False if the polygon is not convex.
-    bool Tidy(std::vector<int> &corners, const Vec3d &normal) const {
+    bool RemoveCollinear(std::vector<int> &corners, const Vec3d &normal) const {
         for (std::size_t i = 0; i < corners.size() && corners.size() > 2;) {
             const Vec3d a(positions_[std::size_t(corners[(i + corners.size() - 1) % corners.size()])]),
                 b(positions_[std::size_t(corners[i])]), c(positions_[std::size_t(corners[(i + 1) % corners.size()])]);
@@ -150,7 +154,7 @@ constexpr double kMinFacing = 0.01; ///< minimum |cosine| between extrusion dire
 /// Parameters of the extrusion.
 struct Extrusion {
     unsigned mode = 0; ///< ModelFlags within kModelClipShapes
-    double depth = 2;
+    double depth = 2;  ///< game units
     Vec3d terrainAxis; ///< unit axis most opposite to the average normal
     Boundsd bounds;    ///< of the model
 };
@@ -173,7 +177,7 @@ bool IsKnownMode(unsigned mode) {
 }
 
 /// Signed unit vector along the axis of the largest component.
-Vec3d AxisOf(const Vec3d &v) {
+Vec3d LargestAxis(const Vec3d &v) {
     std::size_t axis = 0;
     for (std::size_t i = 1; i < 3; ++i)
         if (std::abs(v[i]) > std::abs(v[axis]))
@@ -195,7 +199,7 @@ Vec3d ExtrusionDirection(const Extrusion &extrusion, const Vec3d &normal) {
         return {0, 0, normal.z > 0 ? -1. : 1.};
     if (up || down)
         return {0, 0, up ? 1. : -1.};
-    return -AxisOf(normal);
+    return -LargestAxis(normal);
 }
 
 Vec3d CentroidOf(const Polygon &polygon) {
@@ -215,16 +219,14 @@ Plane PlaneAway(const Vec3d &a, const Vec3d &b, const Vec3d &c, const Vec3d &ins
 
 /// Axis-aligned back plane, whose normal is the axis nearest to the extrusion direction.
 Plane FlatBack(const Extrusion &extrusion, const Polygon &polygon, const Vec3d &direction) {
-    const Vec3d axis = AxisOf(direction);
-    double nearest = 1e30, farthest = -1e30;
+    const Vec3d axis = LargestAxis(direction);
+    double nearest = std::numeric_limits<double>::max(), farthest = std::numeric_limits<double>::lowest();
     for (const Vec3f &p : polygon) {
         nearest = std::min(nearest, Dot(Vec3d(p), axis));
         farthest = std::max(farthest, Dot(Vec3d(p), axis));
     }
     if (extrusion.mode & kModelClipFull) {
-        double extreme = -1e30;
-        for (const Vec3d &p : {extrusion.bounds.mins, extrusion.bounds.maxs})
-            extreme = std::max(extreme, Dot(p, axis));
+        const double extreme = std::max(Dot(extrusion.bounds.mins, axis), Dot(extrusion.bounds.maxs, axis));
         return {axis, extreme};
     }
     if (extrusion.depth < 0)
@@ -333,7 +335,7 @@ Extrusion ExtrusionOf(const std::vector<ClipMesh> &meshes, const ModelPlacement 
             facing += Normalize(Cross(Vec3d(mesh.points[std::size_t(c)]) - p, Vec3d(mesh.points[std::size_t(b)]) - p));
         }
     }
-    extrusion.terrainAxis = -AxisOf(facing);
+    extrusion.terrainAxis = -LargestAxis(facing);
     return extrusion;
 }
 

@@ -3,6 +3,7 @@
 
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/geometry/faces/draw_surface.h"
+#include "q3map2/geometry/faces/patch_surfaces.h"
 #include "q3map2/geometry/models/model_clip.h"
 #include "q3map2/map/map_parse.h"
 #include "q3map2/map/map_patch.h"
@@ -19,7 +20,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxTriangles = std::size_t(1) << 18;
+constexpr std::size_t kMaxTriangles = std::size_t(1) << 18; ///< of one surface
 constexpr float kMinDensity = 1; ///< smallest edge length to which surfaces are split, game units
 
 DrawVert Mean(const DrawVert &a, const DrawVert &b) {
@@ -37,11 +38,11 @@ DrawVert MiddleOf(const std::vector<DrawVert> &verts) {
     DrawVert middle;
     Vec3d xyz, normal;
     std::array<double, 4> color{};
-    const double share = 1 / double(verts.size());
+    const double weight = 1 / double(verts.size());
     for (const DrawVert &vert : verts) {
-        xyz += Vec3d(vert.xyz) * share, normal += Vec3d(vert.normal);
+        xyz += Vec3d(vert.xyz) * weight, normal += Vec3d(vert.normal);
         for (std::size_t i = 0; i < 4; ++i)
-            color[i] += vert.color[i] * share;
+            color[i] += vert.color[i] * weight;
     }
     middle.xyz = Vec3f(xyz), middle.normal = Vec3f(Normalize(normal));
     for (std::size_t i = 0; i < 4; ++i)
@@ -109,12 +110,7 @@ std::vector<SurfaceTriangle> TrianglesOf(const DrawSurface &surface, const BspCo
     std::vector<SurfaceTriangle> triangles;
     const std::vector<DrawVert> &verts = surface.verts;
     if (surface.kind == SurfaceKind::Patch) {
-        Patch patch;
-        patch.shader = surface.shader;
-        patch.width = surface.width, patch.height = surface.height;
-        patch.verts = verts;
-        patch.longestCurve = surface.longestCurve;
-        const PatchMesh mesh = TessellatePatch(patch, context.options.subdivisions);
+        const PatchMesh mesh = TessellatedSurface(surface, context.options.subdivisions);
         for (const auto &[a, b, c] : MeshTriangles(mesh))
             triangles.push_back({mesh.verts[std::size_t(a)], mesh.verts[std::size_t(b)], mesh.verts[std::size_t(c)]});
     } else if (!surface.indexes.empty()) {
@@ -194,7 +190,7 @@ SurfaceSettings ModelSettings(const MapEntity &entity, const MapEntity &target, 
     return settings;
 }
 
-DrawVert Placed(DrawVert vert, const ModelPlacement &placement, const ShaderInfo &shader) {
+DrawVert PlacedVert(DrawVert vert, const ModelPlacement &placement, const ShaderInfo &shader) {
     const Vec3d point = placement.transform.Point(Vec3d(vert.xyz));
     vert.xyz = Vec3f(point);
     vert.normal = Vec3f(placement.transform.Normal(Vec3d(vert.normal)));
@@ -202,7 +198,7 @@ DrawVert Placed(DrawVert vert, const ModelPlacement &placement, const ShaderInfo
         for (std::size_t axis = 0; axis < 2; ++axis)
             vert.st[axis] = float(Dot(Vec3d(shader.geometry.texGen[axis]), point));
     if (placement.flags & kModelColorToAlpha) {
-        const int gray = (int(vert.color[0]) + vert.color[1] + vert.color[2] + 1) / 3;
+        const int gray = (int(vert.color[0]) + vert.color[1] + vert.color[2] + 1) / 3; // the mean, rounded
         vert.color = {255, 255, 255, std::uint8_t(gray)};
     }
     return vert;
@@ -216,7 +212,7 @@ DrawSurface SurfaceOf(const ModelMesh &mesh, const ModelPlacement &placement, co
     surface.settings = placement.settings;
     surface.fogNum = placement.fogNum;
     for (const DrawVert &vert : mesh.verts) {
-        surface.verts.push_back(Placed(vert, placement, shader));
+        surface.verts.push_back(PlacedVert(vert, placement, shader));
         surface.bounds.Add(surface.verts.back().xyz);
     }
     const bool mirrored = placement.transform.Determinant() < 0;
@@ -254,7 +250,7 @@ ClipMesh ClipMeshOf(const DrawSurface &surface) {
     return mesh;
 }
 
-bool InsideWorld(const DrawSurface &surface) {
+bool IsInsideWorld(const DrawSurface &surface) {
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (!(surface.bounds.mins[axis] >= -kMaxWorldCoord && surface.bounds.maxs[axis] <= kMaxWorldCoord))
             return false;
@@ -266,19 +262,21 @@ bool IsCompiledIn(const MapEntity &entity) {
     return EqualNoCase(entity.pairs.ClassName(), "misc_model") && !keys::kStaticProp.Flag(entity.pairs);
 }
 
-bool BelongsTo(const MapEntity &model, const MapEntity &target, bool world) {
+bool BelongsToWorld(const MapEntity &model) {
+    return keys::kModelTarget.Text(model.pairs).empty();
+}
+
+bool Targets(const MapEntity &model, const MapEntity &target) {
     const std::string_view name = keys::kModelTarget.Text(model.pairs);
-    if (world)
-        return name.empty();
     return !name.empty() && EqualNoCase(name, keys::kTargetName.Text(target.pairs));
 }
 
 void WarnOfLostModels(const Map &map, const BspContext &context) {
     for (const MapEntity &entity : map.entities) {
-        if (!IsCompiledIn(entity) || BelongsTo(entity, map.entities.front(), true))
+        if (!IsCompiledIn(entity) || BelongsToWorld(entity))
             continue;
         const bool found = std::any_of(map.entities.begin() + 1, map.entities.end(), [&](const MapEntity &target) {
-            return (!target.brushes.empty() || !target.patches.empty()) && BelongsTo(entity, target, false);
+            return (!target.brushes.empty() || !target.patches.empty()) && Targets(entity, target);
         });
         if (!found)
             context.log.Warn("model without its target",
@@ -330,7 +328,7 @@ bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &ge
             continue;
         const ShaderInfo &shader = context.shaders.Get(RenamedShader(name, placement, context));
         DrawSurface surface = SurfaceOf(mesh, placement, shader);
-        if (!InsideWorld(surface)) {
+        if (!IsInsideWorld(surface)) {
             context.log.Warn("model outside the world", "{}: the model {} leaves the world and is left out",
                              placement.who, placement.name);
             continue;
@@ -353,7 +351,8 @@ void AddEntityModels(Map &map, MapEntity &target, Geometry &geometry, const BspC
     if (world)
         WarnOfLostModels(map, context);
     for (const MapEntity &entity : map.entities) {
-        if (!IsCompiledIn(entity) || !BelongsTo(entity, target, world))
+        const bool isHere = world ? BelongsToWorld(entity) : Targets(entity, target);
+        if (!IsCompiledIn(entity) || !isHere)
             continue;
         if (const auto placement = PlacementOf(entity, target, map, geometry, context))
             PlaceModel(*placement, target, geometry, map.planes, context);

@@ -44,13 +44,12 @@ struct ModelPlacement {
     ModelTransform transform;
     SurfaceSettings settings;
     unsigned flags = 0;
-    double clipDepth = 2;
+    double clipDepth = 2; ///< of clip brushes behind the triangles, game units
     ShaderRemap shaders;
     int fogNum = -1;
 };
 
-// ---- Models scattered over surfaces by q3map_surfaceModel, with triangles and random numbers,
-// which foliage uses too.
+// ---- Models scattered over surfaces; foliage uses the triangles and random numbers too ----
 
 using SurfaceTriangle = std::array<DrawVert, 3>;
 
@@ -64,7 +63,7 @@ bool Bisect(std::vector<SurfaceTriangle> &triangles, float density);
 class ScatterRandom {
   public:
     explicit ScatterRandom(std::uint32_t seed) : engine_(seed) {}
-    double Next() { return double(engine_()) / 4294967296.0; }
+    double Next() { return double(engine_()) / 0x1p32; }
     double Between(double low, double high) { return low + (high - low) * Next(); }
 
   private:

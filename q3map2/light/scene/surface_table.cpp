@@ -26,16 +26,7 @@ Mesh TessellatePatch(const Bsp &bsp, const bspDrawSurface_t &surface, float long
 }
 
 float LongestCurve(const Bsp &bsp, const bspDrawSurface_t &surface) {
-    const auto control = [&](int x, int y) {
-        return Vec3f(bsp.drawVerts[std::size_t(surface.firstVert + y * surface.patchWidth + x)].xyz);
-    };
-    float longest = 0;
-    for (int y = 0; y + 2 < surface.patchHeight; y += 2)
-        for (int x = 0; x + 2 < surface.patchWidth; x += 2) {
-            longest = std::max(longest, CurveLength(control(x, y), control(x + 1, y), control(x + 2, y)));
-            longest = std::max(longest, CurveLength(control(x, y), control(x, y + 1), control(x, y + 2)));
-        }
-    return longest;
+    return LongestCurve(surface.patchWidth, surface.patchHeight, bsp.drawVerts.data() + surface.firstVert);
 }
 
 // ---- Properties of draw surfaces that lighting needs beyond their .bsp records ----

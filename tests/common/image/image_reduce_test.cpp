@@ -68,6 +68,7 @@ TEST(EncodedImages, DecodeToTheSame) {
     EXPECT_EQ(DecodeImage(EncodeTga(texel, 1, 1, 4, TgaRows::TopFirst), "A.TGA").rgba, texel);
     EXPECT_THROW(DecodeImage(EncodeTga(texel, 1, 1, 4, TgaRows::TopFirst), "a.dds"), Error);
     EXPECT_THROW(EncodePng(texel, 2, 1, 4, "a.png"), Error);
+    EXPECT_THROW(EncodePng(texel, 4, 1, 1, "a.png"), Error) << "it writes RGB and RGBA only";
 }
 
 } // namespace

@@ -25,13 +25,13 @@ Int3 RoundUp(const Vec3f &v) {
     return {int(std::ceil(v.x)), int(std::ceil(v.y)), int(std::ceil(v.z))};
 }
 
-Boundsf Common(const Boundsf &a, const Boundsf &b) {
+Boundsf Intersection(const Boundsf &a, const Boundsf &b) {
     return {Max(a.mins, b.mins), Min(a.maxs, b.maxs)};
 }
 
 // Whether a rectangle (a box without thickness along one axis) shares area with the closed box.
 bool SharesArea(const Boundsf &rectangle, const Boundsf &box) {
-    const Boundsf common = Common(rectangle, box);
+    const Boundsf common = Intersection(rectangle, box);
     if (common.Empty())
         return false;
     for (std::size_t axis = 0; axis < 3; axis++)
@@ -130,7 +130,7 @@ class BspBuilder {
 
     // What can be seen: the part inside the room, unless one box covers all of it.
     void AddFaces(const Box &box, const std::vector<Boundsf> &filled) {
-        const Boundsf visible = Common(box.bounds, interior_);
+        const Boundsf visible = Intersection(box.bounds, interior_);
         if (visible.Empty())
             return;
         for (std::size_t side = 0; side < 6; side++) {

@@ -66,8 +66,8 @@ class TreeBuilder {
         const bool openBehind = wall % 2 != 0;
         const std::size_t node = AddNode(plane, region);
         const auto [front, back] = Halves(region, plane);
-        const int first = openBehind ? AddLeaf(front, true) : AddRoom(wall + 1, front, solids);
-        const int second = openBehind ? AddRoom(wall + 1, back, solids) : AddLeaf(back, true);
+        const int first = openBehind ? AddLeaf(front, Content::Solid) : AddRoom(wall + 1, front, solids);
+        const int second = openBehind ? AddRoom(wall + 1, back, solids) : AddLeaf(back, Content::Solid);
         tree_.nodes[node].children = {first, second};
         return int(node);
     }
@@ -88,9 +88,9 @@ class TreeBuilder {
 
     int AddRegion(const Boundsf &region, const Solids &solids) {
         if (solids.empty())
-            return AddLeaf(region, false);
+            return AddLeaf(region, Content::Open);
         if (std::ranges::any_of(solids, [&](const Boundsf &box) { return Inside(region, box); }))
-            return AddLeaf(region, true);
+            return AddLeaf(region, Content::Solid);
         const Plane plane = Choose(solids, region);
         const std::size_t node = AddNode(plane, region);
         const auto [front, back] = Halves(region, plane);
@@ -105,8 +105,9 @@ class TreeBuilder {
         return tree_.nodes.size() - 1;
     }
 
-    int AddLeaf(const Boundsf &region, bool solid) {
-        tree_.leafs.push_back({region, solid});
+    enum class Content { Open, Solid };
+    int AddLeaf(const Boundsf &region, Content content) {
+        tree_.leafs.push_back({region, content == Content::Solid});
         return -int(tree_.leafs.size());
     }
 

@@ -11,7 +11,7 @@ TracedScene::TracedScene(Bsp map, ShaderLibrary &library, const LightmapOptions 
       setup(bsp, LightInputs{"test", {}, {}}, LightOptions{}, SurfaceDefaultsOf(options), library, log.log),
       table(setup.table),
       jobs(threads), in{bsp, setup.space, setup.scene, table, setup.options, lightmap, setup.world, jobs, log.log} {
-    library.ReleaseImages(true);
+    library.ReleaseImages(KeptImages::OfReflectors);
 }
 
 void TracedScene::Prepare() {

@@ -245,7 +245,7 @@ TEST_F(RunTest, APlainBakeIsExactAtItsPointsForPointLights) {
     SceneBuilder scene = Room();
     scene.AddEntity(PointLight({40, 20, 100}, 300));
     const auto map = Map(scene);
-    const Baked baked = BakePlain(*map, {{-100, -100, 0}, {100, 100, 50}, {3, 3, 2}, 18}, JobPool(1));
+    const Baked baked = BakeBaseline(*map, {{-100, -100, 0}, {100, 100, 50}, {3, 3, 2}, 18}, JobPool(1));
     Truth truth;
     for (const Vec3f &p : {Vec3f{-100, 0, 50}, Vec3f{100, 100, 0}}) {
         std::uint64_t rays = 0;
@@ -265,13 +265,13 @@ TEST_F(RunTest, ThePlainGridIsMeasuredOnMapsThatHoldASparseOne) {
     const BenchMap again(lit.bsp, {"test", {}, {}}, options, Library(), log.log);
     const bspGridSHHeader_t layout{{-300, -300, -300}, {600, 600, 600}, {2, 2, 2}, 8};
     const Vec3f position{10, 20, 30};
-    EXPECT_EQ(ShownBy(BakedFormat::GridSH, BakePlain(again, layout, JobPool(1)).bsp)(position),
-              ShownBy(BakedFormat::GridSH, BakePlain(*map, layout, JobPool(1)).bsp)(position));
+    EXPECT_EQ(ShownBy(BakedFormat::GridSH, BakeBaseline(again, layout, JobPool(1)).bsp)(position),
+              ShownBy(BakedFormat::GridSH, BakeBaseline(*map, layout, JobPool(1)).bsp)(position));
 }
 
 TEST(Hall, HasAsManyLightsAsAskedForWithTheSameLightTogether) {
     for (const int lights : {1, 10}) {
-        const LightHall hall = MakeLightHall(lights, false);
+        const LightHall hall = MakeLightHall(lights, HallLights::Points);
         double sum = 0;
         int found = 0;
         for (const Entity &entity : ParseEntities(hall.bsp.entities, "hall"))
@@ -287,8 +287,8 @@ class ChartTest : public BenchTest {};
 TEST_F(ChartTest, IsWrittenAsPngAndSvg) {
     Chart chart;
     chart.title = "errors & time";
-    chart.x = {"CPU seconds", true};
-    chart.y = {"RMSE", false};
+    chart.x = {"CPU seconds", AxisScale::Logarithmic};
+    chart.y = {"RMSE", AxisScale::Linear};
     chart.series = {{"settings", {{0.1, 3, "fast"}, {0.11, 3.01, "nearly fast"}, {2, 1, "slow"}}, false}};
     chart.level = 0.8;
     chart.levelLabel = "floor";

@@ -24,7 +24,7 @@ class CausesTest : public BenchTest {
     }
     /// Of a grid that has the exact light at its points in the open, and nothing in solid.
     static Cause CauseAt(const BenchMap &map, const Vec3f &position) {
-        const Baked baked = BakePlain(map, kGrid, JobPool(1));
+        const Baked baked = BakeBaseline(map, kGrid, JobPool(1));
         return CauseOf(map, position, ShownBy(BakedFormat::GridSH, baked.bsp)(position));
     }
     static Cause CauseOf(const BenchMap &map, const Vec3f &position, const NormalLight &shown) {

@@ -88,7 +88,7 @@ TEST_F(ErrorPlanTest, RingsTheWorstAndColorsThemByTheirError) {
     const Image image = Written(plan);
     EXPECT_EQ(image.width, 2000);
     const Vec3f worst = truth_.points[1].position;
-    EXPECT_EQ(plan.full, 50); // the scale ends at a round number
+    EXPECT_EQ(plan.fullScaleError, 50); // the scale ends at a round number
     const Vec3f color = ErrorColor(0.8);
     const Texel center = At(image, plan, worst);
     for (std::size_t channel = 0; channel < 3; ++channel)
@@ -108,6 +108,21 @@ TEST_F(ErrorPlanTest, IsAnSvgByItsName) {
     EXPECT_THAT(folder.ReadBack("plan.svg"), testing::HasSubstr("<svg"));
     EXPECT_THROW(WriteErrorPlan(Plan(), folder / "plan.jpg"), Error);
     EXPECT_THROW(WriteErrorPlan(Plan(), folder / "missing/plan.png"), Error);
+}
+
+TEST_F(ErrorPlanTest, CutsTextBetweenCharacters) {
+    const std::string text = "Säule, größer als 20 µm – überall";
+    const auto draw = [&](Drawing &drawing) {
+        EXPECT_EQ(drawing.Fitting(text, 1000), text);
+        for (double width = 0; width < 200; width += 5) {
+            const std::string fitting = drawing.Fitting(text, width);
+            ASSERT_TRUE(fitting.ends_with("..."));
+            const std::size_t kept = fitting.size() - 3;
+            EXPECT_EQ(fitting.substr(0, kept), text.substr(0, kept));
+            EXPECT_NE(text[kept] & 0xC0, 0x80) << "the next byte begins a character; width " << width;
+        }
+    };
+    WriteDrawing(1000, 100, folder / "text.svg", draw);
 }
 
 TEST(ErrorColor, DarkensAllTheWay) {

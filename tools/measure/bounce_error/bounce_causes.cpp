@@ -98,10 +98,6 @@ struct DifferenceSum {
     }
 };
 
-} // namespace
-
-namespace {
-
 /// Sets `window` to the mean of `coarse` over the window of the bake's filter, if it is complete.
 void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, int rays, std::uint64_t seed,
                     BounceSteps &step) {

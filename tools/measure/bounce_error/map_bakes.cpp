@@ -32,7 +32,7 @@ const bench::LightmapSettings &Checked(const bench::LightmapSettings &settings) 
 MapSetup::MapSetup(const MapFiles &map, const bench::LightmapSettings &given)
     : settings(Checked(given)), library_(LibraryOf(map, given.light)),
       light(map.bsp, map.inputs, given.light, SurfaceDefaultsOf(given.lightmap), *library_, map.log) {
-    library_->ReleaseImages(true);
+    library_->ReleaseImages(KeptImages::OfReflectors);
 }
 
 BakedLuxels BakeLuxels(const MapSetup &map, int bounces, const JobPool &jobs, Log &log, SurfaceLight *surfaces) {

@@ -84,7 +84,7 @@ PathHit PathScene::State::HitOf(const Triangle &triangle, float u, float v, bool
     PathHit hit;
     hit.surface = triangle.surface;
     hit.behind = behind;
-    hit.front = behind ? -triangle.normal : triangle.normal;
+    hit.facingNormal = behind ? -triangle.normal : triangle.normal;
     for (std::size_t k = 0; k < 3; ++k) {
         const FaceCorner &corner = triangle.corners[k];
         hit.position += corner.xyz * weights[k];
@@ -138,7 +138,7 @@ void PathScene::FirstHits(const RayPacket &rays, Hits &hits, LaneMask *met) cons
     }
 }
 
-int PathScene::BacksMet(const RayPacket &rays) const {
+int PathScene::CountBackHits(const RayPacket &rays) const {
     alignas(64) RTCRayHit16 found;
     state_->Trace(rays, found);
     int backs = 0;

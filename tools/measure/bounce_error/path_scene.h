@@ -16,7 +16,7 @@ inline constexpr float kMaxReflectance = 0.99f;
 struct PathHit {
     int surface = -1;
     Vec3f position;
-    Vec3f front;                  ///< unit normal of the triangle, on the side that the ray came from
+    Vec3f facingNormal;           ///< unit normal of the triangle, on the side that the ray came from
     Vec3f normal;                 ///< interpolated unit normal of the surface, on its front
     bool behind = false;          ///< whether the ray hit the back of a two-sided surface
     std::array<float, 2> luxel{}; ///< coordinates in the super grid of its raw lightmap
@@ -29,7 +29,7 @@ struct PathHit {
 /// image at a hit. Const after construction; safe from several threads.
 class PathScene {
   public:
-    /// Keeps references. Images must still be loaded: use ShaderLibrary::ReleaseImages(true).
+    /// Keeps references. Images must still be loaded: use ShaderLibrary::ReleaseImages(KeptImages::OfReflectors).
     PathScene(const SurfaceInputs &in, const SurfaceLight &surfaces);
     ~PathScene();
 
@@ -39,7 +39,7 @@ class PathScene {
     void FirstHits(const RayPacket &rays, Hits &hits, LaneMask *met = nullptr) const;
 
     /// Number of live rays whose first hit is the back of a one-sided surface.
-    int BacksMet(const RayPacket &rays) const;
+    int CountBackHits(const RayPacket &rays) const;
 
     /// Reflectance of a surface at texture coordinates.
     Vec3f ReflectanceAt(std::size_t surface, const std::array<float, 2> &st) const;

@@ -142,9 +142,9 @@ class PathTracer::Group {
             return;
         }
         path.throughput = path.throughput / survival;
-        path.origin = hit.position + hit.front * kPathLift;
+        path.origin = hit.position + hit.facingNormal * kPathLift;
         path.direction = CosineDirection(hit.behind ? -hit.normal : hit.normal, path.random.Unit2());
-        if (Dot(path.direction, hit.front) <= 0)
+        if (Dot(path.direction, hit.facingNormal) <= 0)
             path.throughput = {};
     }
 
@@ -193,7 +193,7 @@ SurfacePoint PathTracer::ReceiverAt(const PathHit &hit) const {
     const SurfaceEntry &entry = in_.table[std::size_t(hit.surface)];
     const float offset = entry.shader->lightmap.sampleOffset;
     SurfacePoint at;
-    const Vec3f outward = hit.behind ? -hit.front : hit.front;
+    const Vec3f outward = hit.behind ? -hit.facingNormal : hit.facingNormal;
     at.position = hit.position + outward * (offset != 0 ? offset : kReceiverLift);
     at.normal = hit.normal;
     at.cluster = in_.space.ClusterAt(at.position, 0);

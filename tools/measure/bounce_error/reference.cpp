@@ -103,10 +103,6 @@ void StoreReference(const std::filesystem::path &path, const std::string &key, c
     ReplaceFile(path, bytes);
 }
 
-} // namespace
-
-namespace {
-
 /// Triangles of surfaces with lightmaps, to be drawn by area.
 class MappedArea {
   public:
@@ -171,7 +167,7 @@ bool IsClear(const SurfaceInputs &in, const PathScene &scene, const Vec3f &place
         for (std::size_t i = 0; i < kPacketSize; ++i)
             rays.Set(i, place, CosineDirection(normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), 0)),
                      1e6f);
-        backs += scene.BacksMet(rays);
+        backs += scene.CountBackHits(rays);
     }
     return backs <= int(kMostBacks * kPlaceRays);
 }

@@ -44,7 +44,7 @@ void Print(const std::vector<std::string> &names, const std::vector<MapErrors> &
     }
     fmt::print("| stored light of the own normal against the reference | |");
     for (const MapErrors &map : maps)
-        fmt::print(" {:.2f} |", map.reference);
+        fmt::print(" {:.2f} |", map.flatAgainstTraced);
     fmt::print(" |\n\n| CPU time over flat |");
     for (const std::string &name : names)
         fmt::print(" {} |", name);
@@ -88,7 +88,7 @@ int Run(const std::vector<std::string> &words) {
         for (const bspShader_t &shader : bsp.shaders)
             library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
         const LightSetup setup(bsp, inputs, light, SurfaceDefaultsOf(options), library, log);
-        library.ReleaseImages(bounces > 0);
+        library.ReleaseImages(bounces > 0 ? KeptImages::OfReflectors : KeptImages::SeeThrough);
         names.push_back(inputs.name);
         maps.push_back(Measure(setup, options, std::size_t(luxels), normals, rays, jobs, log));
     }

@@ -101,8 +101,8 @@ Encoding RnmEncoding(const std::string &name, double bytes, Rnm kind, Store stor
 }
 
 /// Texels without occlusion, so that only the light differs from RNM.
-Encoding SsbumpEncoding(const std::string &name, double bytes, bool rescaled, Store store) {
-    return {name, bytes, [rescaled, store](const LuxelSample &luxel, const Vec3f &n) {
+Encoding SsbumpEncoding(const std::string &name, double bytes, Rnm kind, Store store) {
+    return {name, bytes, [rescaled = kind == Rnm::Rescaled, store](const LuxelSample &luxel, const Vec3f &n) {
                 RnmLight light{luxel.onBasis};
                 if (rescaled)
                     light = RescaleToFlat(light, luxel.flat);
@@ -118,14 +118,17 @@ Encoding SsbumpEncoding(const std::string &name, double bytes, bool rescaled, St
             }};
 }
 
-Encoding L1Encoding(const std::string &name, double bytes, bool corrected, Store store) {
-    return {name, bytes, [corrected, store](const LuxelSample &luxel, const Vec3f &n) {
+/// Whether a decoded value is corrected so that it equals the flat light at the luxel's normal.
+enum class FlatLight { Unused, Corrects };
+
+Encoding L1Encoding(const std::string &name, double bytes, FlatLight flat, Store store) {
+    return {name, bytes, [flat, store](const LuxelSample &luxel, const Vec3f &n) {
                 float sh[4][3], rgb[3];
                 for (std::size_t i = 0; i < 4; ++i) {
                     const C3 one(store(luxel.sh[i]));
                     std::copy_n(one.value, 3, sh[i]);
                 }
-                if (corrected)
+                if (flat == FlatLight::Corrects)
                     directional_l1_with_flat(&sh[0][0], C3(store(luxel.flat)).value, C3(luxel.normal).value,
                                              C3(n).value, rgb);
                 else
@@ -200,12 +203,12 @@ std::vector<Encoding> AllEncodings() {
             RnmEncoding("RNM rescaled, squared, float", 36, Rnm::RescaledSquared, AsFloat),
             RnmEncoding("RNM rescaled, squared, bytes", 9, Rnm::RescaledSquared, AsBytes),
             RnmEncoding("RNM rescaled, squared, E5BGR9", 12, Rnm::RescaledSquared, AsE5bgr9),
-            SsbumpEncoding("SSBump on raw, float", 36, false, AsFloat),
-            SsbumpEncoding("SSBump on rescaled, float", 36, true, AsFloat),
-            SsbumpEncoding("SSBump on rescaled, bytes", 9, true, AsBytes),
-            L1Encoding("L1 SH, float", 48, false, AsFloat),
-            L1Encoding("L1 SH, corrected by flat, float", 60, true, AsFloat),
-            L1Encoding("L1 SH, corrected by flat, half", 30, true, AsHalf),
+            SsbumpEncoding("SSBump on raw, float", 36, Rnm::Raw, AsFloat),
+            SsbumpEncoding("SSBump on rescaled, float", 36, Rnm::Rescaled, AsFloat),
+            SsbumpEncoding("SSBump on rescaled, bytes", 9, Rnm::Rescaled, AsBytes),
+            L1Encoding("L1 SH, float", 48, FlatLight::Unused, AsFloat),
+            L1Encoding("L1 SH, corrected by flat, float", 60, FlatLight::Corrects, AsFloat),
+            L1Encoding("L1 SH, corrected by flat, half", 30, FlatLight::Corrects, AsHalf),
             LightmassFloat("Lightmass high, float", lightmass::kHigh),
             LightmassStored("Lightmass high, bytes", 8, lightmass::kHigh),
             LightmassStored("Lightmass low, bytes", 7, lightmass::kLow)};

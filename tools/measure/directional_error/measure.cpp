@@ -39,20 +39,20 @@ std::vector<BakeTime> MeasureTimes(const LightSetup &setup, const LightmapOption
                                    Log &log) {
     struct Kind {
         std::string name;
-        bool deluxe, rnm, sh;
+        bool deluxe = false, rnm = false, sh = false;
     };
-    const Kind kinds[] = {{"flat", false, false, false},
-                          {"deluxe", true, false, false},
-                          {"RNM", false, true, false},
-                          {"L1 SH", false, false, true},
-                          {"RNM and L1 SH", false, true, true}};
+    const Kind kinds[] = {{.name = "flat"},
+                          {.name = "deluxe", .deluxe = true},
+                          {.name = "RNM", .rnm = true},
+                          {.name = "L1 SH", .sh = true},
+                          {.name = "RNM and L1 SH", .rnm = true, .sh = true}};
     constexpr int kRepeats = 3;
     std::vector<double> least(std::size(kinds), 1e30);
     for (int repeat = 0; repeat < kRepeats; ++repeat)
         for (std::size_t i = 0; i < std::size(kinds); ++i) {
-            LightmapOptions own = options;
-            own.deluxe = kinds[i].deluxe, own.rnm = kinds[i].rnm, own.lightmass = kinds[i].sh;
-            least[i] = std::min(least[i], LuxelBake(setup, own, jobs, log).CpuSeconds());
+            LightmapOptions measured = options;
+            measured.deluxe = kinds[i].deluxe, measured.rnm = kinds[i].rnm, measured.lightmass = kinds[i].sh;
+            least[i] = std::min(least[i], LuxelBake(setup, measured, jobs, log).CpuSeconds());
         }
     std::vector<BakeTime> times;
     for (std::size_t i = 0; i < std::size(kinds); ++i)
@@ -71,22 +71,24 @@ MapErrors Measure(const LightSetup &setup, const LightmapOptions &given, std::si
     std::map<std::size_t, lightmass::Lightmap> encoded;
     const std::vector<LuxelSample> samples = MakeSamples(bake, places, encoded);
     const std::vector<Encoding> encodings = AllEncodings();
+    /// Squared differences of displayed light at a luxel.
     struct Sums {
-        std::vector<double> over, atFlat;
-        double reference = 0;
+        std::vector<double> overNormals; ///< by encoding: against traced light, summed over normals
+        std::vector<double> atFlat;      ///< by encoding: against the flat light, at the luxel's normal
+        double flatAgainstTraced = 0;
     };
     std::vector<Sums> sums(places.size());
     jobs.For(std::int64_t(places.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
         const std::vector<Vec3f> around = NormalsAround(samples[i].normal, normals);
         const std::vector<Vec3f> truth = bake.LightOn(places[i], around, rays);
-        const Vec3f own = bake.LightOn(places[i], {&samples[i].normal, 1}, rays)[0];
-        sums[i].reference = SquaredDifference(samples[i].flat, own / 255);
+        const Vec3f traced = bake.LightOn(places[i], {&samples[i].normal, 1}, rays)[0];
+        sums[i].flatAgainstTraced = SquaredDifference(samples[i].flat, traced / 255);
         for (const Encoding &encoding : encodings) {
-            double over = 0;
+            double overNormals = 0;
             for (std::size_t n = 0; n < around.size(); ++n)
-                over += SquaredDifference(encoding.decode(samples[i], around[n]), truth[n] / 255);
-            sums[i].over.push_back(over);
+                overNormals += SquaredDifference(encoding.decode(samples[i], around[n]), truth[n] / 255);
+            sums[i].overNormals.push_back(overNormals);
             sums[i].atFlat.push_back(
                 SquaredDifference(encoding.decode(samples[i], samples[i].normal), samples[i].flat));
         }
@@ -94,16 +96,16 @@ MapErrors Measure(const LightSetup &setup, const LightmapOptions &given, std::si
     MapErrors errors;
     errors.luxels = places.size();
     for (std::size_t e = 0; e < encodings.size(); ++e) {
-        double over = 0, atFlat = 0;
+        double overNormals = 0, atFlat = 0;
         for (const Sums &one : sums)
-            over += one.over[e], atFlat += one.atFlat[e];
+            overNormals += one.overNormals[e], atFlat += one.atFlat[e];
         const double count = 3 * std::max(1.0, double(places.size()));
-        errors.encodings.push_back({encodings[e].name, encodings[e].bytes, std::sqrt(over / (count * double(normals))),
-                                    std::sqrt(atFlat / count)});
+        errors.encodings.push_back({encodings[e].name, encodings[e].bytes,
+                                    std::sqrt(overNormals / (count * double(normals))), std::sqrt(atFlat / count)});
     }
     for (const Sums &one : sums)
-        errors.reference += one.reference / (3 * std::max(1.0, double(places.size())));
-    errors.reference = std::sqrt(errors.reference);
+        errors.flatAgainstTraced += one.flatAgainstTraced / (3 * std::max(1.0, double(places.size())));
+    errors.flatAgainstTraced = std::sqrt(errors.flatAgainstTraced);
     errors.times = MeasureTimes(setup, given, jobs, log);
     return errors;
 }

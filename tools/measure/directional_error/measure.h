@@ -23,12 +23,14 @@ struct BakeTime {
 
 struct MapErrors {
     std::size_t luxels = 0;
-    double reference = 0; ///< displayed RMSE between the stored flat light and the reference for the own normal
+    double flatAgainstTraced =
+        0; ///< displayed RMSE of the stored flat light against traced light at the luxel's normal
     std::vector<EncodingError> encodings;
     std::vector<BakeTime> times;
 };
 
-/// Compares the encodings at `luxels` luxels, for `normals` normals within 60 degrees of each. Errors: as LightWorld.
+/// Compares the encodings with light traced by `rays` rays, at `luxels` luxels, for `normals` normals within 60 degrees
+/// of each. Errors: as LightWorld.
 MapErrors Measure(const LightSetup &setup, const LightmapOptions &options, std::size_t luxels, int normals, int rays,
                   const JobPool &jobs, Log &log);
 

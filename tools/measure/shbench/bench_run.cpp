@@ -123,7 +123,7 @@ std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, c
     if (!settings.baselines)
         return all;
     all.push_back({{std::string(kPlainName), "one ray per light and point", BakedFormat::GridSH, {}, {}, {}},
-                   [&map, &jobs, layout] { return BakePlain(map, layout, jobs); }});
+                   [&map, &jobs, layout] { return BakeBaseline(map, layout, jobs); }});
     const LightOptions options = LightOptionsFrom(settings.options, game);
     add(kLegacyName, "no -sh", BakedFormat::LegacyGrid, options);
     add(kCubesName, "-ambientcubes", BakedFormat::AmbientCubes, options);

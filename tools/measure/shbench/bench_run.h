@@ -20,7 +20,7 @@ struct BenchSettings {
     std::string options;            ///< light options of the reference and all bakes; a bake's own follow them
     int repeats = 1;
     bool raw = true;
-    bool baselines = true;       ///< measures BakePlain and the legacy grid as well
+    bool baselines = true;       ///< measures BakeBaseline and the legacy grid as well
     double rawSeconds = 1;       ///< CPU time of each measurement of bare Embree
     std::filesystem::path cache; ///< folder of reference light; empty: none
     std::string worstOf = std::string(kDefaultName);

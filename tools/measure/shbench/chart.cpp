@@ -26,8 +26,8 @@ constexpr std::array<Color, 5> kSeriesColors = {
 class Painter {
   public:
     Painter(const Chart &chart, Drawing &drawing)
-        : chart_(chart), drawing_(drawing), canvas_(drawing.Canvas()), x_(Values(true), chart.x.log, kLeft, kRight),
-          y_(Values(false), chart.y.log, kBottom, kTop) {}
+        : chart_(chart), drawing_(drawing), canvas_(drawing.Canvas()), x_(XValues(), chart.x.scale, kLeft, kRight),
+          y_(YValues(), chart.y.scale, kBottom, kTop) {}
 
     void Draw() {
         DrawAxes();
@@ -43,12 +43,17 @@ class Painter {
     }
 
   private:
-    std::vector<double> Values(bool ofX) const {
+    std::vector<double> Coordinates(double ChartPoint::*axis) const {
         std::vector<double> values;
         for (const ChartSeries &series : chart_.series)
             for (const ChartPoint &point : series.points)
-                values.push_back(ofX ? point.x : point.y);
-        if (!ofX && chart_.level)
+                values.push_back(point.*axis);
+        return values;
+    }
+    std::vector<double> XValues() const { return Coordinates(&ChartPoint::x); }
+    std::vector<double> YValues() const {
+        std::vector<double> values = Coordinates(&ChartPoint::y);
+        if (chart_.level)
             values.push_back(*chart_.level);
         return values;
     }

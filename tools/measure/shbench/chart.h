@@ -22,9 +22,14 @@ struct ChartSeries {
     int color = -1; ///< number in the list of colors, so that a kind looks alike in all charts; -1: its own number
 };
 
+enum class AxisScale {
+    Linear,
+    Logarithmic, ///< values at or under 0 are left out
+};
+
 struct ChartAxis {
     std::string title;
-    bool log = false; ///< values at or under 0 are left out
+    AxisScale scale = AxisScale::Linear;
 };
 
 struct Chart {

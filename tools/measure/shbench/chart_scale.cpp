@@ -15,8 +15,8 @@ constexpr double kWantedTicks = 6;
 
 } // namespace
 
-ChartScale::ChartScale(const std::vector<double> &values, bool log, double start, double end)
-    : log_(log), start_(start), end_(end) {
+ChartScale::ChartScale(const std::vector<double> &values, AxisScale scale, double start, double end)
+    : log_(scale == AxisScale::Logarithmic), start_(start), end_(end) {
     bool any = false;
     for (const double value : values) {
         if (!Shows(value) || !std::isfinite(value))

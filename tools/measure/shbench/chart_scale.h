@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Axis of a chart: range, ticks, from values to picture units. Internal to the chart.
 #pragma once
 
+#include "tools/shbench/chart.h"
+
 #include <string>
 #include <vector>
 
@@ -9,7 +11,7 @@ namespace q3::bench {
 class ChartScale {
   public:
     /// Covers the values with a margin; a scale of positive values does not go under 0.
-    ChartScale(const std::vector<double> &values, bool log, double start, double end);
+    ChartScale(const std::vector<double> &values, AxisScale scale, double start, double end);
     double At(double value) const;
     bool Shows(double value) const { return !log_ || value > 0; }
     double Low() const { return low_; }

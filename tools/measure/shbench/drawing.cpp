@@ -56,6 +56,18 @@ double Drawing::TextWidth(const std::string &text, double size) {
     return extents.x_advance;
 }
 
+std::string Drawing::Fitting(std::string text, double width, double size) {
+    if (TextWidth(text, size) <= width)
+        return text;
+    const auto isContinuation = [](char byte) { return (byte & 0xC0) == 0x80; };
+    while (!text.empty() && TextWidth(text + "...", size) > width) {
+        while (text.size() > 1 && isContinuation(text.back()))
+            text.pop_back();
+        text.pop_back();
+    }
+    return text + "...";
+}
+
 void Drawing::Text(double x, double y, double align, const std::string &text, double size) {
     cairo_move_to(canvas_, x - align * TextWidth(text, size), y);
     cairo_show_text(canvas_, text.c_str());

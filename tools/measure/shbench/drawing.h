@@ -33,6 +33,8 @@ class Drawing {
     cairo_t *Canvas() { return canvas_; }
     void Use(const Color &color);
     double TextWidth(const std::string &text, double size = kText);
+    /// The text or, if that is wider, as many of its characters (UTF-8) as fit into the width with "..." after them.
+    std::string Fitting(std::string text, double width, double size = kText);
     /// align 0: x is the left end, 0.5: the middle, 1: the right end. y: base line.
     void Text(double x, double y, double align, const std::string &text, double size = kText);
     void Line(double x0, double y0, double x1, double y1);

@@ -196,7 +196,7 @@ ErrorPlan MakeErrorPlan(const BenchMap &map, const PlanInputs &in, const JobPool
     plan.shares = SharesByCause(in.causes, in.errors);
     plan.area = AreaOf(plan.dots);
     plan.height = MedianHeight(plan);
-    plan.full = EndOfScale(plan.dots);
+    plan.fullScaleError = EndOfScale(plan.dots);
     ProbeGround(map, plan, jobs);
     return plan;
 }

@@ -35,9 +35,9 @@ struct ErrorPlan {
     std::vector<Vec3f> lights;
     std::size_t suns = 0; ///< lights without a place
     std::array<CauseShare, kCauses> shares{};
-    Boundsf area;     ///< what is drawn; z: the heights of the positions
-    float height = 0; ///< z of the plan
-    double full = 1;  ///< error at the end of the color scale
+    Boundsf area;              ///< what is drawn; z: the heights of the positions
+    float height = 0;          ///< z of the plan
+    double fullScaleError = 1; ///< error at the end of the color scale
     int columns = 0, rows = 0;
     std::vector<PlanGround> ground; ///< row by row, north first
 };

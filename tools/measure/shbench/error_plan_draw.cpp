@@ -21,16 +21,18 @@ constexpr double kPlanWidth = 1000, kSideLeft = 662, kSideRight = 976, kBottomMa
 constexpr double kRing = 8, kMinDot = 1.6, kMaxDot = 4.2, kCross = 3;
 constexpr double kCrossRaster = 8; ///< one cross stands for all lights in a square of it
 constexpr double kLineHeight = 19; ///< of text
+constexpr double kTextLeft = 24;   ///< left end of title and subtitle
 constexpr double kSmall = 12;      ///< text in lists
 constexpr std::size_t kMaxListed = 24;
 constexpr float kLevelHeight = 96; ///< positions farther off the plan's height get dashed rings; game units
 constexpr Color kSolid{0.74, 0.76, 0.79}, kElsewhere{0.90, 0.91, 0.92}, kOpen{1, 1, 1}, kStepLine{0.68, 0.70, 0.74},
     kLight{0.05, 0.35, 0.85};
 constexpr std::array<Color, 4> kGroundColors = {kSolid, kElsewhere, kOpen, kStepLine}; ///< by PlanGround
-constexpr std::array<Vec3f, 4> kScale = {
+/// Colors of errors from none to full scale, with equal steps between.
+constexpr std::array<Vec3f, 4> kErrorRamp = {
     {{0.86f, 0.85f, 0.76f}, {0.99f, 0.71f, 0.29f}, {0.84f, 0.19f, 0.15f}, {0.30f, 0.00f, 0.24f}}};
 
-Color ColorOf(double share) {
+Color ColorOf(double share) { // of the error at full scale
     const Vec3f rgb = ErrorColor(share);
     return {double(rgb.x), double(rgb.y), double(rgb.z)};
 }
@@ -45,10 +47,10 @@ class PlanPainter {
 
     void Draw() {
         drawing_.Use(kInk);
-        drawing_.Text(24, 36, 0, plan_.title, 20);
+        drawing_.Text(kTextLeft, 36, 0, plan_.title, 20);
         drawing_.Use(kFaded);
-        drawing_.Text(24, 60, 0, Fitting(plan_.subtitle, kPlanWidth - 48));
-        drawing_.Text(24, 80, 0,
+        drawing_.Text(kTextLeft, 60, 0, drawing_.Fitting(plan_.subtitle, kPlanWidth - 2 * kTextLeft));
+        drawing_.Text(kTextLeft, 80, 0,
                       "floor: error of the exact L2 projection, the best that can be stored; grid error: "
                       "difference from it");
         cairo_save(canvas_);
@@ -67,16 +69,19 @@ class PlanPainter {
     }
 
   private:
+    enum class Level { Plan, Other }; ///< whether a position is at the height of the plan
+
     double X(const Vec3f &p) const { return frame_.x + double(p.x - plan_.area.mins.x) * frame_.scale; }
     double Y(const Vec3f &p) const { return frame_.y + double(plan_.area.maxs.y - p.y) * frame_.scale; }
-    bool OnOtherLevel(const Vec3f &p) const { return std::abs(p.z - plan_.height) > kLevelHeight; }
+    Level LevelOf(const Vec3f &p) const {
+        return std::abs(p.z - plan_.height) > kLevelHeight ? Level::Other : Level::Plan;
+    }
     std::size_t Listed() const { return std::min(plan_.rings.size(), kMaxListed); }
-    std::string Fitting(std::string text, double width);
     void DrawGround();
     void DrawDots();
     void DrawLights();
     void DrawCross(double x, double y);
-    void DrawRing(double x, double y, bool otherLevel);
+    void DrawRing(double x, double y, Level level);
     void DrawRings();
     void DrawFrame();
     double DrawScale(double y);
@@ -92,19 +97,13 @@ class PlanPainter {
 
 double PlanPainter::Height(const ErrorPlan &plan) {
     const std::size_t listed = std::min(plan.rings.size(), kMaxListed);
-    const double lines = double(listed + (plan.rings.size() > listed ? 1 : 0)) + double(kCauses) + 10;
+    constexpr double kKeyLines = 10;                      // of the key and of the headings of both lists
+    constexpr double kScaleHeight = 90, kSideMargin = 24; // the color scale above the lines, and space below them
+    const bool cutShort = plan.rings.size() > listed;     // "and N more" takes a line
+    const double lines = double(listed + (cutShort ? 1 : 0)) + double(kCauses) + kKeyLines;
     const PlanFrame frame = FrameOf(plan.area);
-    return std::ceil(std::max(frame.y + frame.height + kBottomMargin, frame.y + 90 + lines * kLineHeight + 24));
-}
-
-std::string PlanPainter::Fitting(std::string text, double width) {
-    if (drawing_.TextWidth(text) <= width)
-        return text;
-    while (!text.empty() && drawing_.TextWidth(text + "...") > width)
-        do
-            text.pop_back();
-        while (!text.empty() && (text.back() & 0xC0) == 0x80); // whole UTF-8 characters only
-    return text + "...";
+    const double planEnd = frame.y + frame.height + kBottomMargin;
+    return std::ceil(std::max(planEnd, frame.y + kScaleHeight + lines * kLineHeight + kSideMargin));
 }
 
 void PlanPainter::DrawGround() {
@@ -140,7 +139,7 @@ void PlanPainter::DrawDots() {
                      [&](std::size_t a, std::size_t b) { return plan_.dots[a].error < plan_.dots[b].error; });
     for (const std::size_t i : order) {
         const PlanDot &dot = plan_.dots[i];
-        const double share = std::min(1.0, dot.error / plan_.full);
+        const double share = std::min(1.0, dot.error / plan_.fullScaleError);
         drawing_.Use(ColorOf(share));
         drawing_.Dot(X(dot.position), Y(dot.position), kMinDot + share * (kMaxDot - kMinDot));
     }
@@ -164,14 +163,14 @@ void PlanPainter::DrawLights() {
     }
 }
 
-void PlanPainter::DrawRing(double x, double y, bool otherLevel) {
+void PlanPainter::DrawRing(double x, double y, Level level) {
     const double dashes[2] = {3, 2.5};
     drawing_.Use({1, 1, 1, 0.85});
     cairo_set_line_width(canvas_, 4);
     drawing_.Ring(x, y, kRing);
     drawing_.Use(kInk);
     cairo_set_line_width(canvas_, 1.6);
-    cairo_set_dash(canvas_, dashes, otherLevel ? 2 : 0, 0);
+    cairo_set_dash(canvas_, dashes, level == Level::Other ? 2 : 0, 0);
     drawing_.Ring(x, y, kRing);
     cairo_set_dash(canvas_, nullptr, 0, 0);
 }
@@ -184,7 +183,7 @@ void PlanPainter::DrawRings() {
     }
     for (std::size_t i = plan_.rings.size(); i-- > 0;) { // the worst on top
         const Vec3f &p = plan_.dots[plan_.rings[i].dot].position;
-        DrawRing(X(p), Y(p), OnOtherLevel(p));
+        DrawRing(X(p), Y(p), LevelOf(p));
     }
     for (std::size_t i = 0; i < plan_.rings.size(); ++i) {
         const Vec3f &p = plan_.dots[plan_.rings[i].dot].position;
@@ -233,8 +232,8 @@ double PlanPainter::DrawScale(double y) {
     }
     drawing_.Use(kFaded);
     drawing_.Text(kSideLeft, bottom + 17, 0, "0");
-    drawing_.Text((kSideLeft + kSideRight) / 2, bottom + 17, 0.5, fmt::format("{:g}", plan_.full / 2));
-    drawing_.Text(kSideRight, bottom + 17, 1, fmt::format("{:g} and more", plan_.full));
+    drawing_.Text((kSideLeft + kSideRight) / 2, bottom + 17, 0.5, fmt::format("{:g}", plan_.fullScaleError / 2));
+    drawing_.Text(kSideRight, bottom + 17, 1, fmt::format("{:g} and more", plan_.fullScaleError));
     return bottom + 20;
 }
 
@@ -268,9 +267,9 @@ double PlanPainter::DrawKey(double y) {
     if (plan_.suns > 0)
         lights += fmt::format("; {} {} not drawn", plan_.suns, plan_.suns == 1 ? "sun is" : "suns are");
     line(lights);
-    DrawRing(symbol, y, false);
+    DrawRing(symbol, y, Level::Plan);
     line("worst positions, numbered as below");
-    DrawRing(symbol, y, true);
+    DrawRing(symbol, y, Level::Other);
     line(fmt::format("the same, over {:.0f} units off the plan", double(kLevelHeight)));
     return y - kLineHeight / 2;
 }
@@ -315,10 +314,10 @@ void PlanPainter::DrawShares(double y) {
 } // namespace
 
 Vec3f ErrorColor(double share) {
-    const double at = std::clamp(share, 0.0, 1.0) * double(kScale.size() - 1);
-    const std::size_t low = std::min(std::size_t(at), kScale.size() - 2);
+    const double at = std::clamp(share, 0.0, 1.0) * double(kErrorRamp.size() - 1);
+    const std::size_t low = std::min(std::size_t(at), kErrorRamp.size() - 2);
     const float part = float(at - double(low));
-    return kScale[low] * (1 - part) + kScale[low + 1] * part;
+    return kErrorRamp[low] * (1 - part) + kErrorRamp[low + 1] * part;
 }
 
 void WriteErrorPlan(const ErrorPlan &plan, const std::filesystem::path &file) {

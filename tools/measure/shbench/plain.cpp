@@ -50,7 +50,7 @@ bspGridPointSH_t LightPoint(const BenchMap &map, const Vec3f &position, std::uin
 
 } // namespace
 
-Baked BakePlain(const BenchMap &map, const bspGridSHHeader_t &layout, const JobPool &jobs) {
+Baked BakeBaseline(const BenchMap &map, const bspGridSHHeader_t &layout, const JobPool &jobs) {
     const double start = CpuSeconds();
     Baked baked;
     baked.bsp = map.bsp;
@@ -81,7 +81,8 @@ Baked BakePlain(const BenchMap &map, const bspGridSHHeader_t &layout, const JobP
     baked.cost.rays = rays;
     baked.cost.points = layout.numPoints;
     baked.cost.litPoints = lit;
-    baked.cost.bytes = 40 + 108 * std::int64_t(layout.numPoints);
+    baked.cost.bytes =
+        std::int64_t(sizeof(bspGridSHHeader_t)) + std::int64_t(sizeof(bspGridPointSH_t)) * layout.numPoints;
     return baked;
 }
 

@@ -8,6 +8,6 @@ namespace q3::bench {
 /// Same points as `layout`. At each point that is not in solid or void, every light is traced by one ray toward its
 /// center; area lights count as points with the emitter's cosine. Nothing is skipped and nothing filled: other points
 /// are zero.
-Baked BakePlain(const BenchMap &map, const bspGridSHHeader_t &layout, const JobPool &jobs);
+Baked BakeBaseline(const BenchMap &map, const bspGridSHHeader_t &layout, const JobPool &jobs);
 
 } // namespace q3::bench

@@ -175,8 +175,8 @@ Chart ErrorChart(const BenchReport &report) {
     chart.title = fmt::format("{}: error of the SH grid against time", report.map);
     chart.subtitle = fmt::format("{} positions, 26 normals; {} lights, {} of them area lights", report.positions,
                                  report.lights, report.areaLights);
-    chart.x = {"CPU seconds (logarithmic)", true};
-    chart.y = {"displayed RMSE, bytes of 255", false};
+    chart.x = {"CPU seconds (logarithmic)", AxisScale::Logarithmic};
+    chart.y = {"displayed RMSE, bytes of 255", AxisScale::Linear};
     ChartSeries settings{"settings", {}, false}, plain{"one ray per light", {}, false};
     for (const BenchLine &line : report.lines)
         if (IsDrawn(line))
@@ -198,8 +198,8 @@ Chart SizeChart(const BenchReport &report) {
     Chart chart;
     chart.title = fmt::format("{}: error of the SH grid against its size", report.map);
     chart.subtitle = fmt::format("{} positions, 26 normals; floor {:.2f}", report.positions, report.floor);
-    chart.x = {"megabytes (logarithmic)", true};
-    chart.y = {"grid error, bytes of 255 (logarithmic)", true};
+    chart.x = {"megabytes (logarithmic)", AxisScale::Logarithmic};
+    chart.y = {"grid error, bytes of 255 (logarithmic)", AxisScale::Logarithmic};
     std::vector<ChartSeries> families;
     for (const BenchLine &line : report.lines) {
         if (!IsDrawn(line) || line.name == kPlainName)
@@ -207,10 +207,10 @@ Chart SizeChart(const BenchReport &report) {
         const std::string name = FamilyOf(line);
         auto family = std::ranges::find(families, name, &ChartSeries::name);
         if (family == families.end())
-            family = families.insert(family, {name, {}, true, FamilyColor(name)});
+            family = families.insert(family, {.name = name, .points = {}, .joined = true, .color = FamilyColor(name)});
         family->points.push_back({double(line.cost.bytes) / 1e6, line.errors.grid, line.name});
     }
-    ChartSeries others{std::string(kOthers), {}, false, FamilyColor(kOthers)};
+    ChartSeries others{.name = std::string(kOthers), .points = {}, .joined = false, .color = FamilyColor(kOthers)};
     for (ChartSeries &family : families) {
         if (family.points.size() == 1 && family.name.find(' ') != std::string::npos) {
             others.points.push_back(family.points.front());

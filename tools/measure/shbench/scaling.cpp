@@ -25,10 +25,10 @@ constexpr double kTotalLampValue = 2'000'000; ///< q3map_surfacelight of all lam
 constexpr float kLampSize = 16;
 constexpr std::string_view kLampShader = "textures/shbench/lamp";
 
-/// A game folder with one script, removed at the end.
-class ScriptFolder {
+/// A temporary folder, removed at the end.
+class TemporaryFolder {
   public:
-    explicit ScriptFolder(const std::string &script) {
+    TemporaryFolder() {
         GError *error = nullptr;
         const std::unique_ptr<char, void (*)(void *)> path(g_dir_make_tmp("shbench-XXXXXX", &error), g_free);
         if (!path) {
@@ -36,23 +36,26 @@ class ScriptFolder {
             g_error_free(error);
             throw Error("cannot make a temporary folder: {}", reason);
         }
-        root_ = path.get();
-        std::filesystem::create_directories(root_ / "scripts");
-        Write("scripts/shaderlist.txt", "shbench\n");
-        Write("scripts/shbench.shader", script);
+        path_ = path.get();
     }
-    ~ScriptFolder() {
+    ~TemporaryFolder() {
         std::error_code ignored;
-        std::filesystem::remove_all(root_, ignored);
+        std::filesystem::remove_all(path_, ignored);
     }
-    ScriptFolder(const ScriptFolder &) = delete;
-    ScriptFolder &operator=(const ScriptFolder &) = delete;
-    const std::filesystem::path &Root() const { return root_; }
+    TemporaryFolder(const TemporaryFolder &) = delete;
+    TemporaryFolder &operator=(const TemporaryFolder &) = delete;
+    const std::filesystem::path &Path() const { return path_; }
 
   private:
-    void Write(std::string_view name, const std::string &text) const { ReplaceTextFile(root_ / name, text); }
-    std::filesystem::path root_;
+    std::filesystem::path path_;
 };
+
+/// Makes the folder a game folder with one script.
+void WriteScript(const std::filesystem::path &folder, const std::string &script) {
+    std::filesystem::create_directories(folder / "scripts");
+    ReplaceTextFile(folder / "scripts/shaderlist.txt", "shbench\n");
+    ReplaceTextFile(folder / "scripts/shbench.shader", script);
+}
 
 BakeCost LeastCost(const BenchMap &map, ShaderLibrary &library, const LightOptions &options, const JobPool &jobs,
                    int repeats) {
@@ -65,13 +68,13 @@ BakeCost LeastCost(const BenchMap &map, ShaderLibrary &library, const LightOptio
     return least;
 }
 
-double ValueOf(const ScalingStep &step, bool rays) {
-    return rays ? double(step.cost.rays) : step.cost.cpuSeconds;
+double ValueOf(const ScalingStep &step, ScalingValue value) {
+    return value == ScalingValue::Rays ? double(step.cost.rays) : step.cost.cpuSeconds;
 }
 
 } // namespace
 
-LightHall MakeLightHall(int lights, bool lamps) {
+LightHall MakeLightHall(int lights, HallLights kind) {
     SceneBuilder builder;
     const SceneShader wall{"textures/shbench/wall"};
     builder.SetInterior({0, 0, 0}, {kHallSize, kHallSize, kHallHeight}, wall);
@@ -81,15 +84,16 @@ LightHall MakeLightHall(int lights, bool lamps) {
             const Vec3f half{kPillarWidth / 2, kPillarWidth / 2, 0};
             builder.AddBox(at - half, at + half + Vec3f{0, 0, kHallHeight}, wall);
         }
-    Random random(12345);
+    constexpr std::uint64_t kSeed = 12345;
+    Random random(kSeed);
     const auto within = [&](float low, float high) { return low + float(Unit(random)) * (high - low); };
     const SceneShader lamp{std::string(kLampShader)};
     for (int i = 0; i < lights; ++i) {
-        // Rows between the pillars.
+        // x in a gap between the rows of pillars: 0.2 or 0.8 of the way from one row's left edge to the next.
         const float x =
             (float(int(Unit(random) * kPillars)) + (Unit(random) < 0.5 ? 0.2f : 0.8f)) * kHallSize / kPillars;
         const Vec3f at{x + within(-64, 64), within(32, kHallSize - 32), within(64, kHallHeight - 16)};
-        if (lamps) {
+        if (kind == HallLights::Lamps) {
             const float s = kLampSize, z = at.z;
             builder.AddQuad({{{at.x, at.y, z}, {at.x + s, at.y, z}, {at.x + s, at.y + s, z}, {at.x, at.y + s, z}}},
                             lamp);
@@ -110,13 +114,15 @@ LightHall MakeLightHall(int lights, bool lamps) {
 std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &game, const JobPool &jobs, int most,
                                      int repeats, Log &progress) {
     std::vector<ScalingStep> steps;
-    for (const bool lamps : {false, true})
+    for (const HallLights kind : {HallLights::Points, HallLights::Lamps})
         for (int lights = 1; lights <= most; lights *= 10) {
-            LightHall hall = MakeLightHall(lights, lamps);
-            const ScriptFolder folder(hall.shaderText);
+            LightHall hall = MakeLightHall(lights, kind);
+            const bool lamps = kind == HallLights::Lamps;
+            const TemporaryFolder folder;
+            WriteScript(folder.Path(), hall.shaderText);
             Log silent([](LogLevel, std::string_view) {});
             VirtualFileSystem vfs(silent);
-            vfs.Mount(folder.Root(), game.archiveExtension);
+            vfs.Mount(folder.Path(), game.archiveExtension);
             ShaderLibrary library(vfs, game, options.shader, silent);
             const BenchMap map(std::move(hall.bsp), {"hall", {}, {}}, options, library, silent);
             progress.Print("{} {}\n", lights, lamps ? "lamps" : "point lights");
@@ -167,15 +173,15 @@ std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string
 }
 
 Chart ScalingChart(const std::vector<ScalingStep> &steps, const std::string &sizeName, const std::string &title,
-                   bool rays) {
+                   ScalingValue value) {
     Chart chart;
     chart.title = title;
-    chart.x = {sizeName, true};
-    chart.y = {rays ? "rays" : "CPU seconds", true};
+    chart.x = {sizeName, AxisScale::Logarithmic};
+    chart.y = {value == ScalingValue::Rays ? "rays" : "CPU seconds", AxisScale::Logarithmic};
     for (const ScalingStep &step : steps) {
         if (chart.series.empty() || chart.series.back().name != step.series)
-            chart.series.push_back({step.series, {}, true});
-        chart.series.back().points.push_back({step.size, ValueOf(step, rays), {}});
+            chart.series.push_back({.name = step.series, .points = {}, .joined = true});
+        chart.series.back().points.push_back({step.size, ValueOf(step, value), {}});
     }
     // A line of slope 1 through the middle point of the first series.
     if (!chart.series.empty()) {

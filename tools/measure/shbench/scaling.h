@@ -22,7 +22,8 @@ struct LightHall {
     Bsp bsp;
     std::string shaderText; ///< of the lamps
 };
-LightHall MakeLightHall(int lights, bool lamps);
+enum class HallLights { Points, Lamps };
+LightHall MakeLightHall(int lights, HallLights kind);
 
 /// Least CPU time of `repeats` for 1, 10, ... up to `most` point lights, and lamps.
 std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &game, const JobPool &jobs, int most,
@@ -33,8 +34,10 @@ std::vector<ScalingStep> ScaleCells(const BenchMap &map, ShaderLibrary &library,
 
 std::string ScalingTable(const std::vector<ScalingStep> &steps, const std::string &sizeName);
 std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string &sizeName);
-/// CPU seconds, and rays, against size; both axes logarithmic, with a line of slope one.
+/// What a scaling chart shows.
+enum class ScalingValue { CpuSeconds, Rays };
+/// The value against size; both axes logarithmic, with a line of slope one.
 Chart ScalingChart(const std::vector<ScalingStep> &steps, const std::string &sizeName, const std::string &title,
-                   bool rays);
+                   ScalingValue value);
 
 } // namespace q3::bench

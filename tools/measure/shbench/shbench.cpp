@@ -138,8 +138,8 @@ void ReportScaling(const Command &command, const std::vector<ScalingStep> &steps
     WriteText(command.jsonFile, ScalingJson(steps, size));
     if (command.plotBase.empty())
         return;
-    WriteChart(ScalingChart(steps, size, "CPU time against " + title, false), command.plotBase);
-    WriteChart(ScalingChart(steps, size, "rays against " + title, true), command.plotBase + "-rays");
+    WriteChart(ScalingChart(steps, size, "CPU time against " + title, ScalingValue::CpuSeconds), command.plotBase);
+    WriteChart(ScalingChart(steps, size, "rays against " + title, ScalingValue::Rays), command.plotBase + "-rays");
 }
 
 /// The rate of bare Embree is the mean of measurements before and after.
