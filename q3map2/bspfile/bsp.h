@@ -32,7 +32,7 @@ struct BspxLump {
 inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH", kBspxSparseGridSH = "LIGHTGRID_SH_SPARSE";
 inline constexpr std::string_view kBspxLightmapsE5bgr9 = "LIGHTING_E5BGR9", kBspxVertexE5bgr9 = "VERTEX_E5BGR9",
                                   kBspxRnm = "LIGHTING_RNM";
-inline constexpr std::string_view kBspxAmbientCubes = "AMBIENT_CUBES";
+inline constexpr std::string_view kBspxAmbientCubes = "AMBIENT_CUBES", kBspxPropLight = "STATIC_PROP_LIGHT";
 
 /// The SH light grid, as in lump 18 or the BSPX lump kBspxLightGridSH.
 struct LightGridSH {
@@ -52,25 +52,17 @@ struct RnmLightmaps {
     std::vector<RnmPage> pages;
 };
 
-/// Bytes of the records in a file.
-template <typename Record> std::uint64_t BytesOfRecords(const std::vector<Record> &records) {
-    return std::uint64_t(records.size()) * sizeof(Record);
-}
-/// Bytes of the lump kBspxRnm.
-inline std::uint64_t BytesOfRnm(const RnmLightmaps &rnm) {
-    std::uint64_t bytes = sizeof rnm.header;
-    for (const RnmPage &page : rnm.pages) {
-        bytes += sizeof page.lightmapNum;
-        for (const std::vector<std::uint32_t> &map : page.maps)
-            bytes += BytesOfRecords(map);
-    }
-    return bytes;
-}
-
 /// The BSPX lump kBspxAmbientCubes: ambient cubes of leafs.
 struct AmbientCubes {
     std::vector<bspCubeLeaf_t> leafs; ///< one for each leaf of the map
     std::vector<bspCubeSample_t> samples;
+};
+
+/// The BSPX lump kBspxPropLight: light at the vertices of static props.
+struct PropLight {
+    std::vector<bspPropLight_t> props;
+    std::vector<bspPropMesh_t> meshes;
+    std::vector<std::uint32_t> colors; ///< E5BGR9, unit scale
 };
 
 /// Where the SH light grid is stored.
@@ -106,7 +98,8 @@ struct Bsp {
     std::vector<std::uint32_t> vertexE5bgr9;    ///< for each of drawVerts
     std::optional<RnmLightmaps> rnm;
     std::optional<AmbientCubes> ambientCubes;
-    std::vector<BspxLump> bspx; ///< without those that members above hold
+    std::optional<PropLight> propLight;
+    std::vector<BspxLump> bspx; ///< without those that members above hold (bspx_lumps.h)
 };
 
 /// Which header a file without an SH lump gets. Version 46: 17 slots. Version 47: 17 slots (Wolfenstein family) or 18
@@ -115,6 +108,7 @@ struct BspFormat {
     int version = 46;
     bool advertisements = false; ///< slot 17 belongs to the format
     bool force = false;          ///< reading: wrong ident or version, or a partial record (lump dropped), only warns
+    std::string_view ident = "IBSP"; ///< writing: which format; reading goes by the file
 };
 
 /// Name of a 64-byte field: up to the first NUL.

@@ -160,6 +160,26 @@ struct bspCubeSample_t {
     std::uint8_t unused = 0;
 };
 
+/// Head of the BSPX lump STATIC_PROP_LIGHT. Props, meshes and colors follow.
+struct bspPropLightHeader_t {
+    std::array<char, 4> magic{'S', 'P', 'L', '1'};
+    std::uint32_t version = 1;
+    std::uint32_t propCount = 0, meshCount = 0, colorCount = 0;
+};
+
+/// One prop. Props are in ascending order of entities, and the meshes of each follow those of the one before.
+struct bspPropLight_t {
+    std::uint32_t entity = 0;   ///< number in the entities lump
+    std::uint32_t nameCrc = 0;  ///< Crc32 of the value of its key "model", in lower case
+    std::uint32_t modelCrc = 0; ///< Crc32 of the bytes of the model file
+    std::uint32_t firstMesh = 0, meshCount = 0;
+};
+
+/// Colors of the vertices of a mesh; they follow those of the mesh before.
+struct bspPropMesh_t {
+    std::uint32_t firstColor = 0, colorCount = 0;
+};
+
 /// Head of the BSPX lump LIGHTGRID_SH_SPARSE. `nodes` SparseGridNode and `points` SparseGridPoint follow.
 struct bspSparseGridHeader_t {
     std::array<char, 4> magic{'S', 'H', 'G', 'S'};
@@ -178,6 +198,7 @@ static_assert(kPinned<bspBrushSide_t, 8> && kPinned<bspDrawVert_t, 44> && kPinne
 static_assert(kPinned<bspDrawSurface_t, 104> && kPinned<bspGridPoint_t, 8> && kPinned<bspAdvertisement_t, 128>);
 static_assert(kPinned<bspRnmHeader_t, 20>);
 static_assert(kPinned<bspCubeHeader_t, 16> && kPinned<bspCubeLeaf_t, 4> && kPinned<bspCubeSample_t, 28>);
+static_assert(kPinned<bspPropLightHeader_t, 20> && kPinned<bspPropLight_t, 20> && kPinned<bspPropMesh_t, 8>);
 static_assert(kPinned<bspSparseGridHeader_t, 64>);
 static_assert(kPinned<bspGridSHHeader_t, 40> && kPinned<bspGridPointSH_t, 108>);
 

@@ -2,10 +2,9 @@
 #include "q3map2/bspfile/bsp_validate.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/bspfile/bspfile_grid.h"
-#include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/bspfile_ibsp.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <algorithm>
@@ -56,11 +55,8 @@ class Validator {
         CheckSurfaces();
         CheckAdvertisements();
         CheckEntities();
-        CheckBspx();
-        if (bsp_.gridSH)
-            CheckLightGridSH(*bsp_.gridSH, name_);
-        CheckHdrLight(bsp_, name_);
-        CheckAmbientCubes(bsp_, name_);
+        CheckBspxNames();
+        CheckBspxLumps(bsp_, name_);
     }
 
   private:
@@ -404,19 +400,13 @@ class Validator {
         }
     }
 
-    void CheckBspx() const {
+    void CheckBspxNames() const {
         for (std::size_t i = 0; i < bsp_.bspx.size(); i++) {
             const std::string &lump = bsp_.bspx[i].name;
             if (lump.size() > kBspxNameBytes)
                 Fail({"BSPX lump", i}, "the name has {} bytes, expected at most {}", lump.size(), kBspxNameBytes);
-            if (lump == kBspxLightGridSH)
-                Fail({"BSPX lump", i}, "the name {} belongs to the SH light grid", lump);
-            if (lump == kBspxSparseGridSH)
-                Fail({"BSPX lump", i}, "the name {} belongs to the sparse SH light grid", lump);
-            if (IsHdrLump(lump))
-                Fail({"BSPX lump", i}, "the name {} belongs to HDR light", lump);
-            if (lump == kBspxAmbientCubes)
-                Fail({"BSPX lump", i}, "the name {} belongs to ambient cubes", lump);
+            if (const BspxRow *row = FindBspxRow(lump))
+                Fail({"BSPX lump", i}, "the name {} belongs to {}", lump, row->content);
         }
     }
 

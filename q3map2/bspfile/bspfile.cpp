@@ -164,7 +164,43 @@ std::string KindOfSource(std::string_view text) {
     return {};
 }
 
-// ---- Compiled maps as files on disk ----
+// ---- Compiled maps as files ----
+
+namespace {
+
+/// The formats. The first one reads files that are of none, and says what they are.
+constexpr BspCodec kCodecs[] = {
+    {kIbspIdent, DecodeIbsp, EncodeIbsp},
+};
+
+const BspCodec &CodecOfFile(const ByteSource &file) {
+    std::array<char, 4> ident{};
+    file.Fill(0, std::span(ident).first(std::size_t(std::min<std::uint64_t>(file.size, ident.size()))));
+    const auto found = std::ranges::find(kCodecs, std::string_view(ident.data(), ident.size()), &BspCodec::ident);
+    return found == std::end(kCodecs) ? kCodecs[0] : *found;
+}
+
+const BspCodec &CodecOfFormat(const BspFormat &format) {
+    const auto found = std::ranges::find(kCodecs, format.ident, &BspCodec::ident);
+    if (found == std::end(kCodecs))
+        throw Error("no .bsp format has the ident {}", format.ident);
+    return *found;
+}
+
+} // namespace
+
+Bsp ReadBspFrom(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log) {
+    Bsp bsp = CodecOfFile(file).decode(file, name, format, log);
+    ValidateBsp(bsp, name, log);
+    return bsp;
+}
+
+Bsp ReadBsp(std::span<const std::byte> file, std::string_view name, const BspFormat &format, Log &log) {
+    const auto copy = [file](std::uint64_t at, std::span<std::byte> into) {
+        std::memcpy(into.data(), file.data() + at, into.size());
+    };
+    return ReadBspFrom({file.size(), copy}, name, format, log);
+}
 
 Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log &log) {
     InputFile file(path);
@@ -173,26 +209,22 @@ Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log 
 }
 
 std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format) {
-    const BspPieces pieces(bsp, format);
-    std::vector<std::byte> file;
-    file.reserve(pieces.Size());
-    pieces.Write([&file](std::span<const std::byte> bytes) { file.insert(file.end(), bytes.begin(), bytes.end()); });
-    return file;
+    return CodecOfFormat(format).encode(bsp, format).Bytes();
 }
 
 void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, Log &log) {
     log.Print("Writing {}\n", path.string());
-    const BspPieces pieces = [&] {
+    const ByteRanges bytes = [&] {
         try {
-            return BspPieces(bsp, format);
+            return CodecOfFormat(format).encode(bsp, format);
         } catch (const Error &error) {
             throw Error("{}: {}", path.string(), error.what());
         }
     }();
     FileReplacement file(path);
-    pieces.Write([&file](std::span<const std::byte> bytes) { file.Append(bytes); });
+    bytes.Write([&file](std::span<const std::byte> range) { file.Append(range); });
     file.Commit();
-    log.Print("Wrote {} ({} bytes)\n", SizeText(pieces.Size()), pieces.Size());
+    log.Print("Wrote {} ({} bytes)\n", SizeText(bytes.Size()), bytes.Size());
 }
 
 } // namespace q3

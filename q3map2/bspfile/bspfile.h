@@ -8,6 +8,7 @@
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_hdr.h"
 #include "q3map2/bspfile/bspfile_ibsp.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -32,10 +33,15 @@ std::string KindOfFile(std::span<const std::byte> begin);
 /// What a map source of another game family is: "a map source of Doom 3 (Version 2)". Empty: none of these.
 std::string KindOfSource(std::string_view text);
 
+/// Parses and validates a whole file in memory, of the format that its first bytes name. `name` is for messages.
+/// Errors: Error, one line, for anything that a later stage could trip over; recoverable oddities are warnings.
+Bsp ReadBsp(std::span<const std::byte> file, std::string_view name, const BspFormat &format, Log &log);
+/// The same from any source. Each byte is read once, into the records.
+Bsp ReadBspFrom(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);
 /// ReadBsp from disk, without the file image in memory.
 Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log &log);
 /// The exact bytes of the file. The same Bsp always gives the same bytes. Errors: 2^31 bytes or
-/// more, a bad SH grid, a BSPX lump name that is too long.
+/// more, a bad BSPX lump, a lump name that is too long, an unknown format.
 std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format);
 /// Writes the bytes of WriteBsp without a second copy in memory. Replaces the file by a complete one or leaves the old
 /// one unchanged. Prints path and size.

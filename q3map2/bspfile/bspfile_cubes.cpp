@@ -2,7 +2,6 @@
 #include "q3map2/bspfile/bspfile_cubes.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bspfile_ibsp.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,50 +43,57 @@ bspCubeHeader_t HeaderOf(const AmbientCubes &cubes) {
     return head;
 }
 
-AmbientCubes ReadAmbientCubes(const ByteSource &file, const FilePart &part, std::string_view name) {
+AmbientCubes ReadAmbientCubes(const BspxSource &from) {
     bspCubeHeader_t head;
-    if (part.length < std::int64_t(sizeof head))
-        Fail(name, fmt::format("length {} is under the {} of its head", part.length, sizeof head));
-    std::uint64_t at = std::uint64_t(part.offset);
-    file.Fill(at, std::span(&head, 1));
+    const std::int64_t length = from.part.length;
+    if (length < std::int64_t(sizeof head))
+        from.Fail(fmt::format("length {} is under the {} of its head", length, sizeof head));
+    std::uint64_t at = std::uint64_t(from.part.offset);
+    from.file.Fill(at, std::span(&head, 1));
     if (head.magic != bspCubeHeader_t{}.magic)
-        Fail(name, "does not start with ACUB");
+        from.Fail("does not start with ACUB");
     if (head.version != 1)
-        Fail(name, fmt::format("version {}, expected 1", head.version));
+        from.Fail(fmt::format("version {}, expected 1", head.version));
     const std::uint64_t leafBytes = std::uint64_t(head.leafCount) * sizeof(bspCubeLeaf_t);
     const std::uint64_t sampleBytes = std::uint64_t(head.sampleCount) * sizeof(bspCubeSample_t);
-    if (std::uint64_t(part.length) != sizeof head + leafBytes + sampleBytes)
-        Fail(name, fmt::format("length {} is not {} + {} leafs x {} + {} samples x {}", part.length, sizeof head,
-                               head.leafCount, sizeof(bspCubeLeaf_t), head.sampleCount, sizeof(bspCubeSample_t)));
+    if (std::uint64_t(length) != sizeof head + leafBytes + sampleBytes)
+        from.Fail(fmt::format("length {} is not {} + {} leafs x {} + {} samples x {}", length, sizeof head,
+                              head.leafCount, sizeof(bspCubeLeaf_t), head.sampleCount, sizeof(bspCubeSample_t)));
     AmbientCubes cubes;
     cubes.leafs.resize(head.leafCount);
     cubes.samples.resize(head.sampleCount);
     at += sizeof head;
-    file.Fill(at, std::span(cubes.leafs));
-    file.Fill(at + leafBytes, std::span(cubes.samples));
+    from.file.Fill(at, std::span(cubes.leafs));
+    from.file.Fill(at + leafBytes, std::span(cubes.samples));
     return cubes;
+}
+
+ByteRanges CubeRanges(const AmbientCubes &cubes) {
+    ByteRanges bytes;
+    bytes.AddCopy(HeaderOf(cubes));
+    bytes.Add(cubes.leafs);
+    bytes.Add(cubes.samples);
+    return bytes;
+}
+
+std::string CubesMisfit(const Bsp &bsp) {
+    if (!bsp.ambientCubes || bsp.ambientCubes->leafs.size() == bsp.leafs.size())
+        return {};
+    return fmt::format("{} leafs, but the map has {}", bsp.ambientCubes->leafs.size(), bsp.leafs.size());
 }
 
 void CheckAmbientCubes(const Bsp &bsp, std::string_view name) {
     if (!bsp.ambientCubes)
         return;
     const AmbientCubes &cubes = *bsp.ambientCubes;
-    if (cubes.leafs.size() != bsp.leafs.size())
-        Fail(name, fmt::format("{} leafs, but the map has {}", cubes.leafs.size(), bsp.leafs.size()));
+    if (const std::string misfit = CubesMisfit(bsp); !misfit.empty())
+        Fail(name, misfit);
     for (std::size_t i = 0; i < cubes.leafs.size(); ++i)
         if (const std::string fault = LeafFault(cubes, cubes.leafs[i]); !fault.empty())
             Fail(name, fmt::format("leaf {}: {}", i, fault));
     for (std::size_t i = 0; i < cubes.samples.size(); ++i)
         if (cubes.samples[i].unused != 0)
             Fail(name, fmt::format("sample {}: byte 27 is {}, expected 0", i, cubes.samples[i].unused));
-}
-
-void DropUnfitCubes(Bsp &bsp, std::string_view name, Log &log) {
-    if (!bsp.ambientCubes || bsp.ambientCubes->leafs.size() == bsp.leafs.size())
-        return CheckAmbientCubes(bsp, name);
-    log.Warn(kBspxAmbientCubes, "{}: BSPX lump {} is dropped: {} leafs, but the map has {}", name, kBspxAmbientCubes,
-             bsp.ambientCubes->leafs.size(), bsp.leafs.size());
-    bsp.ambientCubes.reset();
 }
 
 Vec3f CubePosition(const bspLeaf_t &leaf, const bspCubeSample_t &sample) {

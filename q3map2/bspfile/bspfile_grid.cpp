@@ -67,6 +67,26 @@ void CheckLightGridSH(const LightGridSH &grid, std::string_view name) {
                                 value);
 }
 
+LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::string_view name) {
+    LightGridSH grid;
+    constexpr std::int64_t head = sizeof grid.header;
+    constexpr std::int64_t point = sizeof(bspGridPointSH_t);
+    if (part.length <= head || (part.length - head) % point != 0)
+        throw Error("{}: SH light grid: length {} is not {} plus a multiple of {}", name, part.length, head, point);
+    file.Fill(std::uint64_t(part.offset), std::span(&grid.header, 1));
+    grid.points.resize(std::size_t((part.length - head) / point));
+    file.Fill(std::uint64_t(part.offset + head), std::span(grid.points));
+    CheckLightGridSH(grid, name);
+    return grid;
+}
+
+ByteRanges GridRanges(const LightGridSH &grid) {
+    ByteRanges bytes;
+    bytes.Add(std::span(&grid.header, 1));
+    bytes.Add(grid.points);
+    return bytes;
+}
+
 // ---- The SH grids of a map as libs/shgrid samples them ----
 
 shgrid_grid UniformReader(const LightGridSH &grid) {

@@ -4,6 +4,7 @@
 
 #include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/bsp.h"
+#include "q3map2/bspfile/bsp_codec.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -41,6 +42,11 @@ GridLayout LayoutGrid(const Float3 &worldMins, const Float3 &worldMaxs, const Fl
 
 /// Checks the header against the number of points, and that all floats are finite. Errors name the field.
 void CheckLightGridSH(const LightGridSH &grid, std::string_view name);
+
+/// Reads the lump, 18 or BSPX, from a part of the file. Errors: a bad length, and those of CheckLightGridSH.
+LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::string_view name);
+/// The bytes of the lump: its head, then its points.
+ByteRanges GridRanges(const LightGridSH &grid);
 
 /// A reader of the uniform grid, which must outlive it.
 shgrid_grid UniformReader(const LightGridSH &grid);

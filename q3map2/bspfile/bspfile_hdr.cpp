@@ -1,13 +1,9 @@
 // GPL-2.0-or-later. BSPX lumps of HDR light.
 #include "q3map2/bspfile/bspfile_hdr.h"
 
-#include "common/error.h"
-#include "q3map2/bspfile/bspx.h"
-#include "q3map2/bspfile/prop_light.h"
+#include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
-#include <string>
 
 namespace q3 {
 
@@ -19,14 +15,6 @@ constexpr std::size_t kLeastPageTexels = kLightmapPageBytes / kTexelBytes;
 
 std::uint64_t MapTexels(const bspRnmHeader_t &head) {
     return std::uint64_t(head.side) * head.side;
-}
-
-std::vector<std::uint32_t> ReadCodes(const ByteSource &file, const BspxPart &lump, std::string_view name) {
-    if (lump.part.length % 4 != 0)
-        throw Error("{}: BSPX lump {}: length {} is not a multiple of 4", name, lump.name, lump.part.length);
-    std::vector<std::uint32_t> codes(std::size_t(lump.part.length / 4));
-    file.Fill(std::uint64_t(lump.part.offset), std::span(codes));
-    return codes;
 }
 
 /// What is wrong with the head; empty: nothing.
@@ -44,35 +32,54 @@ std::string RnmHeadFault(const bspRnmHeader_t &head) {
     return {};
 }
 
-RnmLightmaps ReadRnm(const ByteSource &file, const FilePart &part, std::string_view name) {
-    const auto fail = [&](const std::string &text) { throw Error("{}: BSPX lump {}: {}", name, kBspxRnm, text); };
+} // namespace
+
+std::vector<std::uint32_t> ReadCodes(const BspxSource &from) {
+    if (from.part.length % 4 != 0)
+        from.Fail(fmt::format("length {} is not a multiple of 4", from.part.length));
+    std::vector<std::uint32_t> codes(std::size_t(from.part.length / 4));
+    from.file.Fill(std::uint64_t(from.part.offset), std::span(codes));
+    return codes;
+}
+
+RnmLightmaps ReadRnm(const BspxSource &from) {
     RnmLightmaps rnm;
-    if (part.length < std::int64_t(sizeof rnm.header))
-        fail(fmt::format("length {} is under the {} of its head", part.length, sizeof rnm.header));
-    std::uint64_t at = std::uint64_t(part.offset);
-    file.Fill(at, std::span(&rnm.header, 1));
+    const std::int64_t length = from.part.length;
+    if (length < std::int64_t(sizeof rnm.header))
+        from.Fail(fmt::format("length {} is under the {} of its head", length, sizeof rnm.header));
+    std::uint64_t at = std::uint64_t(from.part.offset);
+    from.file.Fill(at, std::span(&rnm.header, 1));
     at += sizeof rnm.header;
     if (const std::string fault = RnmHeadFault(rnm.header); !fault.empty())
-        fail(fault);
+        from.Fail(fault);
     const std::uint64_t texels = MapTexels(rnm.header), page = 4 + 12 * texels;
-    const std::uint64_t room = std::uint64_t(part.length) - sizeof rnm.header;
+    const std::uint64_t room = std::uint64_t(length) - sizeof rnm.header;
     if (room % page != 0 || room / page != rnm.header.pageCount)
-        fail(fmt::format("length {} is not {} + {} pages x {}", part.length, sizeof rnm.header, rnm.header.pageCount,
-                         page));
+        from.Fail(
+            fmt::format("length {} is not {} + {} pages x {}", length, sizeof rnm.header, rnm.header.pageCount, page));
     rnm.pages.resize(rnm.header.pageCount);
     for (RnmPage &one : rnm.pages) {
-        file.Fill(at, std::span(&one.lightmapNum, 1));
+        from.file.Fill(at, std::span(&one.lightmapNum, 1));
         at += 4;
         for (std::vector<std::uint32_t> &map : one.maps) {
             map.resize(std::size_t(texels));
-            file.Fill(at, std::span(map));
+            from.file.Fill(at, std::span(map));
             at += 4 * texels;
         }
     }
     return rnm;
 }
 
-// Each returns what does not fit the map; empty: nothing.
+ByteRanges RnmRanges(const RnmLightmaps &rnm) {
+    ByteRanges bytes;
+    bytes.Add(std::span(&rnm.header, 1));
+    for (const RnmPage &page : rnm.pages) {
+        bytes.Add(std::span(&page.lightmapNum, 1));
+        for (const std::vector<std::uint32_t> &map : page.maps)
+            bytes.Add(map);
+    }
+    return bytes;
+}
 
 std::string LightmapsFault(const Bsp &bsp) {
     const std::size_t texels = bsp.lightmaps.size() / kTexelBytes, codes = bsp.lightmapsE5bgr9.size();
@@ -113,61 +120,6 @@ std::string RnmFault(const Bsp &bsp) {
                 return fmt::format("a map of {} texels, expected {}", map.size(), texels);
     }
     return {};
-}
-
-/// Calls visit(name of the lump, fault) for each of the lumps that does not fit.
-template <typename Visit> void ForEachFault(const Bsp &bsp, const Visit &visit) {
-    const std::pair<std::string_view, std::string> faults[] = {{kBspxLightmapsE5bgr9, LightmapsFault(bsp)},
-                                                               {kBspxVertexE5bgr9, VertexFault(bsp)},
-                                                               {kBspxRnm, RnmFault(bsp)},
-                                                               {kBspxPropLight, PropLightFault(bsp)}};
-    for (const auto &[lump, fault] : faults)
-        if (!fault.empty())
-            visit(lump, fault);
-}
-
-} // namespace
-
-bool IsHdrLump(std::string_view name) {
-    return name == kBspxLightmapsE5bgr9 || name == kBspxVertexE5bgr9 || name == kBspxRnm;
-}
-
-bool ReadHdrLump(const ByteSource &file, const BspxPart &lump, std::string_view name, Bsp &bsp) {
-    if (lump.name == kBspxLightmapsE5bgr9)
-        bsp.lightmapsE5bgr9 = ReadCodes(file, lump, name);
-    else if (lump.name == kBspxVertexE5bgr9)
-        bsp.vertexE5bgr9 = ReadCodes(file, lump, name);
-    else if (lump.name == kBspxRnm)
-        bsp.rnm = ReadRnm(file, lump.part, name);
-    else
-        return false;
-    return true;
-}
-
-void CheckHdrLight(const Bsp &bsp, std::string_view name) {
-    ForEachFault(bsp, [&](std::string_view lump, const std::string &fault) {
-        throw Error("{}: BSPX lump {}: {}", name, lump, fault);
-    });
-}
-
-void DropUnfitHdrLight(Bsp &bsp, std::string_view name, Log &log) {
-    ForEachFault(bsp, [&](std::string_view lump, const std::string &fault) {
-        log.Warn(lump, "{}: BSPX lump {} is dropped: {}", name, lump, fault);
-        if (lump == kBspxLightmapsE5bgr9)
-            bsp.lightmapsE5bgr9.clear();
-        else if (lump == kBspxVertexE5bgr9)
-            bsp.vertexE5bgr9.clear();
-        else if (lump == kBspxRnm)
-            bsp.rnm.reset();
-        else
-            SetPropLight(bsp, {});
-    });
-}
-
-void ClearHdrLight(Bsp &bsp) {
-    bsp.lightmapsE5bgr9.clear();
-    bsp.vertexE5bgr9.clear();
-    bsp.rnm.reset();
 }
 
 } // namespace q3

@@ -2,13 +2,9 @@
 #include "q3map2/bspfile/bspfile_ibsp.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bsp_validate.h"
 #include "q3map2/bspfile/bspfile.h"
-#include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/bspfile/bspfile_grid.h"
-#include "q3map2/bspfile/bspfile_hdr.h"
-#include "q3map2/bspfile/bspfile_sparse.h"
-#include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 
 #include <algorithm>
 #include <bit>
@@ -22,33 +18,6 @@ static_assert(std::endian::native == std::endian::little, "records are written a
 namespace {
 
 constexpr std::array<int, kNumLumps> kDiskOrder = {1, 2, 4, 3, 8, 9, 5, 6, 7, 10, 13, 16, 14, 15, 0, 12, 11, 17, 18};
-
-template <typename Record> std::span<const std::byte> BytesOf(const std::vector<Record> &records) {
-    return std::as_bytes(std::span(records));
-}
-
-/// The lump of a grid: its head, then its points.
-std::vector<std::span<const std::byte>> GridPieces(const LightGridSH &grid) {
-    CheckLightGridSH(grid, "writing");
-    return {std::as_bytes(std::span(&grid.header, 1)), BytesOf(grid.points)};
-}
-
-std::vector<std::span<const std::byte>> RnmPieces(const RnmLightmaps &rnm) {
-    std::vector<std::span<const std::byte>> pieces = {std::as_bytes(std::span(&rnm.header, 1))};
-    for (const RnmPage &page : rnm.pages) {
-        pieces.push_back(std::as_bytes(std::span(&page.lightmapNum, 1)));
-        for (const std::vector<std::uint32_t> &map : page.maps)
-            pieces.push_back(BytesOf(map));
-    }
-    return pieces;
-}
-
-std::uint64_t LengthOf(std::span<const std::span<const std::byte>> pieces) {
-    std::uint64_t length = 0;
-    for (const auto &piece : pieces)
-        length += piece.size();
-    return length;
-}
 
 void Store32(std::vector<std::byte> &bytes, std::size_t at, std::uint32_t value) {
     std::memcpy(bytes.data() + at, &value, sizeof value);
@@ -90,103 +59,57 @@ FilePlan PlanFile(std::size_t slots, const std::array<std::uint64_t, kNumLumps> 
     return plan;
 }
 
-BspPieces::BspPieces(const Bsp &bsp, const BspFormat &format) {
-    TakeLumps(bsp, format);
-    TakeBspx(bsp);
-    std::array<std::uint64_t, kNumLumps> lengths{};
-    for (std::size_t slot = 0; slot < lengths.size(); slot++)
-        lengths[slot] = LengthOf(lumps_[slot]);
-    std::vector<std::uint64_t> bspxLengths;
-    for (const Pieces &lump : bspx_)
-        bspxLengths.push_back(LengthOf(lump));
-    const bool hasLump18 = !lumps_[LUMP_LIGHTGRID_SH].empty();
-    const std::size_t slots = hasLump18 ? std::size_t(kNumLumps) : format.advertisements ? 18 : 17;
-    plan_ = PlanFile(slots, lengths, bspxLengths);
-    MakeHeader(hasLump18 ? 47 : format.version);
-    MakeDirectory();
-}
+namespace {
 
-void BspPieces::TakeLumps(const Bsp &bsp, const BspFormat &format) {
-    ForEachArray(bsp, [this](int slot, const auto &records) { lumps_[std::size_t(slot)] = {BytesOf(records)}; });
-    if (!format.advertisements)
-        lumps_[LUMP_ADVERTISEMENTS].clear();
-    lumps_[LUMP_ENTITIES] = {std::as_bytes(std::span(bsp.entities.c_str(), bsp.entities.size() + 1))};
+using SlotBytes = std::array<ByteRanges, kNumLumps>;
+
+SlotBytes TakeLumps(const Bsp &bsp, const BspFormat &format) {
+    SlotBytes lumps;
+    ForEachArray(bsp, [&](int slot, const auto &records) {
+        if (slot != LUMP_ADVERTISEMENTS || format.advertisements)
+            lumps[std::size_t(slot)].Add(records);
+    });
+    lumps[LUMP_ENTITIES].Add(std::span(bsp.entities.c_str(), bsp.entities.size() + 1));
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump)
-        lumps_[LUMP_LIGHTGRID_SH] = GridPieces(*bsp.gridSH);
+        lumps[LUMP_LIGHTGRID_SH] = GridRanges(*bsp.gridSH);
+    return lumps;
 }
 
-void BspPieces::TakeBspx(const Bsp &bsp) {
-    for (const BspxLump &lump : bsp.bspx) {
-        if (lump.name.size() > kBspxNameBytes)
-            throw Error("BSPX lump {}: the name has more than {} bytes", lump.name, kBspxNameBytes);
-        bspxNames_.push_back(lump.name);
-        bspx_.push_back({BytesOf(lump.data)});
-    }
-    if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Bspx) {
-        bspxNames_.push_back(kBspxLightGridSH);
-        bspx_.push_back(GridPieces(*bsp.gridSH));
-    }
-    CheckHdrLight(bsp, "writing");
-    const auto add = [this](bool wanted, std::string_view name, Pieces pieces) {
-        if (!wanted)
-            return;
-        bspxNames_.push_back(name);
-        bspx_.push_back(std::move(pieces));
-    };
-    add(!bsp.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9, {BytesOf(bsp.lightmapsE5bgr9)});
-    add(!bsp.vertexE5bgr9.empty(), kBspxVertexE5bgr9, {BytesOf(bsp.vertexE5bgr9)});
-    add(bsp.rnm.has_value(), kBspxRnm, bsp.rnm ? RnmPieces(*bsp.rnm) : Pieces{});
-    if (bsp.sparseGridSH) {
-        CheckSparseGrid(*bsp.sparseGridSH, "writing");
-        sparseHeader_ = HeaderOf(*bsp.sparseGridSH);
-        add(true, kBspxSparseGridSH,
-            {std::as_bytes(std::span(&sparseHeader_, 1)), BytesOf(bsp.sparseGridSH->nodes),
-             BytesOf(bsp.sparseGridSH->points)});
-    }
-    if (!bsp.ambientCubes)
-        return;
-    CheckAmbientCubes(bsp, "writing");
-    cubeHeader_ = HeaderOf(*bsp.ambientCubes);
-    add(true, kBspxAmbientCubes,
-        {std::as_bytes(std::span(&cubeHeader_, 1)), BytesOf(bsp.ambientCubes->leafs),
-         BytesOf(bsp.ambientCubes->samples)});
+std::vector<std::byte> MakeHeader(const FilePlan &plan, int version) {
+    std::vector<std::byte> header(HeaderBytes(plan.slots));
+    std::memcpy(header.data(), kIbspIdent.data(), kIbspIdent.size());
+    Store32(header, 4, std::uint32_t(version));
+    for (std::size_t slot = 0; slot < plan.slots; slot++)
+        StorePart(header, HeaderBytes(slot), plan.lumps[slot]);
+    return header;
 }
 
-void BspPieces::MakeHeader(int version) {
-    header_.resize(HeaderBytes(plan_.slots));
-    std::memcpy(header_.data(), "IBSP", 4);
-    Store32(header_, 4, std::uint32_t(version));
-    for (std::size_t slot = 0; slot < plan_.slots; slot++)
-        StorePart(header_, HeaderBytes(slot), plan_.lumps[slot]);
-}
+} // namespace
 
-void BspPieces::MakeDirectory() {
-    if (bspx_.empty())
-        return;
-    directory_.resize(kBspxHeadBytes + bspx_.size() * kBspxEntryBytes);
-    std::memcpy(directory_.data(), "BSPX", 4);
-    Store32(directory_, 4, std::uint32_t(bspx_.size()));
-    for (std::size_t i = 0; i < bspx_.size(); i++) {
-        const std::size_t entry = kBspxHeadBytes + i * kBspxEntryBytes;
-        std::memcpy(directory_.data() + entry, bspxNames_[i].data(), bspxNames_[i].size());
-        StorePart(directory_, entry + kBspxNameBytes, plan_.bspx[i]);
-    }
-}
+ByteRanges EncodeIbsp(const Bsp &bsp, const BspFormat &format) {
+    CheckBspxLumps(bsp, "writing");
+    SlotBytes lumps = TakeLumps(bsp, format);
+    std::vector<BspxOutput> bspx = WriteBspxLumps(bsp);
+    std::array<std::uint64_t, kNumLumps> lengths{};
+    std::ranges::transform(lumps, lengths.begin(), &ByteRanges::Size);
+    std::vector<std::uint64_t> bspxLengths;
+    for (const BspxOutput &lump : bspx)
+        bspxLengths.push_back(lump.bytes.Size());
+    const bool hasLump18 = lengths[LUMP_LIGHTGRID_SH] > 0;
+    const std::size_t slots = hasLump18 ? std::size_t(kNumLumps) : format.advertisements ? 18 : 17;
+    const FilePlan plan = PlanFile(slots, lengths, bspxLengths);
 
-void BspPieces::Write(const Append &append) const {
-    constexpr std::array<std::byte, 4> zeros{};
-    const auto lump = [&](const Pieces &pieces) {
-        for (const auto &piece : pieces)
-            append(piece);
-        const std::uint64_t length = LengthOf(pieces);
-        append(std::span(zeros).first(std::size_t(Align4(length) - length)));
-    };
-    append(header_);
+    std::vector<BspxPart> directory;
+    for (std::size_t i = 0; i < bspx.size(); ++i)
+        directory.push_back({std::string(bspx[i].name), plan.bspx[i]});
+    ByteRanges file;
+    file.AddOwned(MakeHeader(plan, hasLump18 ? 47 : format.version));
     for (const int slot : kDiskOrder)
-        lump(lumps_[std::size_t(slot)]);
-    append(directory_);
-    for (const Pieces &pieces : bspx_)
-        lump(pieces);
+        file.AddPadded(std::move(lumps[std::size_t(slot)]));
+    file.AddOwned(BspxDirectory(directory));
+    for (BspxOutput &lump : bspx)
+        file.AddPadded(std::move(lump.bytes));
+    return file;
 }
 
 // ---- IBSP files of version 46 and 47: bytes to records ----
@@ -194,20 +117,6 @@ void BspPieces::Write(const Append &append) const {
 static_assert(std::endian::native == std::endian::little, "records are copied as they lie in the file");
 
 namespace {
-
-/// Reads the SH light grid from a part of the file. Errors: a bad length, and those of CheckLightGridSH.
-LightGridSH ReadLightGridSH(const ByteSource &file, const FilePart &part, std::string_view name) {
-    LightGridSH grid;
-    constexpr std::int64_t head = sizeof grid.header;
-    constexpr std::int64_t point = sizeof(bspGridPointSH_t);
-    if (part.length <= head || (part.length - head) % point != 0)
-        throw Error("{}: SH light grid: length {} is not {} plus a multiple of {}", name, part.length, head, point);
-    file.Fill(std::uint64_t(part.offset), std::span(&grid.header, 1));
-    grid.points.resize(std::size_t((part.length - head) / point));
-    file.Fill(std::uint64_t(part.offset + head), std::span(grid.points));
-    CheckLightGridSH(grid, name);
-    return grid;
-}
 
 constexpr std::size_t kClassicSlots = 17;
 
@@ -226,7 +135,7 @@ class Reader {
         ForEachArray(bsp, [this](int slot, auto &records) { ReadArray(slot, records); });
         if (bsp.lightmaps.size() % kLightmapPageBytes != 0 && DropRagged(LUMP_LIGHTMAPS, kLightmapPageBytes))
             bsp.lightmaps.clear();
-        ReadBspxLumps(bsp);
+        ReadBspxDirectory(bsp);
         return bsp;
     }
 
@@ -250,7 +159,7 @@ class Reader {
             throw Error("{}: the file is {}; expected a .bsp of Quake III or of a game of its family (IBSP 46 or 47)",
                         name_, kind);
         file_.Fill(0, std::span(head_).first(std::size_t(std::min<std::uint64_t>(file_.size, head_.size()))));
-        if (std::memcmp(head_.data(), "IBSP", 4) != 0)
+        if (std::memcmp(head_.data(), kIbspIdent.data(), kIbspIdent.size()) != 0)
             Mismatch("the file does not start with IBSP: not a Quake III map");
         version_ = LoadRecord<std::int32_t>(head_, 4);
         if (version_ != 46 && version_ != 47)
@@ -360,35 +269,11 @@ class Reader {
         return true;
     }
 
-    void ReadBspxLumps(Bsp &bsp) {
+    void ReadBspxDirectory(Bsp &bsp) {
         std::int64_t end = 0;
         for (const FilePart &part : lumps_)
             end = std::max(end, part.End());
-        for (BspxPart &lump : ReadBspx(file_, Align4(std::uint64_t(end)), name_, log_)) {
-            if (ReadHdrLump(file_, lump, name_, bsp))
-                continue;
-            if (lump.name == kBspxAmbientCubes) {
-                bsp.ambientCubes = ReadAmbientCubes(file_, lump.part, name_);
-                continue;
-            }
-            if (lump.name == kBspxSparseGridSH) {
-                bsp.sparseGridSH = ReadSparseGrid(file_, lump.part, name_);
-                continue;
-            }
-            if (lump.name != kBspxLightGridSH) {
-                std::vector<std::byte> data(std::size_t(lump.part.length));
-                file_.Fill(std::uint64_t(lump.part.offset), std::span(data));
-                bsp.bspx.push_back({std::move(lump.name), std::move(data)});
-            } else if (bsp.gridSH) {
-                log_.Warn("two SH light grids", "{}: lump 18 and BSPX hold an SH light grid each: lump 18 is used",
-                          name_);
-            } else {
-                bsp.gridSH = ReadLightGridSH(file_, lump.part, name_);
-                bsp.gridSHContainer = GridSHContainer::Bspx;
-            }
-        }
-        DropUnfitHdrLight(bsp, name_, log_);
-        DropUnfitCubes(bsp, name_, log_);
+        ReadBspxLumps(file_, Align4(std::uint64_t(end)), name_, bsp, log_);
     }
 
     const ByteSource &file_;
@@ -403,17 +288,8 @@ class Reader {
 
 } // namespace
 
-Bsp ReadBspFrom(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log) {
-    Bsp bsp = Reader(file, name, format, log).Read();
-    ValidateBsp(bsp, name, log);
-    return bsp;
-}
-
-Bsp ReadBsp(std::span<const std::byte> file, std::string_view name, const BspFormat &format, Log &log) {
-    const auto copy = [file](std::uint64_t at, std::span<std::byte> into) {
-        std::memcpy(into.data(), file.data() + at, into.size());
-    };
-    return ReadBspFrom({file.size(), copy}, name, format, log);
+Bsp DecodeIbsp(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log) {
+    return Reader(file, name, format, log).Read();
 }
 
 } // namespace q3

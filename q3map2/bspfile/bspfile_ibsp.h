@@ -3,13 +3,13 @@
 
 #include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
+#include "q3map2/bspfile/bsp_codec.h"
 #include "q3map2/bspfile/bsp_records.h"
+#include "q3map2/bspfile/bspx.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -20,9 +20,6 @@ namespace q3 {
 inline constexpr int kMaxClusters = 0x20000;
 /// Limit of engines for clusters with visibility data, so also that of portal files.
 inline constexpr int kMaxVisClusters = 16384;
-inline constexpr std::size_t kBspxNameBytes = 24;
-inline constexpr std::size_t kBspxHeadBytes = 8;
-inline constexpr std::size_t kBspxEntryBytes = 32;
 
 /// Lump names for messages, by slot.
 inline constexpr std::array<std::string_view, kNumLumps> kLumpNames = {
@@ -34,37 +31,6 @@ inline constexpr std::array<std::string_view, kNumLumps> kLumpNames = {
 constexpr std::size_t HeaderBytes(std::size_t slots) {
     return 8 + 8 * slots;
 }
-
-/// Position rounded up to the next multiple of 4.
-constexpr std::uint64_t Align4(std::uint64_t position) {
-    return (position + 3) & ~std::uint64_t(3);
-}
-
-/// A part of a file. 64 bits, so that sums of untrusted 32-bit values cannot wrap.
-struct FilePart {
-    std::int64_t offset = 0, length = 0;
-    std::int64_t End() const { return offset + length; }
-};
-
-/// Loads a record from byte `at`, which need not be aligned.
-template <typename Record> Record LoadRecord(std::span<const std::byte> bytes, std::size_t at) {
-    Record record;
-    std::memcpy(&record, bytes.data() + at, sizeof record);
-    return record;
-}
-
-/// Where a file is read from: memory or disk.
-struct ByteSource {
-    std::uint64_t size = 0;
-    std::function<void(std::uint64_t at, std::span<std::byte> into)> read; ///< the range must lie in the file
-
-    /// Reads consecutive records from byte `at`.
-    template <typename Record> void Fill(std::uint64_t at, std::span<Record> records) const {
-        static_assert(std::is_trivially_copyable_v<Record>);
-        if (!records.empty())
-            read(at, std::as_writable_bytes(records));
-    }
-};
 
 /// Calls visit(slot, vector) for every lump that is a plain array of records.
 template <typename AnyBsp, typename Visit> void ForEachArray(AnyBsp &bsp, Visit &&visit) {
@@ -101,44 +67,9 @@ struct FilePlan {
 FilePlan PlanFile(std::size_t slots, const std::array<std::uint64_t, kNumLumps> &lengths,
                   std::span<const std::uint64_t> bspxLengths);
 
-/// A .bsp file as a list of memory ranges. Most of them point into the Bsp, which must outlive this.
-class BspPieces {
-  public:
-    using Append = std::function<void(std::span<const std::byte>)>;
-
-    /// Errors: those of WriteBsp.
-    BspPieces(const Bsp &bsp, const BspFormat &format);
-    BspPieces(const BspPieces &) = delete; // pieces view headers of this object
-    BspPieces &operator=(const BspPieces &) = delete;
-    std::uint64_t Size() const { return plan_.size; }
-    /// Appends all bytes of the file in order.
-    void Write(const Append &append) const;
-
-  private:
-    using Pieces = std::vector<std::span<const std::byte>>; ///< consecutive ranges of one lump
-
-    void TakeLumps(const Bsp &bsp, const BspFormat &format);
-    void TakeBspx(const Bsp &bsp);
-    void MakeHeader(int version);
-    void MakeDirectory();
-
-    std::array<Pieces, kNumLumps> lumps_;
-    std::vector<std::string_view> bspxNames_;
-    std::vector<Pieces> bspx_;
-    FilePlan plan_;
-    std::vector<std::byte> header_, directory_;
-    bspCubeHeader_t cubeHeader_;
-    bspSparseGridHeader_t sparseHeader_;
-};
-
-// ---- IBSP files of version 46 and 47: bytes to records ----
-
-struct ByteSource;
-
-/// Parses and validates a whole file in memory. `name` is for messages. Errors: Error, one line, for anything that a
-/// later stage could trip over; recoverable oddities are warnings.
-Bsp ReadBsp(std::span<const std::byte> file, std::string_view name, const BspFormat &format, Log &log);
-/// The same from any source. Each byte is read once, into the records.
-Bsp ReadBspFrom(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);
+/// BspCodec::ident of these files, and its two functions.
+inline constexpr std::string_view kIbspIdent = "IBSP";
+Bsp DecodeIbsp(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);
+ByteRanges EncodeIbsp(const Bsp &bsp, const BspFormat &format);
 
 } // namespace q3

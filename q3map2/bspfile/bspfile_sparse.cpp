@@ -4,7 +4,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bsp.h"
-#include "q3map2/bspfile/bspfile_ibsp.h"
+#include "q3map2/bspfile/bspx.h"
 
 #include <algorithm>
 #include <bit>
@@ -239,25 +239,25 @@ void CheckSparseGrid(const SparseGridSH &grid, std::string_view name) {
     }
 }
 
-SparseGridSH ReadSparseGrid(const ByteSource &file, const FilePart &part, std::string_view name) {
-    std::vector<std::byte> lump(std::size_t(part.length));
-    file.Fill(std::uint64_t(part.offset), std::span(lump));
+SparseGridSH ReadSparseGrid(const BspxSource &from) {
     try {
-        return DecodeSparseGrid(lump);
+        return DecodeSparseGrid(from.Bytes());
     } catch (const Error &error) {
-        throw Error("{}: BSPX lump {}: {}", name, kBspxSparseGridSH, error.what());
+        from.Fail(error.what());
     }
+}
+
+ByteRanges SparseRanges(const SparseGridSH &grid) {
+    ByteRanges bytes;
+    bytes.AddCopy(HeaderOf(grid));
+    bytes.Add(grid.nodes);
+    bytes.Add(grid.points);
+    return bytes;
 }
 
 std::vector<std::byte> EncodeSparseGrid(const SparseGridSH &grid) {
     CheckSparseTree(grid);
-    const bspSparseGridHeader_t head = HeaderOf(grid);
-    std::vector<std::byte> lump;
-    lump.reserve(head.bytes);
-    for (const auto bytes : {std::as_bytes(std::span(&head, 1)), std::as_bytes(std::span(grid.nodes)),
-                             std::as_bytes(std::span(grid.points))})
-        lump.insert(lump.end(), bytes.begin(), bytes.end());
-    return lump;
+    return SparseRanges(grid).Bytes();
 }
 
 SparseGridSH DecodeSparseGrid(std::span<const std::byte> lump) {

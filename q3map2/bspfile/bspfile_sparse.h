@@ -92,13 +92,15 @@ SparseGridSH DecodeSparseGrid(std::span<const std::byte> lump);
 
 // ---- The BSPX lump LIGHTGRID_SH_SPARSE ----
 
-struct ByteSource;
-struct FilePart;
+class ByteRanges;
+struct BspxSource;
 
 /// The head of the lump of a grid.
 bspSparseGridHeader_t HeaderOf(const SparseGridSH &grid);
-/// Reads the lump from a file. name: of the file, for errors, which are those of DecodeSparseGrid.
-SparseGridSH ReadSparseGrid(const ByteSource &file, const FilePart &part, std::string_view name);
+/// Reads the lump from a file. Errors: those of DecodeSparseGrid.
+SparseGridSH ReadSparseGrid(const BspxSource &from);
+/// The bytes of the lump, without checks.
+ByteRanges SparseRanges(const SparseGridSH &grid);
 /// Sets `children` and `points` of all nodes: the running sums of inner children and of stored cells.
 void NumberSparseNodes(SparseGridSH &grid);
 /// Numbers of cells of a level of the tree whose lower corner is stored, is hanging, or has no value.

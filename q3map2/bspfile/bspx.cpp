@@ -63,4 +63,28 @@ std::vector<BspxPart> ReadBspx(const ByteSource &file, std::uint64_t start, std:
     return lumps;
 }
 
+std::vector<std::byte> BspxDirectory(const std::vector<BspxPart> &lumps) {
+    if (lumps.empty())
+        return {};
+    std::vector<std::byte> bytes(kBspxHeadBytes + lumps.size() * kBspxEntryBytes);
+    const BspxHead head{{'B', 'S', 'P', 'X'}, std::uint32_t(lumps.size())};
+    std::memcpy(bytes.data(), &head, sizeof head);
+    for (std::size_t i = 0; i < lumps.size(); ++i) {
+        BspxEntry entry{{}, std::uint32_t(lumps[i].part.offset), std::uint32_t(lumps[i].part.length)};
+        std::ranges::copy(lumps[i].name, entry.name.begin());
+        std::memcpy(bytes.data() + kBspxHeadBytes + i * kBspxEntryBytes, &entry, sizeof entry);
+    }
+    return bytes;
+}
+
+void BspxSource::Fail(std::string_view text) const {
+    throw Error("{}: BSPX lump {}: {}", fileName, lump, text);
+}
+
+std::vector<std::byte> BspxSource::Bytes() const {
+    std::vector<std::byte> bytes(std::size_t(part.length));
+    file.Fill(std::uint64_t(part.offset), std::span(bytes));
+    return bytes;
+}
+
 } // namespace q3

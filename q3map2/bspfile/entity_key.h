@@ -36,6 +36,18 @@ struct EntityKey {
     std::string InitialText() const;
 };
 
+/// The row with that name, which aliases are not; null if the table has none.
+constexpr const EntityKey *FindKey(std::span<const EntityKey> keys, std::string_view name) {
+    for (const EntityKey &key : keys)
+        if (key.info.name == name)
+            return &key;
+    return nullptr;
+}
+/// The same for references to rows of tables; a name without a row does not compile.
+consteval const EntityKey &Key(std::span<const EntityKey> keys, std::string_view name) {
+    return *FindKey(keys, name);
+}
+
 /// Warns of every value that is no number, is followed by something else, or is out of range. `number` is the index
 /// of the entity in its file.
 void WarnOfBadKeys(const Entity &entity, std::size_t number, std::span<const EntityKey> keys, Log &log);

@@ -102,12 +102,21 @@ inline constexpr EntityKey kLightKeys[] = {
       .help = "Sum of: 1 linear falloff, 2 light does not depend on the angle, 16 not for the grids, 32 color as it is",
       .details = "1 or 2: light on a surface does not depend on its angle. In the Wolfenstein family 1 is squared "
                  "falloff, and light does not depend on the angle without flags. Flags 4, 8 and 64 do nothing."}}};
-inline constexpr const EntityKey &kOrigin = kLightKeys[0], &kLight = kLightKeys[1], &kScale = kLightKeys[2],
-                                 &kColor = kLightKeys[3], &kFade = kLightKeys[4], &kExtraDist = kLightKeys[5],
-                                 &kSamples = kLightKeys[6], &kDeviance = kLightKeys[7], &kStyle = kLightKeys[8],
-                                 &kTarget = kLightKeys[9], &kRadius = kLightKeys[10], &kSun = kLightKeys[11],
-                                 &kAngleScale = kLightKeys[12], &kFilterRadius = kLightKeys[13],
-                                 &kSpawnFlags = kLightKeys[14];
+inline constexpr const EntityKey &kOrigin = Key(kLightKeys, "origin");
+inline constexpr const EntityKey &kLight = Key(kLightKeys, "_light");
+inline constexpr const EntityKey &kScale = Key(kLightKeys, "scale");
+inline constexpr const EntityKey &kColor = Key(kLightKeys, "_color");
+inline constexpr const EntityKey &kFade = Key(kLightKeys, "fade");
+inline constexpr const EntityKey &kExtraDist = Key(kLightKeys, "_extradist");
+inline constexpr const EntityKey &kSamples = Key(kLightKeys, "_samples");
+inline constexpr const EntityKey &kDeviance = Key(kLightKeys, "_deviance");
+inline constexpr const EntityKey &kStyle = Key(kLightKeys, "_style");
+inline constexpr const EntityKey &kTarget = Key(kLightKeys, "target");
+inline constexpr const EntityKey &kRadius = Key(kLightKeys, "radius");
+inline constexpr const EntityKey &kSun = Key(kLightKeys, "_sun");
+inline constexpr const EntityKey &kAngleScale = Key(kLightKeys, "_anglescale");
+inline constexpr const EntityKey &kFilterRadius = Key(kLightKeys, "_filterradius");
+inline constexpr const EntityKey &kSpawnFlags = Key(kLightKeys, "spawnflags");
 
 /// The keys of worldspawn that the light stage reads.
 inline constexpr EntityKey kWorldLightKeys[] = {
@@ -178,11 +187,16 @@ inline constexpr EntityKey kWorldLightKeys[] = {
       .kind = Text,
       .initial = "none",
       .help = "The same for its alpha"}}};
-inline constexpr const EntityKey &kGridSize = kWorldLightKeys[0], &kWorldColor = kWorldLightKeys[1],
-                                 &kAmbient = kWorldLightKeys[2], &kMinLight = kWorldLightKeys[3],
-                                 &kMinGridLight = kWorldLightKeys[4], &kMinVertexLight = kWorldLightKeys[5],
-                                 &kMaxLight = kWorldLightKeys[6], &kNoShaderSun = kWorldLightKeys[7],
-                                 &kFloodlight = kWorldLightKeys[8], &kKeepLights = kWorldLightKeys[9];
+inline constexpr const EntityKey &kGridSize = Key(kWorldLightKeys, "gridsize");
+inline constexpr const EntityKey &kWorldColor = Key(kWorldLightKeys, "_color");
+inline constexpr const EntityKey &kAmbient = Key(kWorldLightKeys, "_ambient");
+inline constexpr const EntityKey &kMinLight = Key(kWorldLightKeys, "_minlight");
+inline constexpr const EntityKey &kMinGridLight = Key(kWorldLightKeys, "_mingridlight");
+inline constexpr const EntityKey &kMinVertexLight = Key(kWorldLightKeys, "_minvertexlight");
+inline constexpr const EntityKey &kMaxLight = Key(kWorldLightKeys, "_maxlight");
+inline constexpr const EntityKey &kNoShaderSun = Key(kWorldLightKeys, "_noshadersun");
+inline constexpr const EntityKey &kFloodlight = Key(kWorldLightKeys, "_floodlight");
+inline constexpr const EntityKey &kKeepLights = Key(kWorldLightKeys, "_keepLights");
 
 // ---- The keys of lights for other curves of falloff, for cones and for light_environment, most of them
 // as in Source. A new key of that kind goes here.
@@ -243,10 +257,15 @@ inline constexpr EntityKey kFalloffKeys[] = {
       .kind = Number,
       .help = "Factor on the distance under delay 1, 2 and 5; 0 or less means 1"},
      1}};
-inline constexpr const EntityKey &kConstantAttn = kFalloffKeys[0], &kLinearAttn = kFalloffKeys[1],
-                                 &kQuadraticAttn = kFalloffKeys[2], &kFiftyPercent = kFalloffKeys[3],
-                                 &kZeroPercent = kFalloffKeys[4], &kHardFalloff = kFalloffKeys[5],
-                                 &kEndRadius = kFalloffKeys[6], &kDelay = kFalloffKeys[7], &kWait = kFalloffKeys[8];
+inline constexpr const EntityKey &kConstantAttn = Key(kFalloffKeys, "_constant_attn");
+inline constexpr const EntityKey &kLinearAttn = Key(kFalloffKeys, "_linear_attn");
+inline constexpr const EntityKey &kQuadraticAttn = Key(kFalloffKeys, "_quadratic_attn");
+inline constexpr const EntityKey &kFiftyPercent = Key(kFalloffKeys, "_fifty_percent_distance");
+inline constexpr const EntityKey &kZeroPercent = Key(kFalloffKeys, "_zero_percent_distance");
+inline constexpr const EntityKey &kHardFalloff = Key(kFalloffKeys, "_hardfalloff");
+inline constexpr const EntityKey &kEndRadius = Key(kFalloffKeys, "_radius");
+inline constexpr const EntityKey &kDelay = Key(kFalloffKeys, "delay");
+inline constexpr const EntityKey &kWait = Key(kFalloffKeys, "wait");
 
 /// Cones by angles, of light_spot and of lights with one of the first three.
 inline constexpr EntityKey kConeKeys[] = {
@@ -289,8 +308,12 @@ inline constexpr EntityKey kConeKeys[] = {
       .unit = "degrees",
       .initial = "angles",
       .help = "Replaces the yaw of angles unless it is 0; -1 is straight up, -2 straight down"}}};
-inline constexpr const EntityKey &kInnerCone = kConeKeys[0], &kCone = kConeKeys[1], &kExponent = kConeKeys[2],
-                                 &kPitch = kConeKeys[3], &kLightAngles = kConeKeys[4], &kLightAngle = kConeKeys[5];
+inline constexpr const EntityKey &kInnerCone = Key(kConeKeys, "_inner_cone");
+inline constexpr const EntityKey &kCone = Key(kConeKeys, "_cone");
+inline constexpr const EntityKey &kExponent = Key(kConeKeys, "_exponent");
+inline constexpr const EntityKey &kPitch = Key(kConeKeys, "pitch");
+inline constexpr const EntityKey &kLightAngles = Key(kConeKeys, "angles");
+inline constexpr const EntityKey &kLightAngle = Key(kConeKeys, "angle");
 
 /// The sun and the sky light of a map.
 inline constexpr EntityKey kEnvironmentKeys[] = {
@@ -306,7 +329,8 @@ inline constexpr EntityKey kEnvironmentKeys[] = {
       .range = {0, 180},
       .help = "Angle that the sun's disc spans, for soft shadows",
       .details = "The sun is then 32 directions, or as many as `_samples` says."}}};
-inline constexpr const EntityKey &kSkyAmbient = kEnvironmentKeys[0], &kSunSpread = kEnvironmentKeys[1];
+inline constexpr const EntityKey &kSkyAmbient = Key(kEnvironmentKeys, "_ambient");
+inline constexpr const EntityKey &kSunSpread = Key(kEnvironmentKeys, "SunSpreadAngle");
 
 /// Keys that Source reads for HDR light alone. One result serves all ranges here.
 inline constexpr EntityKey kHdrLightKeys[] = {
@@ -324,8 +348,10 @@ inline constexpr EntityKey kHdrLightKeys[] = {
       .help = "The same for _ambient"}},
     {{.name = "_lightscaleHDR", .values = "F", .kind = Number, .help = "Not used; a warning if it is not 1"}, 1},
     {{.name = "_AmbientScaleHDR", .values = "F", .kind = Number, .help = "Not used; a warning if it is not 1"}, 1}};
-inline constexpr const EntityKey &kLightHdr = kHdrLightKeys[0], &kAmbientHdr = kHdrLightKeys[1],
-                                 &kLightScaleHdr = kHdrLightKeys[2], &kAmbientScaleHdr = kHdrLightKeys[3];
+inline constexpr const EntityKey &kLightHdr = Key(kHdrLightKeys, "_lightHDR");
+inline constexpr const EntityKey &kAmbientHdr = Key(kHdrLightKeys, "_ambientHDR");
+inline constexpr const EntityKey &kLightScaleHdr = Key(kHdrLightKeys, "_lightscaleHDR");
+inline constexpr const EntityKey &kAmbientScaleHdr = Key(kHdrLightKeys, "_AmbientScaleHDR");
 
 /// The keys of light entities for styles, beside kStyle.
 inline constexpr EntityKey kStyleLightKeys[] = {
@@ -339,7 +365,8 @@ inline constexpr EntityKey kStyleLightKeys[] = {
       .kind = SettingKind::Text,
       .help = "Under -switchable: lights of one name share a style, which the game can switch",
       .details = "[from_source.md](from_source.md#switchable-and-animated-lights) tells how."}}};
-inline constexpr const EntityKey &kPattern = kStyleLightKeys[0], &kSwitchName = kStyleLightKeys[1];
+inline constexpr const EntityKey &kPattern = Key(kStyleLightKeys, "pattern");
+inline constexpr const EntityKey &kSwitchName = Key(kStyleLightKeys, "targetname");
 
 /// The same of worldspawn.
 inline constexpr EntityKey kStyleWorldKeys[] = {{{.name = "_switchable",
@@ -348,7 +375,7 @@ inline constexpr EntityKey kStyleWorldKeys[] = {{{.name = "_switchable",
                                                   .initial = "0",
                                                   .help = "1: lights with a targetname can be switched, as under "
                                                           "-switchable"}}};
-inline constexpr const EntityKey &kSwitchable = kStyleWorldKeys[0];
+inline constexpr const EntityKey &kSwitchable = Key(kStyleWorldKeys, "_switchable");
 
 /// The macro texture of the world.
 inline constexpr EntityKey kMacroKeys[] = {
@@ -370,7 +397,8 @@ inline constexpr EntityKey kMacroKeys[] = {
       .unit = "game units",
       .initial = "bounds of the world",
       .help = "Where its right and its upper edge are"}}};
-inline constexpr const EntityKey &kMacroTexture = kMacroKeys[0], &kWorldMins = kMacroKeys[1],
-                                 &kWorldMaxs = kMacroKeys[2];
+inline constexpr const EntityKey &kMacroTexture = Key(kMacroKeys, "_macrotexture");
+inline constexpr const EntityKey &kWorldMins = Key(kMacroKeys, "world_mins");
+inline constexpr const EntityKey &kWorldMaxs = Key(kMacroKeys, "world_maxs");
 
 } // namespace q3::keys

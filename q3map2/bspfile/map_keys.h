@@ -70,10 +70,15 @@ inline constexpr EntityKey kModelKeys[] = {
       .kind = Flag,
       .initial = "0",
       .help = "1: the entity stays in the .bsp as a static prop, and the model does not become part of the map"}}};
-inline constexpr const EntityKey &kModel = kModelKeys[0], &kModelTarget = kModelKeys[1], &kSkin = kModelKeys[2],
-                                 &kModelScale = kModelKeys[4], &kModelScaleVec = kModelKeys[5], &kFrame = kModelKeys[8],
-                                 &kClipDepth = kModelKeys[9], &kModelFlags = kModelKeys[10],
-                                 &kStaticProp = kModelKeys[11];
+inline constexpr const EntityKey &kModel = Key(kModelKeys, "model");
+inline constexpr const EntityKey &kModelTarget = Key(kModelKeys, "_target");
+inline constexpr const EntityKey &kSkin = Key(kModelKeys, "_skin");
+inline constexpr const EntityKey &kModelScale = Key(kModelKeys, "modelscale");
+inline constexpr const EntityKey &kModelScaleVec = Key(kModelKeys, "modelscale_vec");
+inline constexpr const EntityKey &kFrame = Key(kModelKeys, "_frame");
+inline constexpr const EntityKey &kClipDepth = Key(kModelKeys, "_clipdepth");
+inline constexpr const EntityKey &kModelFlags = Key(kModelKeys, "spawnflags");
+inline constexpr const EntityKey &kStaticProp = Key(kModelKeys, "_staticprop");
 /// Start of the names of remap keys.
 inline constexpr std::string_view kRemapPrefix = "_remap";
 
@@ -106,9 +111,12 @@ inline constexpr EntityKey kPropKeys[] = {
       .kind = Flag,
       .initial = "0",
       .help = "Lightmaps of props, which this program does not make: 1 is a warning"}}};
-inline constexpr const EntityKey &kPropNoShadows = kPropKeys[0], &kPropNoSelfShadows = kPropKeys[1],
-                                 &kPropNoVertexLight = kPropKeys[2], &kPropIgnoreNormals = kPropKeys[3],
-                                 &kPropLightingOrigin = kPropKeys[4], &kPropLightmaps = kPropKeys[5];
+inline constexpr const EntityKey &kPropNoShadows = Key(kPropKeys, "disableshadows");
+inline constexpr const EntityKey &kPropNoSelfShadows = Key(kPropKeys, "disableselfshadowing");
+inline constexpr const EntityKey &kPropNoVertexLight = Key(kPropKeys, "disablevertexlighting");
+inline constexpr const EntityKey &kPropIgnoreNormals = Key(kPropKeys, "ignorenormals");
+inline constexpr const EntityKey &kPropLightingOrigin = Key(kPropKeys, "lightingorigin");
+inline constexpr const EntityKey &kPropLightmaps = Key(kPropKeys, "generatelightmaps");
 
 /// The keys that make the surfaces of an entity indexed terrain.
 inline constexpr EntityKey kTerrainKeys[] = {
@@ -148,9 +156,12 @@ inline constexpr EntityKey kTerrainKeys[] = {
       .unit = "game units",
       .initial = "of the entity",
       .help = "Opposite corner"}}};
-inline constexpr const EntityKey &kIndexMap = kTerrainKeys[0], &kLayers = kTerrainKeys[1],
-                                 &kLayerShader = kTerrainKeys[2], &kLayerOffsets = kTerrainKeys[3],
-                                 &kIndexMapMin = kTerrainKeys[4], &kIndexMapMax = kTerrainKeys[5];
+inline constexpr const EntityKey &kIndexMap = Key(kTerrainKeys, "_indexmap");
+inline constexpr const EntityKey &kLayers = Key(kTerrainKeys, "_layers");
+inline constexpr const EntityKey &kLayerShader = Key(kTerrainKeys, "_shader");
+inline constexpr const EntityKey &kLayerOffsets = Key(kTerrainKeys, "_offsets");
+inline constexpr const EntityKey &kIndexMapMin = Key(kTerrainKeys, "min");
+inline constexpr const EntityKey &kIndexMapMax = Key(kTerrainKeys, "max");
 
 /// The keys of _skybox entities.
 inline constexpr EntityKey kSkyBoxKeys[] = {{{.name = "_scale",
@@ -160,7 +171,7 @@ inline constexpr EntityKey kSkyBoxKeys[] = {{{.name = "_scale",
                                               .help = "How many times the sky box is enlarged"}},
                                             kAngle,
                                             kAngles};
-inline constexpr const EntityKey &kSkyBoxScale = kSkyBoxKeys[0];
+inline constexpr const EntityKey &kSkyBoxScale = Key(kSkyBoxKeys, "_scale");
 
 /// The keys of light entities that make flares.
 inline constexpr EntityKey kFlareKeys[] = {{{.name = "_flare",
@@ -173,7 +184,8 @@ inline constexpr EntityKey kFlareKeys[] = {{{.name = "_flare",
                                              .kind = Text,
                                              .initial = "flareshader",
                                              .help = "The light has a flare of that shader, with -flares"}}};
-inline constexpr const EntityKey &kFlare = kFlareKeys[0], &kFlareShader = kFlareKeys[1];
+inline constexpr const EntityKey &kFlare = Key(kFlareKeys, "_flare");
+inline constexpr const EntityKey &kFlareShader = Key(kFlareKeys, "_flareshader");
 
 /// The keys of entities that are named, targeted or repeated.
 inline constexpr EntityKey kNameKeys[] = {
@@ -188,14 +200,16 @@ inline constexpr EntityKey kNameKeys[] = {
       .values = "NAME",
       .kind = Text,
       .help = "The entity has the brush model of that _clonename instead of brushes of its own"}}};
-inline constexpr const EntityKey &kTargetName = kNameKeys[0], &kCloneName = kNameKeys[1], &kInstance = kNameKeys[2];
+inline constexpr const EntityKey &kTargetName = Key(kNameKeys, "targetname");
+inline constexpr const EntityKey &kCloneName = Key(kNameKeys, "_clonename");
+inline constexpr const EntityKey &kInstance = Key(kNameKeys, "_ins");
 
 /// The key of _decal entities.
 inline constexpr EntityKey kDecalKeys[] = {{{.name = "target",
                                              .values = "NAME",
                                              .kind = Text,
                                              .help = "Entity toward which the patches are projected; needed"}}};
-inline constexpr const EntityKey &kDecalTarget = kDecalKeys[0];
+inline constexpr const EntityKey &kDecalTarget = Key(kDecalKeys, "target");
 
 // ---- Entity keys that apply to all surfaces of an entity, and worldspawn keys of the bsp and vis stages
 // A new key goes here.
@@ -265,11 +279,15 @@ inline constexpr EntityKey kSurfaceKeys[] = {
       .initial = "1",
       .range = kAnyInteger,
       .help = "Divisor of that tolerance"}}};
-inline constexpr const EntityKey &kCastShadows = kSurfaceKeys[0], &kReceiveShadows = kSurfaceKeys[1],
-                                 &kSampleSize = kSurfaceKeys[2], &kLightmapScale = kSurfaceKeys[3],
-                                 &kShadeAngle = kSurfaceKeys[4], &kCelShader = kSurfaceKeys[5],
-                                 &kPatchMeta = kSurfaceKeys[6], &kPatchSubdivide = kSurfaceKeys[7],
-                                 &kPatchQuality = kSurfaceKeys[8];
+inline constexpr const EntityKey &kCastShadows = Key(kSurfaceKeys, "_castShadows");
+inline constexpr const EntityKey &kReceiveShadows = Key(kSurfaceKeys, "_receiveShadows");
+inline constexpr const EntityKey &kSampleSize = Key(kSurfaceKeys, "_lightmapsamplesize");
+inline constexpr const EntityKey &kLightmapScale = Key(kSurfaceKeys, "lightmapscale");
+inline constexpr const EntityKey &kShadeAngle = Key(kSurfaceKeys, "_shadeangle");
+inline constexpr const EntityKey &kCelShader = Key(kSurfaceKeys, "_celshader");
+inline constexpr const EntityKey &kPatchMeta = Key(kSurfaceKeys, "_patchMeta");
+inline constexpr const EntityKey &kPatchSubdivide = Key(kSurfaceKeys, "_patchSubdivide");
+inline constexpr const EntityKey &kPatchQuality = Key(kSurfaceKeys, "_patchQuality");
 
 /// The keys of worldspawn that the bsp and vis stages read.
 inline constexpr EntityKey kWorldKeys[] = {
@@ -313,8 +331,11 @@ inline constexpr EntityKey kWorldKeys[] = {
       .details = "A letter after the number says how two portals with centers L apart and radii R₁ and R₂ are compared "
                  "with it: hidden if L − R₁ − R₂ is over the distance (no letter), L is (`o`), L + R₁ + R₂ is over "
                  "twice the distance (`e`), or R₁ + R₂ is over it (`r`)."}}};
-inline constexpr const EntityKey &kIgnoreLeaks = kWorldKeys[0], &kBlockSize = kWorldKeys[1],
-                                 &kKeepModels = kWorldKeys[2], &kFog = kWorldKeys[3], &kFogHull = kWorldKeys[4],
-                                 &kFarPlaneDist = kWorldKeys[5];
+inline constexpr const EntityKey &kIgnoreLeaks = Key(kWorldKeys, "_ignoreleaks");
+inline constexpr const EntityKey &kBlockSize = Key(kWorldKeys, "_blocksize");
+inline constexpr const EntityKey &kKeepModels = Key(kWorldKeys, "_keepModels");
+inline constexpr const EntityKey &kFog = Key(kWorldKeys, "_fog");
+inline constexpr const EntityKey &kFogHull = Key(kWorldKeys, "_foghull");
+inline constexpr const EntityKey &kFarPlaneDist = Key(kWorldKeys, "_farplanedist");
 
 } // namespace q3::keys

@@ -5,7 +5,6 @@
 #include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
 
-#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -29,11 +28,6 @@ std::uint32_t CheckedCount(std::size_t count, std::string_view what) {
         throw Error("{}: {} {}, expected at most {}", kBspxPropLight, count, what,
                     std::numeric_limits<std::uint32_t>::max());
     return std::uint32_t(count);
-}
-
-template <typename Record> void AppendRecords(const std::vector<Record> &records, std::vector<std::byte> &bytes) {
-    const auto from = std::as_bytes(std::span(records));
-    bytes.insert(bytes.end(), from.begin(), from.end());
 }
 
 template <typename Record> std::vector<Record> TakeRecords(std::span<const std::byte> &bytes, std::uint32_t count) {
@@ -80,17 +74,21 @@ std::uint32_t ModelNameCrc(std::string_view model) {
     return Crc32(std::as_bytes(std::span(lower.data(), lower.size())));
 }
 
-std::vector<std::byte> EncodePropLight(const PropLight &light) {
+ByteRanges PropLightRanges(const PropLight &light) {
     bspPropLightHeader_t header;
     header.propCount = CheckedCount(light.props.size(), "props");
     header.meshCount = CheckedCount(light.meshes.size(), "meshes");
     header.colorCount = CheckedCount(light.colors.size(), "colors");
-    std::vector<std::byte> bytes;
-    AppendRecords(std::vector{header}, bytes);
-    AppendRecords(light.props, bytes);
-    AppendRecords(light.meshes, bytes);
-    AppendRecords(light.colors, bytes);
+    ByteRanges bytes;
+    bytes.AddCopy(header);
+    bytes.Add(light.props);
+    bytes.Add(light.meshes);
+    bytes.Add(light.colors);
     return bytes;
+}
+
+std::vector<std::byte> EncodePropLight(const PropLight &light) {
+    return PropLightRanges(light).Bytes();
 }
 
 PropLight DecodePropLight(std::span<const std::byte> lump) {
@@ -116,26 +114,22 @@ PropLight DecodePropLight(std::span<const std::byte> lump) {
     return light;
 }
 
-const BspxLump *FindPropLight(const Bsp &bsp) {
-    const auto at =
-        std::find_if(bsp.bspx.begin(), bsp.bspx.end(), [](const BspxLump &l) { return l.name == kBspxPropLight; });
-    return at == bsp.bspx.end() ? nullptr : &*at;
-}
-
-void SetPropLight(Bsp &bsp, const std::optional<PropLight> &light) {
-    std::erase_if(bsp.bspx, [](const BspxLump &lump) { return lump.name == kBspxPropLight; });
-    if (light)
-        bsp.bspx.push_back({std::string(kBspxPropLight), EncodePropLight(*light)});
+std::optional<PropLight> ReadPropLight(const BspxSource &from) {
+    try {
+        return DecodePropLight(from.Bytes());
+    } catch (const Error &error) {
+        from.log.Warn(from.lump, "{}: BSPX lump {} is dropped: {}", from.fileName, from.lump, error.what());
+        return {};
+    }
 }
 
 std::string PropLightFault(const Bsp &bsp) {
-    const BspxLump *lump = FindPropLight(bsp);
-    if (lump == nullptr)
+    if (!bsp.propLight)
         return {};
     try {
-        const PropLight light = DecodePropLight(lump->data);
+        CheckOrder(*bsp.propLight);
         const std::vector<Entity> entities = StoredEntities(bsp.entities, "entities");
-        for (const bspPropLight_t &prop : light.props) {
+        for (const bspPropLight_t &prop : bsp.propLight->props) {
             if (prop.entity >= entities.size())
                 throw Error("entity {} is not one of {}", prop.entity, entities.size());
             if (const auto model = entities[prop.entity].Value("model"); ModelNameCrc(model) != prop.nameCrc)

@@ -5,9 +5,9 @@
 #include "common/text/text.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/bspfile/bspfile_sparse.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/entity_key.h"
-#include "q3map2/bspfile/prop_light.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -141,17 +141,42 @@ class InfoTable {
         PrintSurfaces();
         const Entity world = StoredWorld(bsp_.entities);
         PrintLight(world);
-        if (bsp_.gridSH)
-            PrintGridSH(*bsp_.gridSH, world);
-        if (bsp_.sparseGridSH)
-            PrintSparseGrid(*bsp_.sparseGridSH, world);
-        PrintHdrLight();
-        if (bsp_.ambientCubes)
-            PrintCubes(*bsp_.ambientCubes);
+        PrintLumps(world);
         PrintExtras();
     }
 
   private:
+    /// What is printed of a BSPX lump. A blank line follows each group.
+    struct LumpInfo {
+        BspxId id;
+        enum Group { UniformGrid, SparseGrid, HdrLight, Cubes } group;
+        void (InfoTable::*print)(const Entity &world) const;
+    };
+
+    void PrintLumps(const Entity &world) const {
+        static constexpr LumpInfo kInfos[] = {
+            {BspxId::LightGridSH, LumpInfo::UniformGrid, &InfoTable::PrintGridSH},
+            {BspxId::SparseGridSH, LumpInfo::SparseGrid, &InfoTable::PrintSparseGrid},
+            {BspxId::LightmapsE5bgr9, LumpInfo::HdrLight, &InfoTable::PrintHdrLightmaps},
+            {BspxId::VertexE5bgr9, LumpInfo::HdrLight, &InfoTable::PrintHdrVertices},
+            {BspxId::Rnm, LumpInfo::HdrLight, &InfoTable::PrintRnm},
+            {BspxId::PropLight, LumpInfo::HdrLight, &InfoTable::PrintProps},
+            {BspxId::AmbientCubes, LumpInfo::Cubes, &InfoTable::PrintCubes},
+        };
+        static_assert(HasRowOfEachLump(kInfos));
+        const LumpInfo *last = nullptr; // printed
+        for (const LumpInfo &info : kInfos) {
+            if (!RowOf(info.id).has(bsp_))
+                continue;
+            if (last != nullptr && last->group != info.group)
+                log_.Print("\n");
+            (this->*info.print)(world);
+            last = &info;
+        }
+        if (last != nullptr)
+            log_.Print("\n");
+    }
+
     template <typename Record>
     void Line(const std::vector<Record> &records, std::string_view name, std::size_t shownSize = 0) const {
         const std::size_t bytes = records.size() * sizeof(Record);
@@ -206,7 +231,8 @@ class InfoTable {
         log_.Print("\n");
     }
 
-    void PrintGridSH(const LightGridSH &grid, const Entity &world) const {
+    void PrintGridSH(const Entity &world) const {
+        const LightGridSH &grid = *bsp_.gridSH;
         const bspGridSHHeader_t &head = grid.header;
         Line(grid.points.size(), "SH light grid", sizeof head + grid.points.size() * sizeof(bspGridPointSH_t));
         const Float3 last = GridLayout{head.gridMins, head.gridSize, head.gridBounds}.Position(
@@ -223,10 +249,10 @@ class InfoTable {
         PointsLine(shares.open, "lit points", grid.points.size());
         PointsLine(shares.filled, "filled points", grid.points.size());
         PointsLine(shares.darkVoid, "void points", grid.points.size());
-        log_.Print("\n");
     }
 
-    void PrintSparseGrid(const SparseGridSH &grid, const Entity &world) const {
+    void PrintSparseGrid(const Entity &world) const {
+        const SparseGridSH &grid = *bsp_.sparseGridSH;
         const bspSparseGridHeader_t head = HeaderOf(grid);
         Line(grid.points.size(), "sparse SH grid", head.bytes);
         Note("{} nodes, {:.1f} % of the bytes; {} levels below {} x {} x {} roots", grid.nodes.size(),
@@ -247,7 +273,6 @@ class InfoTable {
                        100.0 * double(counts.stored) / double(std::max<std::size_t>(grid.points.size(), 1)),
                        counts.hanging, counts.empty);
         }
-        log_.Print("\n");
     }
 
     template <typename... Args> void Note(fmt::format_string<Args...> format, Args &&...args) const {
@@ -258,45 +283,37 @@ class InfoTable {
                    double(count * sizeof(bspGridPointSH_t)) / kMegabyte);
     }
 
-    void PrintHdrLight() const {
-        const auto line = [this](std::size_t count, std::string_view name, std::size_t bytes) {
-            if (count > 0)
-                Line(count, name, bytes);
-        };
-        line(bsp_.lightmapsE5bgr9.size() * 3 / kLightmapPageBytes, "HDR lightmaps", 4 * bsp_.lightmapsE5bgr9.size());
-        line(bsp_.vertexE5bgr9.size(), "HDR vertices", 4 * bsp_.vertexE5bgr9.size());
-        if (bsp_.rnm) {
-            const bspRnmHeader_t &head = bsp_.rnm->header;
-            const std::size_t page = 4 + std::size_t(12) * head.side * head.side;
-            Line(bsp_.rnm->pages.size(), "RNM lightmaps", sizeof head + bsp_.rnm->pages.size() * page);
-            Note("{} x {} texels for each of three basis vectors, {}", head.side, head.side,
-                 head.storage == RnmStorage::Raw ? "raw" : "rescaled to the flat light");
-        }
-        if (const BspxLump *props = FindPropLight(bsp_)) {
-            const PropLight light = DecodePropLight(props->data);
-            Line(light.props.size(), "lit props", props->data.size());
-            Note("{} meshes with {} vertices", light.meshes.size(), light.colors.size());
-        }
-        if (!bsp_.lightmapsE5bgr9.empty() || !bsp_.vertexE5bgr9.empty() || bsp_.rnm || FindPropLight(bsp_) != nullptr)
-            log_.Print("\n");
+    void PrintHdrLightmaps(const Entity &) const {
+        Line(bsp_.lightmapsE5bgr9.size() * 3 / kLightmapPageBytes, "HDR lightmaps", 4 * bsp_.lightmapsE5bgr9.size());
     }
 
-    void PrintCubes(const AmbientCubes &cubes) const {
-        Line(cubes.samples.size(), "ambient cubes",
-             sizeof(bspCubeHeader_t) + cubes.leafs.size() * sizeof(bspCubeLeaf_t) +
-                 cubes.samples.size() * sizeof(bspCubeSample_t));
-        const auto withCubes =
-            std::ranges::count_if(cubes.leafs, [](const bspCubeLeaf_t &leaf) { return leaf.count > 0; });
+    void PrintHdrVertices(const Entity &) const { Line(bsp_.vertexE5bgr9, "HDR vertices"); }
+
+    void PrintRnm(const Entity &) const {
+        const bspRnmHeader_t &head = bsp_.rnm->header;
+        Line(bsp_.rnm->pages.size(), "RNM lightmaps", BytesOfLump(bsp_, BspxId::Rnm));
+        Note("{} x {} texels for each of three basis vectors, {}", head.side, head.side,
+             head.storage == RnmStorage::Raw ? "raw" : "rescaled to the flat light");
+    }
+
+    void PrintProps(const Entity &) const {
+        const PropLight &light = *bsp_.propLight;
+        Line(light.props.size(), "lit props", BytesOfLump(bsp_, BspxId::PropLight));
+        Note("{} meshes with {} vertices", light.meshes.size(), light.colors.size());
+    }
+
+    void PrintCubes(const Entity &) const {
+        const AmbientCubes &cubes = *bsp_.ambientCubes;
+        Line(cubes.samples.size(), "ambient cubes", BytesOfLump(bsp_, BspxId::AmbientCubes));
+        const auto withCubes = std::ranges::count_if(cubes.leafs, [](const bspCubeLeaf_t &leaf) { return leaf.count > 0; });
         Note("{} of {} leafs have their own, others refer to one of these", withCubes, cubes.leafs.size());
-        log_.Print("\n");
     }
 
     void PrintExtras() const {
         if (!bsp_.advertisements.empty())
             Line(bsp_.advertisements, "advertisements");
         for (const BspxLump &lump : bsp_.bspx)
-            if (lump.name != kBspxPropLight)
-                log_.Print("{:>9} {:<14} {:9}\n", "BSPX", Printable(lump.name), lump.data.size());
+            log_.Print("{:>9} {:<14} {:9}\n", "BSPX", Printable(lump.name), lump.data.size());
         if (!bsp_.advertisements.empty() || !bsp_.bspx.empty())
             log_.Print("\n");
     }

@@ -3,7 +3,8 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bspx.h"
-#include "q3map2/bspfile/prop_light.h"
+#include "q3map2/bspfile/bspx_lumps.h"
+#include "q3map2/edit/edit_bspx.h"
 
 #include <fmt/format.h>
 
@@ -139,18 +140,9 @@ void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp,
         log.Warn("light grid", "the legacy light grid is dropped: engines would look for its points elsewhere; "
                                "-light -onlygrid makes a new one");
     }
-    if (bsp.gridSH) {
-        bspGridSHHeader_t &head = bsp.gridSH->header;
-        head.gridMins = transform.Apply(head.gridMins);
-        for (std::size_t i = 0; i < 3; ++i)
-            head.gridSize[i] = float(double(head.gridSize[i]) * transform.factors[i]);
-    }
-    if (bsp.sparseGridSH) {
-        SparseGridSH &grid = *bsp.sparseGridSH;
-        grid.mins = transform.Apply(grid.mins);
-        for (std::size_t i = 0; i < 3; ++i)
-            grid.cell[i] = float(double(grid.cell[i]) * transform.factors[i]);
-    }
+    for (const LumpEdit &edit : LumpEdits())
+        if (edit.transform != nullptr && RowOf(edit.id).has(bsp))
+            edit.transform(transform, bsp);
     TransformLumps(transform, bsp, log);
 }
 
@@ -172,7 +164,6 @@ struct LumpRule {
 };
 
 constexpr LumpRule kLumpRules[] = {
-    {kBspxPropLight, LumpContent::NoPositions},
     {kBspxGridOctree, LumpContent::Grid},
     {kBspxGrids, LumpContent::Grids},
     // Of other compilers: light and the layout of lightmaps, by face or luxel.
@@ -247,37 +238,6 @@ bool TransformLump(const AxisTransform &transform, BspxLump &lump) {
     return false;
 }
 
-/// Adds the props of the second map. Its entities, without its worldspawn, begin at `firstEntity` of the merged map.
-void AppendProps(const PropLight &added, std::size_t firstEntity, PropLight &light) {
-    const auto meshes = std::uint32_t(light.meshes.size()), colors = std::uint32_t(light.colors.size());
-    for (bspPropLight_t prop : added.props) {
-        if (prop.entity == 0)
-            throw Error("prop light of worldspawn, which is not in the merged map");
-        prop.entity += std::uint32_t(firstEntity - 1);
-        prop.firstMesh += meshes;
-        light.props.push_back(prop);
-    }
-    for (bspPropMesh_t mesh : added.meshes) {
-        mesh.firstColor += colors;
-        light.meshes.push_back(mesh);
-    }
-    light.colors.insert(light.colors.end(), added.colors.begin(), added.colors.end());
-}
-
-void MergeProps(const Bsp &main, const Bsp &added, std::string_view mainName, std::string_view addedName, Bsp &bsp,
-                Log &log) {
-    const BspxLump *first = FindPropLight(main), *second = FindPropLight(added);
-    if (second == nullptr)
-        return;
-    try {
-        PropLight light = first ? DecodePropLight(first->data) : PropLight{};
-        AppendProps(DecodePropLight(second->data), StoredEntities(main.entities, mainName).size(), light);
-        SetPropLight(bsp, light);
-    } catch (const Error &error) {
-        log.Warn(kBspxPropLight, "{}: the BSPX lump {} is dropped: {}", addedName, kBspxPropLight, error.what());
-    }
-}
-
 bool IsGridLump(std::string_view name) {
     const LumpRule *rule = RuleOf(name);
     return rule && (rule->content == LumpContent::Grid || rule->content == LumpContent::Grids);
@@ -295,35 +255,24 @@ void TransformLumps(const AxisTransform &transform, Bsp &bsp, Log &log) {
     });
 }
 
-void MergeLumps(const Bsp &main, const Bsp &added, std::string_view mainName, std::string_view addedName, Bsp &bsp,
-                Log &log) {
-    std::erase_if(bsp.bspx, [&](const BspxLump &lump) {
-        const bool keeps = IsGridLump(lump.name) || lump.name == kBspxPropLight;
+void MergeLumps(const LumpMerge &maps) {
+    std::erase_if(maps.bsp.bspx, [&](const BspxLump &lump) {
+        const bool keeps = IsGridLump(lump.name);
         if (!keeps)
-            log.Warn(lump.name, "{}: the BSPX lump {} ({} bytes) is dropped: it is for this map without the other",
-                     mainName, lump.name, lump.data.size());
+            maps.log.Warn(lump.name, "{}: the BSPX lump {} ({} bytes) is dropped: it is for this map without the other",
+                          maps.mainName, lump.name, lump.data.size());
         return !keeps;
     });
-    MergeProps(main, added, mainName, addedName, bsp, log);
-    for (const BspxLump &lump : added.bspx) {
-        if (lump.name == kBspxPropLight)
-            continue;
+    for (const BspxLump &lump : maps.added.bspx) {
         const bool isGrid = IsGridLump(lump.name);
-        if (!isGrid || std::ranges::find(main.bspx, lump.name, &BspxLump::name) == main.bspx.end())
-            log.Warn(lump.name, "{}: the BSPX lump {} ({} bytes) is dropped: {}", addedName, lump.name,
-                     lump.data.size(),
-                     isGrid ? "light grids are those of the first map" : "it is for this map without the other");
+        if (!isGrid || std::ranges::find(maps.main.bspx, lump.name, &BspxLump::name) == maps.main.bspx.end())
+            maps.log.Warn(lump.name, "{}: the BSPX lump {} ({} bytes) is dropped: {}", maps.addedName, lump.name,
+                          lump.data.size(),
+                          isGrid ? "light grids are those of the first map" : "it is for this map without the other");
     }
-    const auto warnOfGrid = [&](bool inMain, bool inAdded, std::string_view what) {
-        if (inAdded && !inMain)
-            log.Warn(what,
-                     "{}: the {} is dropped, since light grids are those of {}, which has none; light the merged map "
-                     "to make one",
-                     addedName, what, mainName);
-    };
-    warnOfGrid(main.gridSH.has_value(), added.gridSH.has_value(), "SH light grid");
-    warnOfGrid(main.sparseGridSH.has_value(), added.sparseGridSH.has_value(), "sparse SH light grid");
-    warnOfGrid(!main.gridPoints.empty(), !added.gridPoints.empty(), "legacy light grid");
+    for (const LumpEdit &edit : LumpEdits())
+        edit.merge(maps);
+    WarnOfLostGrid(maps, !maps.main.gridPoints.empty(), !maps.added.gridPoints.empty(), "legacy light grid");
 }
 
 } // namespace q3

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace q3 {
 
@@ -32,17 +34,27 @@ struct AxisTransform {
 /// Takes the grids of `before` over to `bsp`, the transformed map with transformed world bounds and a gridsize that
 /// fits. The head of the SH grid says where its points are, so they move exactly. Engines derive the points of the
 /// legacy grid from world bounds and gridsize: where that does not give the transformed points, the grid is dropped
-/// with a warning. World bounds and gridsize may change by rounding. BSPX lumps: TransformLumps.
+/// with a warning. World bounds and gridsize may change by rounding. BSPX lumps: LumpEdits, TransformLumps.
 void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log);
 
 /// Keeps lumps without positions and transforms positions in lumps of known formats. Other lumps may hold positions:
 /// each is dropped with a warning.
 void TransformLumps(const AxisTransform &transform, Bsp &bsp, Log &log);
 
-/// Merges the lumps into `bsp`, which is `main` with the entities of `added` after its own: light of static props is
-/// that of both maps, light grids are those of `main`. Other lumps fit neither the records nor the entities of the
-/// merged map: each is dropped with a warning, as are grids of `added` if `main` has none.
-void MergeLumps(const Bsp &main, const Bsp &added, std::string_view mainName, std::string_view addedName, Bsp &bsp,
-                Log &log);
+/// Two maps whose records are merged already.
+struct LumpMerge {
+    const Bsp &main, &added;
+    std::string_view mainName, addedName;
+    Bsp &bsp; ///< `main` with the records and entities of `added` after its own
+    Log &log;
+    int lightmapBase = 0; ///< number in `bsp` of the first lightmap of `added`
+    /// Vertices of `added` by first and count, in the order in which `bsp` has them after those of `main`.
+    std::vector<std::pair<int, int>> vertRuns;
+};
+
+/// Merges the lumps: light of surfaces and static props is that of both maps, light grids are those of `main`. Other
+/// lumps fit neither the records nor the entities of the merged map: each is dropped with a warning, as are grids of
+/// `added` if `main` has none.
+void MergeLumps(const LumpMerge &maps);
 
 } // namespace q3

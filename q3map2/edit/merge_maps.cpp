@@ -113,13 +113,9 @@ class Merger {
         MergeFogs();
         MergeSurfaces();
         MergeModels();
-        MergeRnm();
-        MergeLumps(main_, added_, mainName_, addedName_, bsp_, log_);
-        DropUnfitHdrLight(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
+        MergeLumps({main_, added_, mainName_, addedName_, bsp_, log_, lightmapBase_, copiedVerts_});
+        DropUnfitLumps(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
         RecordRnm();
-        if (added_.ambientCubes) // the leafs of the merged map are those of the first
-            log_.Warn(kBspxAmbientCubes, "{}: the BSPX lump {} is dropped: its leafs are not in the merged map",
-                      addedName_, kBspxAmbientCubes);
         if (options_.world)
             ListWorldInLeafs();
         ValidateBsp(bsp_, fmt::format("{} with {}", mainName_, addedName_), log_);
@@ -142,8 +138,6 @@ class Merger {
     void MergeFogs();
     void MergeSurfaces();
     void MergeModels();
-    bool KeepsHdrLump(bool inMain, bool inAdded, std::string_view lump);
-    void MergeRnm();
     void RecordRnm();
     template <typename Record>
     int ExtendWorld(std::vector<Record> &records, int count, std::vector<std::int32_t> &numbers,
@@ -162,7 +156,7 @@ class Merger {
     std::vector<int> shaders_, surfaces_, brushes_;           ///< numbers in the merged map; kNotTaken
     int worldSurfaces_ = 0, worldBrushes_ = 0;                ///< records of the added world that join the main one
     std::map<std::pair<int, int>, int> vertRuns_, indexRuns_; ///< by first and count
-    bool keepsVertexLight_ = false;
+    std::vector<std::pair<int, int>> copiedVerts_;            ///< the same runs of vertices, in order
 };
 
 void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added) {
@@ -234,44 +228,12 @@ void Merger::MergeLightmaps() {
     const bool mainIsExternal = used(main_) > pages(main_), addedIsExternal = used(added_) > pages(added_);
     lightmapBase_ = mainIsExternal ? used(main_) : pages(main_);
     bsp_.lightmaps.insert(bsp_.lightmaps.end(), added_.lightmaps.begin(), added_.lightmaps.end());
-    if (KeepsHdrLump(!main_.lightmapsE5bgr9.empty(), !added_.lightmapsE5bgr9.empty(), kBspxLightmapsE5bgr9))
-        Appended(bsp_.lightmapsE5bgr9, added_.lightmapsE5bgr9);
-    else
-        bsp_.lightmapsE5bgr9.clear();
     if (mainIsExternal || addedIsExternal)
         log_.Warn("external lightmaps",
                   "lightmaps are files beside the maps, and no files are copied: the merged map looks for the pages of "
                   "the first map from lm_0000 on, and for those of the second from lm_{:04} on, in the folder of its "
                   "own name",
                   lightmapBase_);
-}
-
-/// Whether both maps have the lump. If only one has it, the other has no light to fill it with.
-bool Merger::KeepsHdrLump(bool inMain, bool inAdded, std::string_view lump) {
-    if (inMain != inAdded)
-        log_.Warn(lump, "the BSPX lump {} is dropped: only {} has it", lump, inMain ? mainName_ : addedName_);
-    return inMain && inAdded;
-}
-
-/// RNM pages name their lightmap, so they are kept even if only one of the maps has them.
-void Merger::MergeRnm() {
-    if (!added_.rnm)
-        return;
-    if (!bsp_.rnm) {
-        bsp_.rnm.emplace().header = added_.rnm->header;
-        bsp_.rnm->header.pageCount = 0;
-    }
-    bspRnmHeader_t &head = bsp_.rnm->header;
-    if (head.side != added_.rnm->header.side || head.storage != added_.rnm->header.storage) {
-        log_.Warn(kBspxRnm, "{}: the BSPX lump {} is dropped: its page side or storage differs from that of {}",
-                  addedName_, kBspxRnm, mainName_);
-        return;
-    }
-    for (const RnmPage &page : added_.rnm->pages) {
-        bsp_.rnm->pages.push_back(page);
-        bsp_.rnm->pages.back().lightmapNum += lightmapBase_;
-        ++head.pageCount;
-    }
 }
 
 /// The worldspawn key that tells how basis maps are stored.
@@ -399,9 +361,8 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
     surface.shaderNum = shaders_[std::size_t(surface.shaderNum)];
     surface.fogNum += surface.fogNum >= 0 ? fogBase_ : 0;
     surface.lightmapNum += surface.lightmapNum >= 0 ? lightmapBase_ : 0;
-    if (keepsVertexLight_ && !vertRuns_.contains({surface.firstVert, surface.numVerts}))
-        bsp_.vertexE5bgr9.insert(bsp_.vertexE5bgr9.end(), added_.vertexE5bgr9.begin() + surface.firstVert,
-                                 added_.vertexE5bgr9.begin() + surface.firstVert + surface.numVerts);
+    if (!vertRuns_.contains({surface.firstVert, surface.numVerts}))
+        copiedVerts_.emplace_back(surface.firstVert, surface.numVerts);
     surface.firstVert = copied(vertRuns_, bsp_.drawVerts, added_.drawVerts, surface.firstVert, surface.numVerts);
     surface.firstIndex =
         copied(indexRuns_, bsp_.drawIndexes, added_.drawIndexes, surface.firstIndex, surface.numIndexes);
@@ -411,9 +372,6 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
 void Merger::MergeSurfaces() {
     ExtendWorld(bsp_.drawSurfaces, worldSurfaces_, bsp_.leafSurfaces, &bspModel_t::firstBSPSurface,
                 &bspModel_t::numBSPSurfaces);
-    keepsVertexLight_ = KeepsHdrLump(!main_.vertexE5bgr9.empty(), !added_.vertexE5bgr9.empty(), kBspxVertexE5bgr9);
-    if (!keepsVertexLight_)
-        bsp_.vertexE5bgr9.clear();
     for (std::size_t i = 0; i < added_.drawSurfaces.size(); ++i)
         if (surfaces_[i] != kNotTaken)
             PutAt(bsp_.drawSurfaces, surfaces_[i], Renumbered(added_.drawSurfaces[i]));

@@ -4,7 +4,7 @@
 #include "common/error.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/edit/edit_lumps.h"
+#include "q3map2/edit/edit_bspx.h"
 
 #include <algorithm>
 #include <cmath>
@@ -210,7 +210,7 @@ void ScaleMap(Bsp &bsp, const ScaleOptions &options, std::string_view name, Log 
     const Bsp before = bsp;
     Scaler(bsp, options).Run(name);
     const bool isUniform = options.factors.x == options.factors.y && options.factors.y == options.factors.z;
-    if (!isUniform && (bsp.gridSH || bsp.sparseGridSH || bsp.ambientCubes || !bsp.gridPoints.empty()))
+    if (!isUniform && (HasDirections(bsp) || !bsp.gridPoints.empty()))
         log.Warn("light of another shape",
                  "factors differ, and directions of the light grids are those of the old shape: light the map again");
     TransformGrids(before, {options.factors, {}}, bsp, log);

@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "common/text/text.h"
-#include "q3map2/bspfile/bspfile_hdr.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/geometry/effects/decals.h"
@@ -226,7 +226,7 @@ void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
             if (IsStyleKey(key))
                 map.World().pairs.Set(key, value);
     bsp.entities = GameEntities(map, context.options);
-    DropUnfitHdrLight(bsp, map.name, context.log);
+    DropUnfitLumps(bsp, map.name, context.log);
 }
 
 // ---- The bsp stage as a whole ----

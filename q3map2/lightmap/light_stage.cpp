@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/light_stage.h"
 
 #include "common/platform/platform.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/light/grid_bakes.h"
 #include "q3map2/light/options/light_tone.h"
@@ -197,11 +198,11 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     }
     if (setup.options.staticPropLighting)
         LightStaticProps(setup, lightmap, surfaces ? surfaces->Bounced() : nullptr, jobs, log, result);
-    if (setup.options.staticPropLighting || !lightmap.onlyGrid)
-        SetPropLight(bsp, PackPropLight(setup.props, result.props));
-    bsp.gridSH.reset();
-    bsp.sparseGridSH.reset();
-    bsp.ambientCubes.reset();
+    DropStaleLumps(bsp, BspxRelight::EveryBake);
+    if (!lightmap.onlyGrid)
+        DropStaleLumps(bsp, BspxRelight::SurfaceBake);
+    if (setup.options.staticPropLighting)
+        bsp.propLight = PackPropLight(setup.props, result.props);
     setup.stored.front().Erase(kGridSHKey);
     RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap.onlyGrid, !options.noGrid,
                setup.stored.front(), log);
@@ -221,7 +222,6 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     if (!options.sh)
         bsp.gridSH.reset();
     if (!lightmap.onlyGrid) {
-        ClearHdrLight(bsp);
         RecordStyles(setup.styles, setup.stored);
         bsp.entities = FormatEntities(setup.stored); // generated shaders depend on keys of the world
         result.lightmaps = surfaces->Store(inputs.name, bsp);

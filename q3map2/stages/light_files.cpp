@@ -6,6 +6,7 @@
 #include "common/files/files.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/prop_light.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/light/options/light_options.h"
@@ -141,18 +142,52 @@ double MeanLight(const Bsp &bsp) {
     return bsp.gridPoints.empty() ? 0 : double(sum) / double(bsp.gridPoints.size());
 }
 
-std::uint64_t BytesOfLump(const Bsp &bsp, std::string_view name) {
-    const auto found = std::ranges::find(bsp.bspx, name, &BspxLump::name);
-    return found == bsp.bspx.end() ? 0 : found->data.size();
-}
+/// The settings of a run that decide which light it makes.
+struct BakeSettings {
+    const LightOptions &options;
+    const LightmapOptions &lightmap;
+    const GridFormats &formats;
+};
 
-/// A lump of light in a .bsp.
-struct LightLump {
+/// A lump that is lost by a bake that does not make it again.
+struct LostLump {
+    BspxId id;
     std::string_view kind;   ///< of the warning
-    std::string_view name;   ///< for messages
-    std::uint64_t bytes = 0; ///< 0: the map does not have it
-    bool stays = false;      ///< this run keeps it or makes it again
+    std::string_view what;   ///< for messages
     std::string_view option; ///< makes it again
+    bool (*isMade)(const BakeSettings &run);
+};
+
+constexpr LostLump kLostLumps[] = {
+    {BspxId::LightGridSH, "SH grid dropped", "SH light grid", "-shbspx",
+     [](const BakeSettings &run) {
+         return run.formats.empty() ? run.options.sh : HasPlace(run.formats, GridPlace::Full);
+     }},
+    {BspxId::SparseGridSH, "sparse SH grid dropped", "sparse SH light grid", "-shadaptive",
+     [](const BakeSettings &run) { return run.options.shAdaptive; }},
+    {BspxId::AmbientCubes, "ambient cubes dropped", kBspxAmbientCubes, "-ambientcubes",
+     [](const BakeSettings &run) { return run.options.ambientCubes; }},
+    {BspxId::LightmapsE5bgr9, "HDR lightmaps dropped", kBspxLightmapsE5bgr9, "-both",
+     [](const BakeSettings &run) { return run.lightmap.hdr && !run.lightmap.external; }},
+    {BspxId::VertexE5bgr9, "HDR vertex light dropped", kBspxVertexE5bgr9, "-both",
+     [](const BakeSettings &run) { return run.lightmap.hdr; }},
+    {BspxId::Rnm, "basis maps dropped", kBspxRnm, "-rnm", [](const BakeSettings &run) { return run.lightmap.rnm; }},
+    {BspxId::PropLight, "prop light dropped", kBspxPropLight, "-staticproplighting",
+     [](const BakeSettings &run) { return run.options.staticPropLighting; }},
+};
+static_assert(HasRowOfEachLump(kLostLumps));
+
+/// A light grid for another engine, which -gridformats makes.
+struct LostGrid {
+    std::string_view lump;
+    std::string_view kind; ///< of the warning
+    GridPlace place;
+    std::string_view option; ///< makes it again
+};
+
+constexpr LostGrid kLostGrids[] = {
+    {kBspxGridOctree, "octree grid dropped", GridPlace::OctreeLump, "-gridformats octree"},
+    {kBspxGrids, "light grids dropped", GridPlace::GridsLump, "-gridformats grids"},
 };
 
 } // namespace
@@ -176,36 +211,24 @@ void LostLightCheck::Report(const Bsp &bsp, bool force, Log &log) const {
 
 void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const LightmapOptions &lightmap,
                         const GridFormats &formats, Log &log) {
-    const bool isInLump = bsp.gridSHContainer == GridSHContainer::Lump;
-    const bool keepsFull = formats.empty() ? options.sh : HasPlace(formats, GridPlace::Full);
-    const bool keepsVertices = lightmap.onlyGrid || lightmap.hdr, keepsRnm = lightmap.onlyGrid || lightmap.rnm;
-    const bool keepsPages = lightmap.onlyGrid || (lightmap.hdr && !lightmap.external);
-    const bool keepsProps = lightmap.onlyGrid || options.staticPropLighting;
-    const LightLump lumps[] = {
-        {"SH grid dropped", "SH light grid",
-         bsp.gridSH ? sizeof bsp.gridSH->header + BytesOfRecords(bsp.gridSH->points) : 0, keepsFull,
-         isInLump ? "-sh" : "-shbspx"},
-        {"sparse SH grid dropped", "sparse SH light grid",
-         bsp.sparseGridSH ? std::uint64_t(EncodeSparseGrid(*bsp.sparseGridSH).size()) : 0, options.shAdaptive,
-         "-shadaptive"},
-        {"octree grid dropped", kBspxGridOctree, BytesOfLump(bsp, kBspxGridOctree),
-         HasPlace(formats, GridPlace::OctreeLump), "-gridformats octree"},
-        {"light grids dropped", kBspxGrids, BytesOfLump(bsp, kBspxGrids), HasPlace(formats, GridPlace::GridsLump),
-         "-gridformats grids"},
-        {"ambient cubes dropped", kBspxAmbientCubes,
-         bsp.ambientCubes ? BytesOfRecords(bsp.ambientCubes->leafs) + BytesOfRecords(bsp.ambientCubes->samples) : 0,
-         options.ambientCubes, "-ambientcubes"},
-        {"HDR lightmaps dropped", kBspxLightmapsE5bgr9, BytesOfRecords(bsp.lightmapsE5bgr9), keepsPages, "-both"},
-        {"HDR vertex light dropped", kBspxVertexE5bgr9, BytesOfRecords(bsp.vertexE5bgr9), keepsVertices, "-both"},
-        {"basis maps dropped", kBspxRnm, bsp.rnm ? BytesOfRnm(*bsp.rnm) : 0, keepsRnm, "-rnm"},
-        {"prop light dropped", kBspxPropLight, BytesOfLump(bsp, kBspxPropLight), keepsProps, "-staticproplighting"},
+    const auto warn = [&log](std::string_view kind, std::string_view what, std::uint64_t bytes,
+                             std::string_view option) {
+        log.Warn(kind,
+                 "the {} of the map ({}) will be dropped: this run does not make a new one, and the old one would not "
+                 "match the new light; {} makes one",
+                 what, SizeText(bytes), option);
     };
-    for (const LightLump &lump : lumps)
-        if (lump.bytes > 0 && !lump.stays)
-            log.Warn(lump.kind,
-                     "the {} of the map ({}) will be dropped: this run does not make a new one, and the old one would "
-                     "not match the new light; {} makes one",
-                     lump.name, SizeText(lump.bytes), lump.option);
+    for (const LostLump &lost : kLostLumps) {
+        const BspxRow &row = RowOf(lost.id);
+        const bool stays = lightmap.onlyGrid && row.relight == BspxRelight::SurfaceBake;
+        if (row.has(bsp) && !stays && !lost.isMade({options, lightmap, formats}))
+            warn(lost.kind, lost.what, BytesOfLump(bsp, lost.id), IsInBspx(bsp, row) ? lost.option : "-sh");
+    }
+    for (const BspxLump &lump : bsp.bspx) {
+        const auto lost = std::ranges::find(kLostGrids, lump.name, &LostGrid::lump);
+        if (lost != std::end(kLostGrids) && !lump.data.empty() && !HasPlace(formats, lost->place))
+            warn(lost->kind, lost->lump, lump.data.size(), lost->option);
+    }
 }
 
 // ---- Reports how many bytes the SH grid takes in a .bsp, plain and zipped ----

@@ -80,29 +80,9 @@ namespace {
 constexpr std::uint64_t kGameBytes = 12000000;
 constexpr std::uint64_t kMebibyte = 1 << 20, kHunkStep = 64; ///< kHunkStep: MiB; proposed values are multiples
 
-std::uint64_t BytesOfGridSH(const Bsp &bsp) {
-    return bsp.gridSH ? BytesOfRecords(bsp.gridSH->points) : 0;
-}
-
-/// Bytes of the BSPX lumps.
-std::uint64_t ExtensionBytes(const Bsp &bsp) {
-    std::uint64_t bytes = BytesOfRecords(bsp.lightmapsE5bgr9) + BytesOfRecords(bsp.vertexE5bgr9);
-    if (bsp.gridSHContainer == GridSHContainer::Bspx)
-        bytes += BytesOfGridSH(bsp);
-    if (bsp.sparseGridSH)
-        bytes += EncodeSparseGrid(*bsp.sparseGridSH).size();
-    if (bsp.rnm)
-        bytes += BytesOfRnm(*bsp.rnm);
-    if (bsp.ambientCubes)
-        bytes += BytesOfRecords(bsp.ambientCubes->leafs) + BytesOfRecords(bsp.ambientCubes->samples);
-    for (const BspxLump &lump : bsp.bspx)
-        bytes += lump.data.size();
-    return bytes;
-}
-
 /// How to make the largest part of the file smaller.
 std::string AdviceFor(const Bsp &bsp, std::uint64_t fileBytes) {
-    if (BytesOfGridSH(bsp) * 2 > fileBytes) {
+    if (BytesOfLump(bsp, BspxId::LightGridSH) * 2 > fileBytes) {
         const Float3 &cell = bsp.gridSH->header.gridSize;
         if (cell[0] * cell[1] * cell[2] < kSmallCellSH * kSmallCellSH * kSmallCellSH)
             return "Light it with -shsmall instead of a smaller cell, or with -shadaptive instead of the uniform grid";
@@ -110,7 +90,7 @@ std::string AdviceFor(const Bsp &bsp, std::uint64_t fileBytes) {
                            "the uniform grid",
                            cell[0], cell[1], cell[2]);
     }
-    if ((BytesOfRecords(bsp.lightmapsE5bgr9) + bsp.lightmaps.size()) * 2 > fileBytes)
+    if ((BytesOfLump(bsp, BspxId::LightmapsE5bgr9) + bsp.lightmaps.size()) * 2 > fileBytes)
         return "Larger luxels (-samplesize of the bsp stage) make smaller lightmaps";
     return "Leave out what it does not need; -info lists the sizes of its lumps";
 }
@@ -118,7 +98,7 @@ std::string AdviceFor(const Bsp &bsp, std::uint64_t fileBytes) {
 } // namespace
 
 std::uint64_t EngineMemoryFor(const Bsp &bsp, std::uint64_t fileBytes) {
-    const std::uint64_t extensions = std::min(ExtensionBytes(bsp), fileBytes);
+    const std::uint64_t extensions = std::min(BytesOfBspx(bsp), fileBytes);
     return fileBytes + (fileBytes - extensions) + kGameBytes;
 }
 

@@ -26,7 +26,7 @@ PropLight SampleLight() {
 Bsp LitBsp() {
     Bsp bsp = SampleBsp();
     bsp.entities = kTwoProps;
-    SetPropLight(bsp, SampleLight());
+    bsp.propLight = SampleLight();
     return bsp;
 }
 
@@ -83,8 +83,8 @@ TEST(PropLight, FileRoundTrip) {
     const Bsp bsp = LitBsp();
     Listener listener;
     const Bsp read = ReadBsp(WriteBsp(bsp, {}), "map.bsp", {}, listener.log);
-    ASSERT_NE(FindPropLight(read), nullptr) << listener.text;
-    EXPECT_EQ(FindPropLight(read)->data, LumpBytes());
+    ASSERT_TRUE(read.propLight) << listener.text;
+    EXPECT_EQ(EncodePropLight(*read.propLight), LumpBytes());
 }
 
 TEST(PropLight, EveryPrefixIsAnErrorAndNoChangedByteIsReadOutside) {
@@ -134,7 +134,7 @@ TEST(PropLight, LightOfOtherEntitiesIsDroppedOnReadingAndAnErrorOnWriting) {
         bsp.entities.replace(bsp.entities.find(from), from.size(), to);
         EXPECT_THAT(ErrorOf([&] { (void)WriteBsp(bsp, {}); }), HasSubstr(text));
         Bsp bare = bsp;
-        SetPropLight(bare, {});
+        bare.propLight.reset();
         bare.bspx.push_back({"STATIC_PROP_LIGHX", LumpBytes()});
         file = WriteBsp(bare, {});
         const std::string name = "STATIC_PROP_LIGHX";
@@ -144,7 +144,7 @@ TEST(PropLight, LightOfOtherEntitiesIsDroppedOnReadingAndAnErrorOnWriting) {
         *(at + 16) = std::byte('T');
         Listener listener;
         const Bsp read = ReadBsp(file, "map.bsp", {}, listener.log);
-        EXPECT_EQ(FindPropLight(read), nullptr);
+        EXPECT_FALSE(read.propLight);
         EXPECT_THAT(listener.text,
                     HasSubstr(std::string("BSPX lump STATIC_PROP_LIGHT is dropped: ") + std::string(text)));
     }

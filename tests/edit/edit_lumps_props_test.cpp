@@ -29,12 +29,12 @@ Bsp MapWithProps(std::uint32_t count, std::uint32_t first) {
         for (std::uint32_t color = 0; color < 3; ++color)
             light.colors.push_back(first + 3 * i + color);
     }
-    SetPropLight(bsp, light);
+    bsp.propLight = light;
     return bsp;
 }
 
 PropLight LightOf(const Bsp &bsp) {
-    return DecodePropLight(FindPropLight(bsp)->data);
+    return bsp.propLight.value();
 }
 
 TEST(EditedProps, StayWhenTheMapMoves) {
@@ -44,8 +44,8 @@ TEST(EditedProps, StayWhenTheMapMoves) {
     ShiftMap(shifted, {100, 50, -20}, "map", log.log);
     ScaleMap(scaled, {.factors = {2, 2, 3}}, "map", log.log);
     for (const Bsp *bsp : {&shifted, &scaled}) {
-        ASSERT_NE(FindPropLight(*bsp), nullptr);
-        EXPECT_EQ(FindPropLight(*bsp)->data, FindPropLight(old)->data);
+        ASSERT_TRUE(bsp->propLight);
+        EXPECT_EQ(EncodePropLight(*bsp->propLight), EncodePropLight(*old.propLight));
         EXPECT_EQ(PropLightFault(*bsp), "");
     }
     EXPECT_EQ(log.text.find(kBspxPropLight), std::string::npos) << log.text;
@@ -70,7 +70,7 @@ TEST(EditedProps, OfTheSecondMapFollowWithTheirNumbersInTheMergedOne) {
 TEST(EditedProps, OfOneMapOnlyAreKept) {
     const Bsp lit = MapWithProps(2, 100);
     Bsp unlit = MapWithProps(2, 300);
-    SetPropLight(unlit, {});
+    unlit.propLight.reset();
     KeptLog log;
     EXPECT_EQ(LightOf(MergeMaps({lit, "lit"}, {unlit, "unlit"}, {}, log.log)).props.back().entity, 2u);
     EXPECT_EQ(LightOf(MergeMaps({unlit, "unlit"}, {lit, "lit"}, {}, log.log)).props.front().entity, 3u);
@@ -128,7 +128,7 @@ TEST(EditedLumps, AMergeSaysWhatItLeavesOut) {
     added.gridSH.emplace();
     Bsp bsp = main;
     KeptLog log;
-    MergeLumps(main, added, "main", "added", bsp, log.log);
+    MergeLumps({main, added, "main", "added", bsp, log.log, 0, {}});
     ASSERT_EQ(bsp.bspx.size(), 1u);
     EXPECT_EQ(bsp.bspx[0].name, "LIGHTGRID_OCTREE");
     for (const char *text : {"main: the BSPX lump RGBLIGHTING", "added: the BSPX lump ENVMAP",

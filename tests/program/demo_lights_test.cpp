@@ -186,9 +186,8 @@ TEST_F(DemoLightsTest, HasPropsAndSwitchesAndNoWarnings) {
         "-staticproplighting -staticproppolys -textureshadows");
     const Bsp bsp = Load();
 
-    const BspxLump *lump = FindPropLight(bsp);
-    ASSERT_NE(lump, nullptr);
-    const PropLight props = DecodePropLight(lump->data);
+    ASSERT_TRUE(bsp.propLight);
+    const PropLight &props = *bsp.propLight;
     EXPECT_EQ(props.props.size(), 40u);
     EXPECT_EQ(std::count(props.colors.begin(), props.colors.end(), 0u), 0) << "black vertices";
 

@@ -110,7 +110,7 @@ TEST_F(HdrProgramTest, ToneMapNamesWhatIsWrong) {
     ExpectError("-tonemap " + (folder_ / "page.gif").string() + " " + png, "expected hdr, exr or pfm");
     ExpectError("-tonemap -operator best MAP " + png, "best");
     Bsp bsp = Load();
-    ClearHdrLight(bsp);
+    DropStaleLumps(bsp, BspxRelight::SurfaceBake);
     QuietLog quiet;
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
     ExpectError("-tonemap MAP " + png, "the map has no HDR lightmaps");

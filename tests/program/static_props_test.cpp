@@ -53,9 +53,8 @@ class StaticPropTest : public LitRoomTest {
         return text + keys.substr(2);
     }
     static PropLight LightOf(const Bsp &bsp) {
-        const BspxLump *lump = FindPropLight(bsp);
-        EXPECT_NE(lump, nullptr) << "no light of props";
-        return lump == nullptr ? PropLight{} : DecodePropLight(lump->data);
+        EXPECT_TRUE(bsp.propLight) << "no light of props";
+        return bsp.propLight.value_or(PropLight{});
     }
     /// Colors of a mesh of the lit map, byte scale.
     std::vector<Vec3f> Colors(std::size_t mesh = 0) const {
@@ -372,16 +371,16 @@ TEST_F(StaticPropTest, WithoutPropsOrOptionThereIsNoLump) {
     Light("");
     const auto plain = LumpOf(MapBytes(), 14);
     Light("-staticproplighting -staticproppolys");
-    EXPECT_EQ(FindPropLight(Load()), nullptr);
+    EXPECT_FALSE(Load().propLight);
     EXPECT_EQ(LumpOf(MapBytes(), 14), plain);
     Compile(Prop("a") + Lamp({0, 0, 200}, 100));
     Light("");
-    EXPECT_EQ(FindPropLight(Load()), nullptr);
+    EXPECT_FALSE(Load().propLight);
     EXPECT_EQ(LumpOf(MapBytes(), 14), plain);
     Light("-staticproplighting");
-    EXPECT_NE(FindPropLight(Load()), nullptr);
+    EXPECT_TRUE(Load().propLight);
     Light("");
-    EXPECT_EQ(FindPropLight(Load()), nullptr) << "stale light";
+    EXPECT_FALSE(Load().propLight) << "stale light";
 }
 
 TEST_F(StaticPropTest, AMissingModelIsAWarningAndTheRestIsLit) {

@@ -37,26 +37,7 @@ inline constexpr std::string_view kJsonEntities = "entities.json";
 inline constexpr std::string_view kJsonEntityText =
     "entities.ent"; ///< written if the pairs in entities.json do not reproduce the text
 inline constexpr std::string_view kJsonAdvertisements = "Advertisements.json";
-inline constexpr std::string_view kJsonGridSH = "GridPointsSH.json";
-inline constexpr std::string_view kJsonBspx = "bspx.json";
-
-// Files that entries of bspx.json name.
-inline constexpr std::string_view kJsonLightmapsE5bgr9 = "LightTexelsE5BGR9.json";
-inline constexpr std::string_view kJsonVertexE5bgr9 = "DrawVertE5BGR9.json";
-inline constexpr std::string_view kJsonRnm = "LightTexelsRNM.json";
-inline constexpr std::string_view kJsonSparseGrid = "GridPointsSHSparse.json";
-inline constexpr std::string_view kJsonCubes = "AmbientCubes.json";
-inline constexpr std::string_view kJsonPropLight = "PropLight.json";
-
-// Members of files.
-inline constexpr std::string_view kJsonCodes = "colors";
-inline constexpr std::string_view kJsonRnmStorage = "storage", kJsonRnmSide = "side", kJsonRnmPages = "lightmapNums";
-inline constexpr std::string_view kJsonRnmRaw = "raw", kJsonRnmRescaled = "rescaled";
-
-inline constexpr std::string_view kJsonCubeLeafs = "leafs", kJsonCubeSamples = "samples";
-inline constexpr std::string_view kJsonProps = "props";
-inline constexpr std::string_view kJsonGridSHHeader = "header", kJsonGridSHPoints = "points";
-inline constexpr std::string_view kJsonSparseNodes = "nodes";
+inline constexpr std::string_view kJsonBspx = "bspx.json"; ///< its entries name the files of lumps: kJsonLumps
 
 /// Writes every lump as a JSON file into `folder` (made if missing). Streams: memory use does not grow with the lumps.
 void UnpackJson(const Bsp &bsp, const Game &game, const std::filesystem::path &folder, Log &log);

@@ -1,13 +1,13 @@
 // GPL-2.0-or-later. Ambient cubes as JSON.
-#include "q3map2/convert/json/convert_json_cubes.h"
-
 #include "common/error.h"
-#include "q3map2/convert/json/convert_json.h"
+#include "q3map2/convert/json/convert_json_bspx.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 namespace q3 {
 
 namespace {
+
+constexpr std::string_view kJsonCubeLeafs = "leafs", kJsonCubeSamples = "samples";
 
 std::uint16_t CubeNumber(const JsonRecord &source, const JsonNode &node) {
     if (node.kind != JsonNode::Integer || node.integer < 0 || node.integer > UINT16_MAX)
@@ -27,7 +27,8 @@ std::vector<bspCubeLeaf_t> CubeLeafs(const JsonRecord &source) {
 
 } // namespace
 
-void WriteJsonCubes(const std::filesystem::path &path, const AmbientCubes &cubes, const Game &game) {
+void WriteJsonCubes(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+    const AmbientCubes &cubes = *bsp.ambientCubes;
     JsonWriter writer(path);
     writer.BeginObject();
     writer.Member(kJsonCubeLeafs);
@@ -51,7 +52,7 @@ void WriteJsonCubes(const std::filesystem::path &path, const AmbientCubes &cubes
     writer.Finish();
 }
 
-AmbientCubes ReadJsonCubes(const std::filesystem::path &path, const JsonReadRules &rules) {
+void ReadJsonCubes(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {
     AmbientCubes cubes;
     ReadJsonRecords(path, kJsonCubeSamples, [&](const JsonRecord &source) {
         if (source.inList) {
@@ -66,7 +67,7 @@ AmbientCubes ReadJsonCubes(const std::filesystem::path &path, const JsonReadRule
     });
     if (cubes.leafs.empty() || cubes.samples.empty())
         throw Error("{}: {} or {}: missing or empty", path.string(), kJsonCubeLeafs, kJsonCubeSamples);
-    return cubes;
+    bsp.ambientCubes = std::move(cubes);
 }
 
 } // namespace q3

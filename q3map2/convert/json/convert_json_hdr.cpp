@@ -1,15 +1,19 @@
 // GPL-2.0-or-later. HDR light of BSPX lumps as JSON.
-#include "q3map2/convert/json/convert_json_hdr.h"
-
 #include "common/error.h"
-#include "q3map2/convert/json/convert_json.h"
+#include "q3map2/convert/json/convert_json_bspx.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
-#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace q3 {
 
 namespace {
+
+constexpr std::string_view kJsonCodes = "colors";
+constexpr std::string_view kJsonRnmStorage = "storage", kJsonRnmSide = "side", kJsonRnmPages = "lightmapNums";
+constexpr std::string_view kJsonRnmRaw = "raw", kJsonRnmRescaled = "rescaled";
 
 void WriteCodeList(JsonWriter &writer, std::span<const std::uint32_t> codes, const Game &game) {
     for (const std::uint32_t code : codes) {
@@ -19,6 +23,17 @@ void WriteCodeList(JsonWriter &writer, std::span<const std::uint32_t> codes, con
         Describe(archive, color);
         archive.Finish();
     }
+}
+
+void WriteCodeFile(const std::filesystem::path &path, std::span<const std::uint32_t> codes, const Game &game) {
+    JsonWriter writer(path);
+    writer.BeginObject();
+    writer.Member(kJsonCodes);
+    writer.BeginList();
+    WriteCodeList(writer, codes, game);
+    writer.EndList();
+    writer.EndObject();
+    writer.Finish();
 }
 
 std::uint32_t ReadCode(const JsonRecord &source, const JsonReadRules &rules) {
@@ -100,25 +115,8 @@ class RnmJsonReader {
 
 } // namespace
 
-std::string_view JsonHdrFile(std::string_view lump) {
-    return lump == kBspxLightmapsE5bgr9 ? kJsonLightmapsE5bgr9
-           : lump == kBspxVertexE5bgr9  ? kJsonVertexE5bgr9
-           : lump == kBspxRnm           ? kJsonRnm
-                                        : std::string_view();
-}
-
-void WriteJsonCodes(const std::filesystem::path &path, std::span<const std::uint32_t> codes, const Game &game) {
-    JsonWriter writer(path);
-    writer.BeginObject();
-    writer.Member(kJsonCodes);
-    writer.BeginList();
-    WriteCodeList(writer, codes, game);
-    writer.EndList();
-    writer.EndObject();
-    writer.Finish();
-}
-
-void WriteJsonRnm(const std::filesystem::path &path, const RnmLightmaps &rnm, const Game &game) {
+void WriteJsonRnm(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+    const RnmLightmaps &rnm = *bsp.rnm;
     JsonWriter writer(path);
     writer.BeginObject();
     writer.Member(kJsonRnmStorage);
@@ -142,13 +140,24 @@ void WriteJsonRnm(const std::filesystem::path &path, const RnmLightmaps &rnm, co
     writer.Finish();
 }
 
-void ReadJsonHdr(const std::filesystem::path &path, std::string_view lump, const JsonReadRules &rules, Bsp &bsp) {
-    if (lump == kBspxLightmapsE5bgr9)
-        bsp.lightmapsE5bgr9 = ReadCodeFile(path, rules);
-    else if (lump == kBspxVertexE5bgr9)
-        bsp.vertexE5bgr9 = ReadCodeFile(path, rules);
-    else
-        bsp.rnm = RnmJsonReader(path, rules).Read();
+void WriteJsonLightmaps(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+    WriteCodeFile(path, bsp.lightmapsE5bgr9, game);
+}
+
+void ReadJsonLightmaps(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {
+    bsp.lightmapsE5bgr9 = ReadCodeFile(path, rules);
+}
+
+void WriteJsonVertexLight(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+    WriteCodeFile(path, bsp.vertexE5bgr9, game);
+}
+
+void ReadJsonVertexLight(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {
+    bsp.vertexE5bgr9 = ReadCodeFile(path, rules);
+}
+
+void ReadJsonRnm(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {
+    bsp.rnm = RnmJsonReader(path, rules).Read();
 }
 
 } // namespace q3

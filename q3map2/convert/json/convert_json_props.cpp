@@ -1,9 +1,7 @@
 // GPL-2.0-or-later. Light of static props as JSON.
-#include "q3map2/convert/json/convert_json_props.h"
-
 #include "common/error.h"
-#include "q3map2/convert/json/convert_json.h"
-#include "q3map2/convert/json/convert_json_archive.h"
+#include "q3map2/bspfile/prop_light.h"
+#include "q3map2/convert/json/convert_json_bspx.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <charconv>
@@ -12,6 +10,7 @@ namespace q3 {
 
 namespace {
 
+constexpr std::string_view kJsonProps = "props";
 constexpr std::string_view kPropEntity = "entity", kPropNameCrc = "nameCrc", kPropModelCrc = "modelCrc",
                            kPropMeshes = "meshes";
 
@@ -123,24 +122,24 @@ void WriteProp(JsonWriter &writer, const PropLight &light, const bspPropLight_t 
 
 } // namespace
 
-std::optional<PropLight> JsonPropLight(const BspxLump &lump, std::string &fault) {
-    if (lump.name != kBspxPropLight)
-        return {};
-    try {
-        PropLight light = DecodePropLight(lump.data);
-        // PropLight.json must not be empty, so a lump without props stays in hexadecimal.
-        if (light.props.empty())
-            return {};
-        if (light.props.back().entity > INT32_MAX) // entities are in ascending order
-            throw Error("entity {}, expected at most {}", light.props.back().entity, INT32_MAX);
-        return light;
-    } catch (const Error &error) {
-        fault = error.what();
-        return {};
-    }
+bool PropsFitJson(const Bsp &bsp, Log &log) {
+    const PropLight &light = *bsp.propLight;
+    // PropLight.json must not be empty, so a lump without props stays in hexadecimal.
+    std::string fault = PropLightFault(bsp);
+    if (fault.empty() && !light.props.empty() &&
+        light.props.back().entity > INT32_MAX) // entities are in ascending order
+        fault = fmt::format("entity {}, expected at most {}", light.props.back().entity, INT32_MAX);
+    if (!fault.empty())
+        log.Warn(kBspxPropLight, "BSPX lump {} stays in hexadecimal: {}", kBspxPropLight, fault);
+    return fault.empty() && !light.props.empty();
 }
 
-void WriteJsonProps(const std::filesystem::path &path, const PropLight &light, const Game &game) {
+void ReadPropBytes(std::span<const std::byte> bytes, Bsp &bsp) {
+    bsp.propLight = DecodePropLight(bytes);
+}
+
+void WriteJsonProps(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+    const PropLight &light = *bsp.propLight;
     JsonWriter writer(path);
     writer.BeginObject();
     writer.Member(kJsonProps);
@@ -154,7 +153,7 @@ void WriteJsonProps(const std::filesystem::path &path, const PropLight &light, c
     writer.Finish();
 }
 
-PropLight ReadJsonProps(const std::filesystem::path &path) {
+void ReadJsonProps(const std::filesystem::path &path, const JsonReadRules &, Bsp &bsp) {
     PropLight light;
     ReadJsonRecords(path, kJsonProps, [&](const JsonRecord &source) {
         if (source.inList)
@@ -164,7 +163,7 @@ PropLight ReadJsonProps(const std::filesystem::path &path) {
     });
     if (light.props.empty())
         throw Error("{}: {}: missing or empty", path.string(), kJsonProps);
-    return light;
+    bsp.propLight = std::move(light);
 }
 
 } // namespace q3

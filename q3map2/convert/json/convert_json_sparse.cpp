@@ -1,9 +1,7 @@
 // GPL-2.0-or-later. The sparse SH light grid as JSON.
-#include "q3map2/convert/json/convert_json_sparse.h"
-
 #include "common/error.h"
 #include "q3map2/bspfile/bspfile_sparse.h"
-#include "q3map2/convert/json/convert_json.h"
+#include "q3map2/convert/json/convert_json_bspx.h"
 #include "q3map2/convert/json/convert_json_records.h"
 
 #include <algorithm>
@@ -13,6 +11,8 @@
 namespace q3 {
 
 namespace {
+
+constexpr std::string_view kJsonSparseNodes = "nodes";
 
 constexpr std::size_t kNodeNumbers = 4; ///< of a node: inner, stored, hanging, scale
 
@@ -64,7 +64,8 @@ std::vector<SparseGridNode> SparseNodes(const JsonRecord &source) {
 
 } // namespace
 
-void WriteJsonSparseGrid(const std::filesystem::path &path, const SparseGridSH &grid, const Game &game) {
+void WriteJsonSparseGrid(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+    const SparseGridSH &grid = *bsp.sparseGridSH;
     JsonWriter writer(path);
     const auto record = [&](auto value) {
         JsonRecordWriter archive(writer, game);
@@ -93,7 +94,7 @@ void WriteJsonSparseGrid(const std::filesystem::path &path, const SparseGridSH &
     writer.Finish();
 }
 
-SparseGridSH ReadJsonSparseGrid(const std::filesystem::path &path, const JsonReadRules &rules) {
+void ReadJsonSparseGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {
     SparseGridSH grid;
     bool header = false;
     const auto read = [&](const JsonRecord &source, auto &record) {
@@ -125,7 +126,7 @@ SparseGridSH ReadJsonSparseGrid(const std::filesystem::path &path, const JsonRea
         throw Error("{}: {} or {}: missing or empty", path.string(), kJsonGridSHHeader, kJsonSparseNodes);
     NumberSparseNodes(grid);
     CheckSparseGrid(grid, path.string());
-    return grid;
+    bsp.sparseGridSH = std::move(grid);
 }
 
 } // namespace q3

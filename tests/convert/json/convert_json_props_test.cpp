@@ -21,7 +21,7 @@ Bsp PropsBsp() {
     light.props = {{2, ModelNameCrc("models/a.md3"), 0x00ABCDEF, 0, 2}, {3, ModelNameCrc("models/b.md3"), ~0u, 2, 2}};
     light.meshes = {{0, 2}, {2, 1}, {3, 0}, {3, 1}};
     light.colors = {511u | 256u << 9 | 7u << 18 | 31u << 27, 0, 1u | 2u << 9 | 3u << 18 | 4u << 27, ~0u};
-    SetPropLight(bsp, light);
+    bsp.propLight = light;
     return bsp;
 }
 
@@ -49,23 +49,24 @@ TEST_F(PropsJsonTest, EditedColorsArePacked) {
     std::string text = Text(kFile);
     text.replace(text.find("[1, 2, 3, 4]"), 12, "[9, 8, 7, 6]");
     std::ofstream(folder_.Path() / kFile) << text;
-    const PropLight light = DecodePropLight(FindPropLight(Pack())->data);
+    const PropLight light = Pack().propLight.value();
     EXPECT_EQ(light.colors.at(2), 9u | 8u << 9 | 7u << 18 | 6u << 27);
 }
 
 TEST_F(PropsJsonTest, DamagedLumpsStayInHexadecimal) {
     Bsp bsp = PropsBsp();
-    bsp.bspx[0].data.pop_back();
+    bsp.propLight->colors.pop_back();
     Unpack(bsp);
     EXPECT_FALSE(std::filesystem::exists(folder_.Path() / kFile));
     EXPECT_THAT(Text("bspx.json"), HasSubstr("\"bytes\": \"53504c31"));
-    EXPECT_THAT(log_.text, AllOf(HasSubstr("STATIC_PROP_LIGHT stays in hexadecimal"), HasSubstr("length 107")));
+    EXPECT_THAT(log_.text, AllOf(HasSubstr("STATIC_PROP_LIGHT stays in hexadecimal"),
+                                 HasSubstr("the meshes have 4 colors, expected 3")));
     EXPECT_THAT(PackError(), HasSubstr("STATIC_PROP_LIGHT")) << "a map with it cannot be written";
 }
 
 TEST_F(PropsJsonTest, ALumpWithoutPropsStaysInHexadecimal) {
     Bsp bsp = SmallBsp();
-    SetPropLight(bsp, PropLight{});
+    bsp.propLight.emplace();
     ExpectSame(bsp);
     EXPECT_FALSE(std::filesystem::exists(folder_.Path() / kFile));
     EXPECT_EQ(log_.text.find("hexadecimal"), std::string::npos);
