@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Brushes and patches of map text, moved relative to the origin of their entity.
 #include "q3map2/map/map_primitive.h"
 
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/map/map_texture.h"
 
 #include <algorithm>
@@ -15,7 +16,6 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kMaxSides = 1024;
-constexpr std::size_t kMaxShaderName = 63;
 constexpr int kMaxPatchSize = 31;
 constexpr std::string_view kTextures = "textures/";
 /// CONTENTS_DETAIL, the only bit that still has a meaning in the contents word of a side.

@@ -9,9 +9,6 @@
 
 namespace q3::bounce {
 
-/// Limit on reflectance: BounceScale may be above 1, and the sum over bounces would diverge.
-inline constexpr float kMaxReflectance = 0.99f;
-
 /// The point where a path meets a reflecting surface.
 struct PathHit {
     int surface = -1;
@@ -39,7 +36,7 @@ class PathScene {
     void FirstHits(const RayPacket &rays, Hits &hits, LaneMask *met = nullptr) const;
 
     /// Number of live rays whose first hit is the back of a one-sided surface.
-    int BacksMet(const RayPacket &rays) const;
+    int CountBackHits(const RayPacket &rays) const;
 
     /// Reflectance of a surface at texture coordinates.
     Vec3f ReflectanceAt(std::size_t surface, const std::array<float, 2> &st) const;

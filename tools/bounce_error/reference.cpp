@@ -171,7 +171,7 @@ bool IsClear(const SurfaceInputs &in, const PathScene &scene, const Vec3f &place
         for (std::size_t i = 0; i < kPacketSize; ++i)
             rays.Set(i, place, CosineDirection(normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), 0)),
                      1e6f);
-        backs += scene.BacksMet(rays);
+        backs += scene.CountBackHits(rays);
     }
     return backs <= int(kMostBacks * kPlaceRays);
 }
