@@ -98,7 +98,7 @@ TEST_F(SpaceTest, WaysAreAsOpenAsTheirPoints) {
             inside = deep;
         }
         const SegmentState state = StateOfSegment(space, a, b);
-        ++seen[std::size_t(way)];
+        ++seen[std::size_t(state)];
         if (entered > 0 || inside) {
             EXPECT_EQ(state, SegmentState::Blocked) << i;
         } else if (startsInside) {
