@@ -59,6 +59,10 @@ template <typename T> constexpr Vec3<T> Max(const Vec3<T> &a, const Vec3<T> &b) 
 template <typename T> constexpr T MaxComponent(const Vec3<T> &v) {
     return v.x > v.y ? (v.x > v.z ? v.x : v.z) : (v.y > v.z ? v.y : v.z);
 }
+/// The largest absolute value of a component.
+template <typename T> constexpr T MaxAbsComponent(const Vec3<T> &v) {
+    return MaxComponent(Max(v, -v));
+}
 template <typename T> bool IsFinite(const Vec3<T> &v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }

@@ -23,6 +23,11 @@ inline constexpr SHVector kCosineLobe = {std::numbers::pi,         2 * std::numb
                                          2 * std::numbers::pi / 3, std::numbers::pi / 4,     std::numbers::pi / 4,
                                          std::numbers::pi / 4,     std::numbers::pi / 4,     std::numbers::pi / 4};
 
+/// Factor of coefficient k of radiance where it is stored: 1 if radiance is stored, else that of irradiance.
+constexpr double StoredFactor(std::size_t k, bool radiance) {
+    return radiance ? 1 : kCosineLobe[k];
+}
+
 /// Basis functions as linear forms in the monomials 1, x, y, z, xy ... of a unit direction. With the integrals of the
 /// monomials over a region of directions (moments) in their place, the result is the projection of the region.
 template <typename T>

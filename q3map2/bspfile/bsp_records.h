@@ -42,6 +42,8 @@ struct bspShader_t {
     std::array<char, 64> shader; ///< NUL terminated; bytes after the NUL may be anything
     std::uint32_t surfaceFlags, contentFlags;
 };
+/// Greatest length of a shader name, without the NUL.
+inline constexpr std::size_t kMaxShaderName = sizeof(bspShader_t::shader) - 1;
 
 /// A point p is in front when normal . p - dist > 0. Planes 2k and 2k + 1 are each other's opposites.
 struct bspPlane_t {

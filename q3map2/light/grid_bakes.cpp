@@ -35,15 +35,15 @@ void PrintDering(const DeringStats &changed, Log &log) {
     log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
 }
 
-/// Bakes the sparse grid. uniform: before deringing.
-SparseGridSH BakeSparse(const GridInputs &all, const std::vector<Light> &lights, const WeakField *weak,
+/// Bakes the sparse grid. from: inputs of the uniform grid. uniform: that grid, before deringing.
+SparseGridSH BakeSparse(const GridInputs &from, const std::vector<Light> &lights, const WeakField *weak,
                         const LightGridSH &uniform, Log &log, GridStats &stats, SparseStats &sparse) {
     log.Section("TraceSparseGridSH");
-    LightOptions options = all.options;
+    LightOptions options = from.options;
     options.shSamples *= kSparseSamples;
-    const GridInputs in{all.space, all.scene, options, all.world, all.jobs, log, all.indirect};
+    const GridInputs in{from.space, from.scene, options, from.world, from.jobs, log, from.indirect};
     const ProbeIntegrator integrator(in, lights);
-    const SmoothLight light(integrator, weak);
+    const LightAtPositions light(integrator, weak);
     const SparseGoal &goal = options.sparseGoal;
     const std::uint64_t raysBefore = stats.counts.rays;
     SparseGridSH grid = BakeSparseGrid(in, lights, light, uniform, goal, stats, sparse);

@@ -129,32 +129,44 @@ std::set<int> StylesOfShaders(const SurfaceTable &table) {
 }
 
 /// Assigns style numbers to lights that need one, and sets their keys.
-LightStyles NumberStyles(const LightSetup &setup, std::vector<Entity> &entities, Log &log) {
-    if (setup.options.noStyles)
+LightStyles NumberStyles(const LightOptions &options, const SurfaceTable &table, std::vector<Entity> &entities,
+                         Log &log) {
+    if (options.noStyles)
         return {};
     std::vector<Entity> lights;
     std::copy_if(entities.begin(), entities.end(), std::back_inserter(lights), IsLight);
-    const bool switchable = setup.options.switchable || keys::kSwitchable.Flag(entities.front());
-    LightStyles styles(lights, entities.front(), switchable, StylesOfShaders(setup.table), log);
+    const bool switchable = options.switchable || keys::kSwitchable.Flag(entities.front());
+    LightStyles styles(lights, entities.front(), switchable, StylesOfShaders(table), log);
     for (Entity &entity : entities)
         if (IsLight(entity))
             styles.Set(entity);
     return styles;
 }
 
-std::vector<Light> CreateLightsLogged(LightSetup &setup, const LightInputs &inputs, ShaderLibrary &library, Log &log) {
-    auto [entities, numbers] = EntitiesWithLights(setup.stored, inputs, log);
+/// What lights are made of, beside surfaces.
+struct LightSources {
+    const LightInputs &inputs;
+    const std::vector<Entity> &stored; ///< entities that the map keeps
+    const BspSpace &space;
+    const LightOptions &options;
+    const WorldLight &world;
+};
+
+/// The lights of entities and surfaces. Sets `styles`, and in `table` texture lights and sky numbers.
+std::vector<Light> CreateLightsLogged(const LightSources &from, SurfaceTable &table, LightStyles &styles,
+                                      ShaderLibrary &library, Log &log) {
+    auto [entities, numbers] = EntitiesWithLights(from.stored, from.inputs, log);
     log.Section("CreateLights");
-    ApplyTexLights(inputs.texLights, setup.table, log);
+    ApplyTexLights(from.inputs.texLights, table, log);
     try {
-        setup.styles = NumberStyles(setup, entities, log);
-        auto lights = CreateLights(setup.space, entities, setup.table, setup.options, setup.world, library, log);
+        styles = NumberStyles(from.options, table, entities, log);
+        auto lights = CreateLights(from.space, entities, table, from.options, from.world, library, log);
         for (Light &light : lights)
             if (light.entity >= 0)
                 light.entity = int(numbers[std::size_t(light.entity)]);
         return lights;
     } catch (const Error &error) {
-        throw Error("{}: {}", inputs.name, error.what());
+        throw Error("{}: {}", from.inputs.name, error.what());
     }
 }
 
@@ -171,7 +183,8 @@ LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOpt
       world(ReadWorldLight(stored.front(), given)), options(WithWorld(given, world)),
       table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
                              WithAmbient(defaults, world))),
-      space(map, OpaqueBrushes(map, library)), lights(CreateLightsLogged(*this, inputs, library, log)),
+      space(map, OpaqueBrushes(map, library)),
+      lights(CreateLightsLogged({inputs, stored, space, options, world}, table, styles, library, log)),
       props(LoadStaticProps(
           stored, inputs.vfs, int(map.drawSurfaces.size()),
           [&inputs](std::string_view model) { return inputs.texLights.TextureShadow(model); }, options, library, log)),

@@ -38,6 +38,7 @@ struct LightSetup {
     LightSetup(const Bsp &bsp, const LightInputs &inputs, const LightOptions &options, const SurfaceDefaults &defaults,
                ShaderLibrary &library, Log &log);
 
+    // Each member is made of those above it.
     const Bsp &bsp;
     std::vector<Entity> stored; ///< entities that the map keeps
     GridLayout layout;          ///< of the legacy grid

@@ -59,7 +59,7 @@ void SurfacePasses::Run() {
     if (in_.lightmap.bounces > 0)
         Bounce();
     else
-        AverageLuxels(in_, {}, !options_.keepLuxels, surfaces_);
+        AverageLuxels(in_, {}, options_.keepLuxels ? PassData::Keep : PassData::Free, surfaces_);
     if (in_.lightmap.show == DebugView::Light)
         ApplyTints(in_, surfaces_);
 }
@@ -67,7 +67,7 @@ void SurfacePasses::Run() {
 void SurfacePasses::Bounce() {
     in_.log.Section("Radiosity");
     const CpuTimer timer;
-    AverageLuxels(in_, {}, false, surfaces_);
+    AverageLuxels(in_, {}, PassData::Keep, surfaces_);
     bounces_.emplace(in_, surfaces_);
     in_.log.Count(bounces_->Rays(), "rays to gather the light of bounces");
     if (!bounces_->Solve(surfaces_))
@@ -75,7 +75,7 @@ void SurfacePasses::Bounce() {
     in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
     in_.log.Section("Final gathering");
     Pass({}, {.bounce = true}, &*bounces_);
-    AverageLuxels(in_, {.bounce = true}, !options_.keepLuxels, surfaces_);
+    AverageLuxels(in_, {.bounce = true}, options_.keepLuxels ? PassData::Keep : PassData::Free, surfaces_);
 }
 
 std::unique_ptr<IndirectLight> SurfacePasses::ForGrids() const {

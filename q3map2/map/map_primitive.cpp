@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Brushes and patches of map text, moved relative to the origin of their entity.
 #include "q3map2/map/map_primitive.h"
 
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/map/map_texture.h"
 
 #include <algorithm>
@@ -14,9 +15,8 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxSides = 1024;    ///< of a brush
-constexpr std::size_t kMaxShaderName = 63; ///< bytes
-constexpr int kMaxPatchSize = 31;          ///< control points
+constexpr std::size_t kMaxSides = 1024; ///< of a brush
+constexpr int kMaxPatchSize = 31;       ///< control points
 constexpr std::string_view kTextures = "textures/";
 /// CONTENTS_DETAIL, the only bit that still has a meaning in the contents word of a side.
 constexpr int kDetailContents = 0x8000000;

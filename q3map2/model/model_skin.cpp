@@ -4,6 +4,7 @@
 #include "common/files/archive.h"
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/shader/shader_table.h"
 
@@ -14,8 +15,6 @@
 namespace q3 {
 
 namespace {
-
-constexpr std::size_t kMaxShaderName = 63; ///< bytes
 
 using Replacement = ShaderRemap::Replacement;
 

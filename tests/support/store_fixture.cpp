@@ -84,7 +84,8 @@ void StoreTest::Use(int threads, const std::function<void(const SurfaceInputs &)
 }
 
 void StoreTest::Average(const SurfacePass &pass, bool last, int threads) {
-    Use(threads, [&](const SurfaceInputs &in) { AverageLuxels(in, pass, last, surfaces); });
+    Use(threads,
+        [&](const SurfaceInputs &in) { AverageLuxels(in, pass, last ? PassData::Free : PassData::Keep, surfaces); });
 }
 
 StoredLightmaps StoreTest::Store(int threads, std::string_view mapName) {

@@ -3,6 +3,7 @@
 
 #include "common/debug_color.h"
 #include "common/error.h"
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/geometry/effects/fog.h"
 #include "q3map2/geometry/effects/surface_effects.h"
 #include "q3map2/geometry/emit/emit_surfaces.h"
@@ -14,7 +15,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxShaderName = 63; ///< characters
 constexpr std::string_view kDebugShader = "debugsurfaces";
 
 bool IsPolygon(const DrawSurface &surface) {

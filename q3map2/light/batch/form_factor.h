@@ -26,9 +26,9 @@ template <typename T> T EdgeTerm(const Vec3<T> &u, const Vec3<T> &v, const Vec3<
     return EdgeTerm(Length(across), Dot(u, v), Dot(n, across));
 }
 
-/// Cosine-weighted share of the hemisphere around n that the polygon covers as seen from p, -1 to 1; positive in front
-/// of a clockwise polygon. Not clipped to the horizon: parts behind the receiver count negatively. Lambert's formula:
-/// the sum of the edges' terms over 2 pi.
+/// Cosine-weighted fraction of the hemisphere around n that the polygon covers as seen from p, -1 to 1; positive in
+/// front of a clockwise polygon. Not clipped to the horizon: parts behind the receiver count negatively. Lambert's
+/// formula: the sum of the edges' terms over 2 pi.
 template <typename T> T FormFactor(const Vec3<T> &p, const Vec3<T> &n, std::span<const Vec3f> polygon) {
     T total = 0;
     Vec3<T> u = polygon.empty() ? p : Vec3<T>(polygon.back()) - p;

@@ -30,11 +30,14 @@ struct RayPacket {
     }
     /// Sets ray i from one point to another; direction +z if they coincide.
     void Aim(std::size_t i, const Vec3f &from, const Vec3f &target) {
-        const Vec3f way = target - from;
-        const float length = Length(way);
-        Set(i, from, length > 0 ? way / length : Vec3f{0, 0, 1}, length);
+        const Vec3f offset = target - from;
+        const float length = Length(offset);
+        Set(i, from, length > 0 ? offset / length : Vec3f{0, 0, 1}, length);
     }
 };
+
+/// Hint for Embree: whether the rays of a packet are close to each other and nearly parallel.
+enum class RayCoherence { Coherent, Incoherent };
 
 /// Rays cast so far, for statistics; one per worker.
 struct RayCounts {

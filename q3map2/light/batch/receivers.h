@@ -80,7 +80,7 @@ struct ProbeIncidentLight : IncidentLight {
 /// add * (max(0, vector . b) + uniform), which is `add` for its own normal.
 struct LightDirections {
     Lanes3 vector; ///< irradiance vector divided by `add`
-    Lanes uniform; ///< share of `add` that every normal gets
+    Lanes uniform; ///< fraction of `add` that every normal gets
     Lanes spread;  ///< fluence divided by the length of the irradiance vector: 1 for a point, 2 for a hemisphere
 };
 

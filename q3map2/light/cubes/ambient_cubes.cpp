@@ -37,8 +37,8 @@ float Shown(float light) {
 }
 
 float BlendWeight(const Vec3f &a, const Vec3f &b) {
-    const Vec3f way = a - b;
-    return 1 / (Dot(way, way) + 1);
+    const Vec3f offset = a - b;
+    return 1 / (Dot(offset, offset) + 1);
 }
 
 /// Error of the blend of a growing set of chosen samples at the positions of all samples.
@@ -220,7 +220,7 @@ class LeafSampler {
     LeafSampler(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH *grid, LeafCubes &cubes)
         : in_(in), bsp_(in.space.Map()), integrator_(in, lights), cubes_(cubes), places_(bsp_.leafs.size()) {
         if (grid)
-            gridCubes_ = std::make_unique<SHGridSides>(*grid, in.options.shRadiance);
+            gridCubes_ = std::make_unique<CubesFromGridSH>(*grid, in.options.shRadiance);
     }
 
     void Run(GridStats &stats) {
@@ -270,7 +270,7 @@ class LeafSampler {
     const GridInputs &in_;
     const Bsp &bsp_;
     CubeIntegrator integrator_;
-    std::unique_ptr<const SHGridSides> gridCubes_;
+    std::unique_ptr<const CubesFromGridSH> gridCubes_;
     LeafCubes &cubes_;
     std::vector<std::vector<CubePlace>> places_; // by leaf
 };

@@ -35,7 +35,7 @@ CubeSides BlendCubes(std::span<const CubeSample> samples, const Vec3f &position)
 float ScreenDifference(const CubeSides &a, const CubeSides &b);
 
 /// Keeps at most `most` samples. Greedy: each step adds the sample that most lowers the error of BlendCubes at the
-/// positions of all samples, and stops when none lowers it, since a sample beside a lamp, far brighter than a screen
+/// positions of all samples, and stops when none lowers it, since a sample beside a light, far brighter than a screen
 /// shows, can spoil the blend of a whole leaf. Error: sum of squared differences of light^(1/2), light clamped to 1.
 void KeepBestCubes(std::size_t most, std::vector<CubeSample> &samples);
 

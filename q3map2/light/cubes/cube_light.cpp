@@ -17,7 +17,7 @@ namespace q3 {
 namespace {
 
 /// Area lights with less fluence are not split at the plane of a side into the parts in front and behind. Byte scale.
-constexpr double kWorthCutting = 1.0 / 16;
+constexpr double kMinSplitFluence = 1.0 / 16;
 /// Upper limit of a side, reached only with absurd keys and scales. 1 = byte 255.
 constexpr double kMaxSide = 1e9;
 
@@ -30,13 +30,13 @@ Vec3d Axis(std::size_t axis) {
 }
 
 /// Light on the two surfaces that face + and - an axis, for a light of color 1 1 1.
-struct TwoSides {
+struct OppositeSides {
     double plus = 0, minus = 0;
 };
 
-/// TwoSides::plus + minus, from bands 0 and 2 of radiance coefficients: odd bands cancel out in the sum, bands from 4
-/// on are left out.
-double SumOfBothWays(const SHVector &c, std::size_t axis) {
+/// OppositeSides::plus + minus, from bands 0 and 2 of radiance coefficients: odd bands cancel out in the sum, bands
+/// from 4 on are left out.
+double SumOfOppositeSides(const SHVector &c, std::size_t axis) {
     const Vec3d n = Axis(axis);
     const SHVector basis = SHBasis(n);
     double sum = 0;
@@ -80,38 +80,40 @@ struct PointLightField {
             inFront = inFront || corner[axis] > position[axis], behind = behind || corner[axis] < position[axis];
         return inFront && behind;
     }
-    TwoSides On(std::size_t axis) const;
-    TwoSides Cut(std::size_t axis) const;
+    /// Light on the two sides that face along the axis.
+    OppositeSides SidesAlong(std::size_t axis) const;
+    OppositeSides SidesOfStraddlingLight(std::size_t axis) const;
 };
 
-TwoSides PointLightField::On(std::size_t axis) const {
+OppositeSides PointLightField::SidesAlong(std::size_t axis) const {
     if (vector == Vec3d{}) // the receiver is at the light's position: the light comes evenly from all directions
         return {fluence / 4, fluence / 4};
-    if (fluence * double(MaxComponent(Max(light.color, -light.color))) > kWorthCutting && Straddles(axis))
-        return Cut(axis);
+    if (fluence * double(MaxAbsComponent(light.color)) > kMinSplitFluence && Straddles(axis))
+        return SidesOfStraddlingLight(axis);
     return {std::max(0.0, vector[axis]), std::max(0.0, -vector[axis])};
 }
 
-/// plus - minus is the component of the irradiance vector on the axis. plus + minus is found with a control variate:
-/// with s the visible share of the light and T = SumOfBothWays, it is s (exact sum of the unshadowed light) + T(visible
-/// part)
-/// - s T(unshadowed light); exact where all or nothing is visible.
-TwoSides PointLightField::Cut(std::size_t axis) const {
+/// The sides for an area light that is on both sides of the plane through the receiver. With F(A) the form factor of a
+/// polygon A, S(L) = SumOfOppositeSides of light L, and v the visible fraction of the light:
+///
+///     plus - minus = irradiance vector on the axis
+///     plus + minus = v strength (|F(part in front)| + |F(part behind)|) + S(visible light) - v S(unshadowed light)
+///
+/// The second is a control variate: exact where all or nothing of the light is visible.
+OppositeSides PointLightField::SidesOfStraddlingLight(std::size_t axis) const {
     const Vec3d p(position), normal = Axis(axis);
     const std::span<const Vec3f> polygon(light.w);
     const Winding<float> part = PartBeyond(light.w, position, axis);
-    const double inFront = std::abs(FormFactor(p, normal, std::span<const Vec3f>(part)));
-    const double difference = FormFactor(p, normal, polygon);
-    const bool same = difference * FormFactor(p, normal, std::span<const Vec3f>(part)) >= 0;
-    const double behind = std::max(0.0, inFront - (same ? std::abs(difference) : -std::abs(difference)));
+    const double front = FormFactor(p, normal, std::span<const Vec3f>(part));
+    const double behind = std::abs(FormFactor(p, normal, polygon) - front);
     const bool fromBehind = Dot(light.shape.normal, p) < light.shape.dist;
-    SHVector whole = MomentsOfPolygon(fromBehind ? light.shape.back : light.w, p).Projection();
-    for (double &coefficient : whole)
+    SHVector unshadowed = MomentsOfPolygon(fromBehind ? light.shape.back : light.w, p).Projection();
+    for (double &coefficient : unshadowed)
         coefficient *= double(light.add) * double(weight) / std::numbers::pi;
-    const double share = whole[0] > 0 ? std::min(1.0, radiance[0] / whole[0]) : 1;
-    const double sum = share * double(light.add) * double(weight) * (inFront + behind) + SumOfBothWays(radiance, axis) -
-                       share * SumOfBothWays(whole, axis);
-    const double least = std::abs(vector[axis]), both = std::max(least, sum);
+    const double visible = unshadowed[0] > 0 ? std::min(1.0, radiance[0] / unshadowed[0]) : 1;
+    const double sum = visible * double(light.add) * double(weight) * (std::abs(front) + behind) +
+                       SumOfOppositeSides(radiance, axis) - visible * SumOfOppositeSides(unshadowed, axis);
+    const double both = std::max(std::abs(vector[axis]), sum);
     return {(both + vector[axis]) / 2, (both - vector[axis]) / 2};
 }
 
@@ -124,7 +126,7 @@ void AddLight(const Light &light, float weight, const ReceiverBatch &receivers, 
         const PointLightField field(light, weight, receivers.position[i], incident, i);
         const Vec3d color = incident.tinted ? scale * Vec3d(incident.tint[i]) : scale;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const TwoSides sides = field.On(axis);
+            const OppositeSides sides = field.SidesAlong(axis);
             sums[i][2 * axis] += color * sides.plus;
             sums[i][2 * axis + 1] += color * sides.minus;
         }
@@ -149,9 +151,9 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
 /// half on each vertical side.
 void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, SideSums &sides, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
-        const float share =
-            FloodShare(in.scene, receivers.position[i], up, in.world.floodDistance, in.floodDirections, counts);
-        const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * double(share) / 255);
+        const float fraction =
+            FloodFraction(in.scene, receivers.position[i], up, in.world.floodDistance, in.floodDirections, counts);
+        const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * double(fraction) / 255);
         for (std::size_t side = 0; side < 4; ++side)
             sides[side] += light * 0.5;
         sides[up > 0 ? 4 : 5] += light;
@@ -166,7 +168,7 @@ CubeSides Finish(const GridInputs &in, SideSums sides) {
         mean += side / 6.0;
     }
     const Vec3d lift = Max(Vec3d(in.world.minGrid) / 255.0 - mean, Vec3d{});
-    const double scale = in.options.gridScale > 0 ? double(in.options.gridScale) : 1;
+    const double scale = double(in.options.PositiveGridScale());
     CubeSides finished;
     for (std::size_t side = 0; side < sides.size(); ++side)
         finished[side] = Vec3f(Min(Max((sides[side] + lift) * scale, Vec3d{}), Vec3d{kMaxSide, kMaxSide, kMaxSide}));
@@ -176,18 +178,18 @@ CubeSides Finish(const GridInputs &in, SideSums sides) {
 } // namespace
 
 CubeIntegrator::CubeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
-    : in_(in), lighting_(in, lights, true, false) {}
+    : in_(in), lighting_(in, lights, SHQuantity::Radiance, LightSplit::None) {}
 
 std::vector<CubeSides> CubeIntegrator::Sides(std::vector<ReceiverBatch> &blocks, std::uint64_t seed,
                                              GridStats &work) const {
     std::vector<std::array<SideSums, kPacketSize>> sums(blocks.size());
-    const auto add = [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
+    const auto add = [&](const WeightedLight &source, const std::vector<ProbeIncidentLight> &incident) {
         for (std::size_t block = 0; block < blocks.size(); ++block)
-            AddLight(*one.light, one.weight, blocks[block], incident[block], sums[block]);
+            AddLight(*source.light, source.weight, blocks[block], incident[block], sums[block]);
     };
     lighting_.Trace(blocks, seed, LightPart::Whole, work, add);
     const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
-    std::vector<CubeSides> all;
+    std::vector<CubeSides> cubes;
     for (std::size_t block = 0; block < blocks.size(); ++block)
         for (std::size_t i = 0; i < blocks[block].count; ++i) {
             SideSums &sides = sums[block][i];
@@ -195,12 +197,12 @@ std::vector<CubeSides> CubeIntegrator::Sides(std::vector<ReceiverBatch> &blocks,
                 AddFlood(in_, blocks[block], i, sides, work.counts);
             if (in_.indirect)
                 AddIndirect(in_, blocks[block], i, sides, work.counts);
-            all.push_back(Finish(in_, sides));
+            cubes.push_back(Finish(in_, sides));
         }
-    return all;
+    return cubes;
 }
 
-CubeSides SHGridSides::At(const Vec3f &position) const {
+CubeSides CubesFromGridSH::At(const Vec3f &position) const {
     const shgrid_grid grid = UniformReader(grid_);
     shgrid_coeffs coeffs;
     const float at[3] = {position.x, position.y, position.z};

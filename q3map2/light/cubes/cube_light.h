@@ -24,14 +24,14 @@ class CubeIntegrator {
 
   private:
     const GridInputs &in_;
-    BrickLighting lighting_;
+    IncidentLightTracer lighting_;
 };
 
-/// Evaluates a stored SH grid on surfaces that face the axes.
-class SHGridSides {
+/// Sides of ambient cubes read from a stored SH grid.
+class CubesFromGridSH {
   public:
     /// radiance: the grid holds radiance, not yet convolved with the cosine lobe. Keeps a reference.
-    SHGridSides(const LightGridSH &grid, bool radiance) : grid_(grid), radiance_(radiance) {}
+    CubesFromGridSH(const LightGridSH &grid, bool radiance) : grid_(grid), radiance_(radiance) {}
     CubeSides At(const Vec3f &position) const;
 
   private:

@@ -46,7 +46,7 @@ struct CubePlace {
     Vec3f position;                       ///< `stored` decoded; if no such place is open, the leaf's exact center
 };
 
-/// Number of samples for a polytope: one for each 32 x 32 x 64 units of its box, times the share of the box that it
+/// Number of samples for a polytope: one for each 32 x 32 x 64 units of its box, times the fraction of the box that it
 /// fills; 1 to 128, or 0 if it is empty.
 int CubeCount(const LeafPolytope &polytope);
 

@@ -26,8 +26,8 @@ std::vector<Vec3f> FloodDirections(bool lowQuality) {
     return HemisphereRings(kFloodElevations, lowQuality ? kRingAzimuths / 2 : kRingAzimuths);
 }
 
-float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, std::span<const Vec3f> directions,
-                 RayCounts &counts) {
+float FloodFraction(const LightScene &scene, const Vec3f &p, float up, float distance,
+                    std::span<const Vec3f> directions, RayCounts &counts) {
     double sum = 0;
     auto rays = MakeRayBatcher<char>([&](RayPacket &packet, std::span<const char> tags) {
         scene.TraceDistance(packet, kIgnoreNear, counts);
@@ -43,10 +43,11 @@ float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distan
 // ---- Statistics of a pass over a light grid ----
 
 void GridStats::Add(const GridStats &o) {
-    open += o.open, moved += o.moved, filled += o.filled;
+    points += o.points, open += o.open, moved += o.moved, filled += o.filled;
     skippedFaint += o.skippedFaint, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
     skippedSmooth += o.skippedSmooth;
     counts += o.counts;
+    seconds += o.seconds;
 }
 
 void GridStats::Print(Log &log) const {
@@ -73,7 +74,7 @@ void GridStats::Print(Log &log) const {
         log.Verbose("{:9.2f} million rays per second of the pass\n", double(counts.rays) / seconds / 1e6);
 }
 
-// ---- Divides light grids into bricks ----
+// ---- Bricks: blocks of grid points, and the lights that reach them ----
 
 namespace {
 
@@ -85,7 +86,7 @@ constexpr float kBehind = 2;
 constexpr std::ptrdiff_t kFewFaint = 32;
 constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
 
-bool CanReach(const BrickCandidates::Reach &light, const BrickView &brick) {
+bool CanReach(const PassLights::Reach &light, const BrickView &brick) {
     if (!light.sun) {
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (light.bounds.mins[axis] > brick.box.maxs[axis] || light.bounds.maxs[axis] < brick.box.mins[axis])
@@ -143,15 +144,15 @@ BrickView::BrickView(std::span<const ReceiverBatch> blocks) {
     }
 }
 
-BrickCandidates::BrickCandidates(const std::vector<Light> &lights) : byCluster_(lights, false) {
+PassLights::PassLights(const std::vector<Light> &lights) : byCluster_(lights, SunsSeen::ByVisibility) {
     reach_.reserve(lights.size());
     for (const Light &light : lights)
         reach_.push_back({light.bounds, light.origin, light.normal, light.envelope, light.dist,
                           light.type == LightType::Sun, light.type == LightType::Area && !light.twoSided});
 }
 
-BrickLights::BrickLights(const BrickCandidates &lights, const BrickView &brick, const Choice &choice,
-                         const SkipOptions &skip, GridStats &work) {
+LightsInReach::LightsInReach(const PassLights &lights, const BrickView &brick, const Choice &choice,
+                             const SkipOptions &skip, GridStats &work) {
     const float faint = choice.faint;
     const auto use = [&](std::size_t number) {
         if (skip.reach && !CanReach(lights.ReachOf(number), brick)) {
@@ -168,14 +169,14 @@ BrickLights::BrickLights(const BrickCandidates &lights, const BrickView &brick, 
     else
         for (std::size_t i = 0; i < lights.Lights().size(); ++i)
             use(i);
-    const auto isFaint = [&](const BrickLight &one) { return one.bound < faint; };
+    const auto isFaint = [&](const WeightedLight &one) { return one.bound < faint; };
     if (!skip.faint || std::count_if(list_.begin(), list_.end(), isFaint) <= kFewFaint)
         return;
-    many_ = true;
+    hasManyFaint_ = true;
     float faintResidual = float(UnitFromHash(HashIndex(kSeedFaint ^ choice.seed))) * faint;
     const std::size_t before = list_.size();
     std::size_t kept = 0;
-    for (BrickLight one : list_)
+    for (WeightedLight one : list_)
         if (SelectFaintLight(faint, one.bound, faintResidual, one.weight))
             list_[kept++] = one;
     list_.resize(kept);
@@ -198,10 +199,10 @@ void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
     in.jobs.For(
         count,
         [&](std::int64_t brick, int worker) {
-            GridStats &mine = work[std::size_t(worker)];
-            const std::uint64_t before = mine.counts.rays;
-            trace(brick, mine);
-            raysSoFar += mine.counts.rays - before;
+            GridStats &workerStats = work[std::size_t(worker)];
+            const std::uint64_t before = workerStats.counts.rays;
+            trace(brick, workerStats);
+            raysSoFar += workerStats.counts.rays - before;
         },
         [&](std::int64_t done) {
             if (progress)

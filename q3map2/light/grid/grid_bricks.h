@@ -37,12 +37,12 @@ class IndirectLight {
     virtual void Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const = 0;
 };
 
-/// Directions of the rays of FloodShare in the hemisphere around +z, at four elevations; half as many if lowQuality.
+/// Directions of the rays of FloodFraction in the hemisphere around +z, at four elevations; half as many if lowQuality.
 std::vector<Vec3f> FloodDirections(bool lowQuality);
-/// Share of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean over rays of
-/// min(1, free length / distance).
-float FloodShare(const LightScene &scene, const Vec3f &p, float up, float distance, std::span<const Vec3f> directions,
-                 RayCounts &counts);
+/// Fraction of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean over rays
+/// of min(1, free length / distance).
+float FloodFraction(const LightScene &scene, const Vec3f &p, float up, float distance,
+                    std::span<const Vec3f> directions, RayCounts &counts);
 
 /// Everything that a grid pass reads.
 struct GridInputs {
@@ -53,13 +53,13 @@ struct GridInputs {
     const JobPool &jobs;
     Log &log;
     const IndirectLight *indirect = nullptr; ///< bounced light, or null
-    /// For FloodShare.
+    /// For FloodFraction.
     std::vector<Vec3f> floodDirections = FloodDirections(options.lowQuality);
 };
 
 /// Counts of points and of the work to light them.
 struct GridStats {
-    std::int64_t points = 0;
+    std::int64_t points = 0;         ///< of the grid; ambient cubes: places
     std::int64_t open = 0;           ///< lit in place or a small step beside; legacy grid: all points that are lit
     std::int64_t moved = 0;          ///< in a solid, lit from the nearest point in the open
     std::int64_t filled = 0;         ///< in a solid, interpolated from lit neighbors
@@ -68,12 +68,13 @@ struct GridStats {
     std::uint64_t skippedPvs = 0;    ///< brick and light pairs hidden by visibility data
     std::uint64_t skippedSmooth = 0; ///< points and samples whose weak light is interpolated
     ContributionCounts counts;
-    double seconds = 0;
+    double seconds = 0; ///< of passes, by the clock
+    /// Adds all counts and seconds.
     void Add(const GridStats &o);
     void Print(Log &log) const;
 };
 
-// ---- Divides light grids into bricks: neighboring points share a list of lights and packets of rays ----
+// ---- Bricks: blocks of grid points, and the lights that reach them ----
 
 struct BrickPoint {
     Vec3f position;
@@ -101,11 +102,11 @@ struct BrickView {
     std::vector<int> clusters; ///< each once
 };
 
-/// The lights of a pass. The data that decide whether a light can reach a brick (Reach) are contiguous, for the CPU
+/// All lights of a pass. The data that decide whether a light can reach a brick (Reach) are contiguous, for the CPU
 /// cache.
-class BrickCandidates {
+class PassLights {
   public:
-    explicit BrickCandidates(const std::vector<Light> &lights);
+    explicit PassLights(const std::vector<Light> &lights);
     const LightsByCluster &ByCluster() const { return byCluster_; }
     const std::vector<Light> &Lights() const { return byCluster_.Lights(); }
     struct Reach {
@@ -121,33 +122,33 @@ class BrickCandidates {
     std::vector<Reach> reach_;
 };
 
-/// A light that may reach a brick, and the factor by which its light is multiplied.
-struct BrickLight {
+/// A light that may reach a brick, with its weight: 1, or more if it represents faint lights (SelectFaintLight).
+struct WeightedLight {
     const Light *light = nullptr;
-    float weight = 1;
-    float bound = 0; ///< see LightBound
+    float weight = 1; ///< factor of its light
+    float bound = 0;  ///< LightBound in the brick, byte scale
 };
 
-/// Lights that can reach some point of a brick, in the order of the pass.
+/// The lights that can reach some point of a brick, in the order of the pass.
 ///
 /// If many lights have a bound in the brick below `faint` (byte scale; 0: none), a few represent them, see
 /// SelectFaintLight. Lights of one surface are consecutive, so a chosen one stands for its neighbors.
-class BrickLights {
+class LightsInReach {
   public:
     struct Choice {
         std::uint64_t seed = 0; ///< of the random choice among faint lights
         float faint = 0;        ///< byte scale; 0: none
         float minBound = -1;    ///< lights whose bound is not above this are left out. Byte scale
     };
-    BrickLights(const BrickCandidates &lights, const BrickView &brick, const Choice &choice, const SkipOptions &skip,
-                GridStats &work);
-    const std::vector<BrickLight> &List() const { return list_; }
-    /// Whether there were many faint lights.
-    bool Many() const { return many_; }
+    LightsInReach(const PassLights &lights, const BrickView &brick, const Choice &choice, const SkipOptions &skip,
+                  GridStats &work);
+    const std::vector<WeightedLight> &List() const { return list_; }
+    /// Whether there were so many faint lights that a few represent them.
+    bool HasManyFaint() const { return hasManyFaint_; }
 
   private:
-    std::vector<BrickLight> list_;
-    bool many_ = false;
+    std::vector<WeightedLight> list_;
+    bool hasManyFaint_ = false;
 };
 
 /// Sets ReceiverBatch::faintResidual of each block to a random start value, so that blocks do not all choose the same
@@ -161,22 +162,25 @@ enum class ShowProgress { No, Yes };
 void RunBricks(const GridInputs &in, std::int64_t count, GridStats &stats,
                const std::function<void(std::int64_t, GridStats &)> &trace, ShowProgress show = ShowProgress::Yes);
 
-/// Iterates over the lights that may reach a brick, by the rules of the SH grid. Const after construction; safe from
-/// several threads. Keeps references.
-class BrickLighting {
+/// What SH coefficients hold: radiance, or irradiance, which is radiance convolved with the cosine lobe.
+enum class SHQuantity { Radiance, Irradiance };
+/// Whether each light is one, or has a weak and a strong part that can be traced apart; see LightPart.
+enum class LightSplit { None, WeakAndStrong };
+
+/// Traces the incident light of all lights at the receivers of bricks, light by light, by the rules of the SH grid.
+/// Const after construction; safe from several threads. Keeps references.
+class IncidentLightTracer {
   public:
-    /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance. split: lights have a weak and
-    /// a strong part, which can be traced apart.
-    BrickLighting(const GridInputs &in, const std::vector<Light> &lights, bool radiance, bool split)
+    /// lights: from SetupEnvelopes for the SH grid.
+    IncidentLightTracer(const GridInputs &in, const std::vector<Light> &lights, SHQuantity quantity, LightSplit split)
         : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
                                               .sunOnly = in.options.sunOnly,
-                                              .radiance = radiance,
+                                              .radiance = quantity == SHQuantity::Radiance,
                                               .samples = in.options.shSamples,
                                               .skip = in.options.skip},
           faint_(kFaint / in.options.shSamples) {
-        if (split)
-            settings_.weakBelow =
-                std::max(kWeakBelow / (in.options.gridScale > 0 ? in.options.gridScale : 1), 2 * faint_);
+        if (split == LightSplit::WeakAndStrong)
+            settings_.weakBelow = std::max(kWeakBelow / in.options.PositiveGridScale(), 2 * faint_);
     }
     /// Calls use(light, incident) for each light that may reach the blocks of a brick. incident: its light at the
     /// receivers, by block. seed: of the random choice among faint lights, which is the same for all blocks. part:
@@ -187,11 +191,11 @@ class BrickLighting {
         StartFaintResiduals(blocks, faint_);
         std::vector<ProbeIncidentLight> incident(blocks.size());
         const float least = part == LightPart::Strong ? settings_.weakBelow / 2 : -1;
-        const BrickLights candidates(lights_, BrickView(blocks), {seed, faint_, least}, in_.options.skip, work);
+        const LightsInReach lights(lights_, BrickView(blocks), {seed, faint_, least}, in_.options.skip, work);
         LightSettings pass = settings_;
-        pass.faint = candidates.Many() ? faint_ : 0;
+        pass.faint = lights.HasManyFaint() ? faint_ : 0;
         pass.part = part;
-        for (const BrickLight &one : candidates.List()) {
+        for (const WeightedLight &one : lights.List()) {
             LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
             use(one, incident);
         }
@@ -207,7 +211,7 @@ class BrickLighting {
     static constexpr float kWeakBelow = 8;
 
     const GridInputs &in_;
-    BrickCandidates lights_;
+    PassLights lights_;
     LightSettings settings_;
     float faint_; ///< see SelectFaintLight
 };

@@ -19,7 +19,7 @@ constexpr std::uint64_t kSeed = 0x4572726F72ull;
 constexpr std::size_t kTries = 2000;
 /// Sample patterns of receivers are seeded from this index on, apart from those of grid points.
 constexpr std::uint32_t kFirstIndex = 0x80000000u;
-constexpr double kDarkShare = 0.01, kShownLit = 0.05; ///< shares of the map's mean light: see GridSHError::leak
+constexpr double kDarkFraction = 0.01, kShownLit = 0.05; ///< fractions of the map's mean light: see GridSHError::leak
 /// Errors below this are invisible. 255ths.
 constexpr double kInvisible = 0.1;
 
@@ -177,14 +177,14 @@ double Mean(const DisplayedLight &shown) {
     return sum / double(shown.size());
 }
 
-/// Share of receivers that are dark but displayed as lit.
-double LeakShare(const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown) {
+/// Fraction of receivers that are dark but displayed as lit.
+double LeakFraction(const std::vector<DisplayedLight> &exact, const std::vector<DisplayedLight> &shown) {
     double mean = 0;
     for (const DisplayedLight &light : exact)
         mean += Mean(light) / double(exact.size());
     std::size_t leaks = 0;
     for (std::size_t i = 0; i < exact.size(); ++i)
-        leaks += Mean(exact[i]) < kDarkShare * mean && Mean(shown[i]) > kShownLit * mean;
+        leaks += Mean(exact[i]) < kDarkFraction * mean && Mean(shown[i]) > kShownLit * mean;
     return double(leaks) / double(exact.size());
 }
 
@@ -232,7 +232,7 @@ GridComparison::GridComparison(const ExactReceivers &receivers, const shgrid_gri
     }
     error.rms = differences.Rms(receivers.Noise());
     error.percentile95 = differences.Percentile95();
-    error.leak = LeakShare(exact, shown);
+    error.leak = LeakFraction(exact, shown);
 }
 
 /// Prints the number of receivers and the RMS error. False: there are no receivers.

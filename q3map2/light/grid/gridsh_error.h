@@ -51,7 +51,7 @@ struct GridSHError {
     std::size_t receivers = 0; ///< 0: the values below are not set
     double rms = 0;            ///< over receivers, 26 directions and 3 channels
     double percentile95 = 0;   ///< of the absolute difference
-    double leak = 0;    ///< share of receivers with less than 1 % of the map's mean light, shown with more than 5 %
+    double leak = 0;    ///< fraction of receivers with less than 1 % of the map's mean light, shown with more than 5 %
     double doubled = 0; ///< percentile95 from every second point per axis, that is, with doubled cells
     double order = 2;   ///< percentile95 falls as this power of the cell size; 0.5 to 2
     double cpuSeconds = 0;
@@ -84,7 +84,7 @@ class ExactReceivers {
 };
 
 /// Cell size at which percentile95 would be about half: whole units, at least 8. Not the RMS, which is dominated by a
-/// few receivers close to bright lamps, where smaller cells do not help.
+/// few receivers close to bright lights, where smaller cells do not help.
 Float3 CellOfHalfError(const Float3 &cell, const GridSHError &error);
 
 /// Prints the error for mappers, with the options that would halve it.

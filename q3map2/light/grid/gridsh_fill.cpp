@@ -33,6 +33,15 @@ bool OnEmitter(const Light &light, const Vec3f &p) {
     return !(left && right);
 }
 
+/// The position that a lit point is lit from: its own, unless `displaced`, which is sorted by index, has another.
+Vec3f LitPosition(const BrickPoint &point, PointState state, const std::vector<DisplacedPoint> &displaced) {
+    if (state == PointState::Open || state == PointState::OnEmitter)
+        return point.position;
+    const auto found = std::lower_bound(displaced.begin(), displaced.end(), point.index,
+                                        [](const DisplacedPoint &d, std::uint32_t i) { return d.index < i; });
+    return found != displaced.end() && found->index == point.index ? found->position : point.position;
+}
+
 /// Calls use(brick, points) for all bricks, on all workers.
 template <typename Use> void ForBricks(const GridInputs &in, const GridBricks &bricks, const Use &use) {
     in.jobs.For(bricks.Count(), [&](std::int64_t brick, int) { use(brick, bricks.Points(brick)); });
@@ -92,24 +101,20 @@ void LitGridPoints::FindOnEmitters(const std::vector<Light> &lights) {
 }
 
 void LitGridPoints::AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const {
-    Vec3f from = point.position;
-    if (states_[point.index] != PointState::Open && states_[point.index] != PointState::OnEmitter)
-        from = std::lower_bound(displaced_.begin(), displaced_.end(), point.index,
-                                [](const DisplacedPoint &d, std::uint32_t i) { return d.index < i; })
-                   ->position;
+    const Vec3f from = LitPosition(point, states_[point.index], displaced_);
     BatchWithRoom(blocks).Add(from, from, litFrom_[point.index], point.index);
 }
 
-// ---- SH grid points in solids ----
+// ---- Points of the SH grid in or beside solids: lit from nearby, or filled from groups of neighbors ----
 
 namespace {
 
 /// Distances at which open space beside a point is searched, to light the point from there. Game units.
 constexpr float kSmallSteps[] = {0.5f, 1, 2};
-/// A side of mean light m weighs 1 / (m + kDarkest): keeps the weight of a black side finite. 1 = byte 255.
+/// A group of mean light m weighs 1 / (m + kDarkest): keeps the weight of a black group finite. 1 = byte 255.
 constexpr double kDarkest = 1.0 / 8192;
-/// A point beside a wall weighs as much on its own side as this many neighbors at the shortest distance.
-constexpr double kOwnWeight = 2;
+/// A point beside a wall weighs as much in its group as this many neighbors at the shortest distance.
+constexpr double kSelfWeight = 2;
 
 struct Offset {
     int x, y, z;
@@ -182,8 +187,8 @@ bool HasOpenNeighbor(const GridLayout &layout, const std::vector<int> &clusters,
     });
 }
 
-/// Lit neighbors of one solid point that see each other.
-struct Side {
+/// Weighted sum of the light of one visibility group.
+struct GroupSum {
     double weight = 0;
     std::array<double, kSHFloats> sum{};
     double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kSHC0); }
@@ -222,90 +227,46 @@ Q3_VECTOR void AddWeighted(double weight, const float *value, double *sum) {
         sum[i] += weight * double(value[i]);
 }
 
-class Filler {
+/// Finds the lit points around grid points in or beside solids. Keeps references.
+class LitNeighborhood {
   public:
-    Filler(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
-           const std::vector<PointState> &states)
-        : in_(in), layout_(layout), displaced_(displaced), states_(states) {
-        for (std::size_t i = 0; i < kNeighbors.size(); ++i) {
-            const Offset &o = kNeighbors[i];
-            const Vec3f cell(layout.size), offset = cell * Vec3f{float(o.x), float(o.y), float(o.z)};
-            weights_[i] = 1 / double(Dot(offset, offset));
-        }
-    }
-
-    /// The value of a Solid or Beside point, or nothing: no lit neighbor, or none on another side. split: the point's
-    /// groups; null if it has one group only.
-    std::optional<bspGridPointSH_t> Fill(int x, int y, int z, const VisibilityGroups::PointGroups *split,
-                                         const LightGridSH &grid) const {
-        if (!split && states_[IndexOf(x, y, z)] == PointState::Beside)
-            return std::nullopt;
-        const Around lit = AroundPoint(x, y, z, false);
-        if (lit.count == 0)
-            return std::nullopt;
-        std::vector<Side> sums(split ? split->groupCount : 1);
-        for (std::size_t i = 0; i < lit.count; ++i) {
-            Side &side = sums[split ? split->groups[i] : 0];
-            const Neighbor &neighbor = lit.neighbors[i];
-            side.weight += neighbor.weight;
-            AddWeighted(neighbor.weight, grid.points[neighbor.index].coeffs[0].data(), side.sum.data());
-        }
-        return Blend(sums);
-    }
-
-    /// Appends the sides of the points that have several. points: grid coordinates x y z.
-    void FindSides(std::span<const std::array<int, 3>> points, std::vector<VisibilityGroups::PointGroups> &found,
-                   RayCounts &counts) const {
-        // The first rays of all points share packets: most points have one side only and need no more.
-        std::vector<Around> around;
-        std::vector<std::uint32_t> seen(points.size(), 1);
-        SightRays rays(in_.scene, counts);
-        around.reserve(points.size());
-        for (std::size_t n = 0; n < points.size(); ++n) {
-            const Around &lit = around.emplace_back(AroundPoint(points[n][0], points[n][1], points[n][2], true));
-            for (std::size_t i = 1; i < lit.count; ++i)
-                rays.Ask(lit.neighbors[i].position, lit.neighbors[0].position, 1u << i, seen[n]);
-        }
-        rays.Flush();
-        for (std::size_t n = 0; n < points.size(); ++n)
-            if (const std::uint32_t all = (1u << around[n].count) - 1; (~seen[n] & all) != 0)
-                found.push_back(SidesOf(std::uint32_t(IndexOf(points[n][0], points[n][1], points[n][2])), around[n],
-                                        ~seen[n] & all, rays));
-    }
-
-  private:
     struct Neighbor {
         std::size_t index;
-        Vec3f position;
-        double weight;
+        Vec3f position; ///< that it is lit from; zero unless asked for
+        double weight;  ///< inverse square of its distance, game units
     };
     /// The point itself if its state is Beside, then its lit neighbors.
-    struct Around {
-        std::array<Neighbor, VisibilityGroups::kMaxNeighbors> neighbors;
+    struct Neighbors {
+        std::array<Neighbor, VisibilityGroups::kMaxNeighbors> list;
         std::size_t count = 0;
     };
+    enum class Positions { LeaveOut, Find };
+
+    LitNeighborhood(const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
+                    const std::vector<PointState> &states)
+        : layout_(layout), displaced_(displaced), states_(states) {
+        const Vec3f cell(layout.size);
+        for (std::size_t i = 0; i < kNeighbors.size(); ++i) {
+            const Offset &o = kNeighbors[i];
+            const Vec3f offset = cell * Vec3f{float(o.x), float(o.y), float(o.z)};
+            weights_[i] = 1 / double(Dot(offset, offset));
+        }
+        const double shortest = double(std::min({layout.size[0], layout.size[1], layout.size[2]}));
+        selfWeight_ = kSelfWeight / (shortest * shortest);
+    }
 
     std::size_t IndexOf(int x, int y, int z) const { return std::size_t(layout_.Index(x, y, z)); }
-    double ShortestSquared() const {
-        const double shortest = double(std::min({layout_.size[0], layout_.size[1], layout_.size[2]}));
-        return shortest * shortest;
-    }
+    PointState StateOf(std::size_t index) const { return states_[index]; }
 
-    Vec3f PositionOf(std::size_t index, int x, int y, int z) const {
-        if (states_[index] == PointState::Open || states_[index] == PointState::OnEmitter)
-            return Vec3f(layout_.Position(x, y, z));
-        const auto found = std::lower_bound(displaced_.begin(), displaced_.end(), index,
-                                            [](const DisplacedPoint &d, std::size_t i) { return d.index < i; });
-        return found->position;
-    }
-
-    /// positions: also sets Neighbor::position, else zero.
-    Around AroundPoint(int x, int y, int z, bool positions) const {
-        Around lit;
-        const std::size_t own = IndexOf(x, y, z);
-        if (states_[own] == PointState::Beside)
-            lit.neighbors[lit.count++] = {own, positions ? PositionOf(own, x, y, z) : Vec3f{},
-                                          kOwnWeight / ShortestSquared()};
+    Neighbors Around(int x, int y, int z, Positions positions) const {
+        Neighbors lit;
+        const std::size_t self = IndexOf(x, y, z);
+        const auto add = [&](std::size_t index, int px, int py, int pz, double weight) {
+            lit.list[lit.count++] = {index, positions == Positions::Find ? PositionOf(index, px, py, pz) : Vec3f{},
+                                     weight};
+        };
+        if (states_[self] == PointState::Beside)
+            add(self, x, y, z, selfWeight_);
         for (std::size_t i = 0; i < kNeighbors.size(); ++i) {
             const Offset &o = kNeighbors[i];
             const int nx = x + o.x, ny = y + o.y, nz = z + o.z;
@@ -313,56 +274,103 @@ class Filler {
                 nz >= layout_.bounds[2])
                 continue;
             const std::size_t index = IndexOf(nx, ny, nz);
-            const PointState state = states_[index];
-            if (state == PointState::Exterior || state == PointState::Solid)
-                continue;
-            lit.neighbors[lit.count++] = {index, positions ? PositionOf(index, nx, ny, nz) : Vec3f{}, weights_[i]};
+            if (states_[index] != PointState::Exterior && states_[index] != PointState::Solid)
+                add(index, nx, ny, nz, weights_[i]);
         }
         return lit;
     }
 
-    /// Sorts the entries of `lit` into sides: the first entry of a side sees all the others of it, but none of the
-    /// first entries before. unseen: bits of the entries that entry 0 does not see.
-    static VisibilityGroups::PointGroups SidesOf(std::uint32_t index, const Around &lit, std::uint32_t unseen,
-                                                 SightRays &rays) {
-        VisibilityGroups::PointGroups result{index, 1, {}};
-        while (unseen != 0) {
-            const auto first = std::size_t(std::countr_zero(unseen));
-            std::uint32_t seen = 1u << first;
-            for (std::uint32_t left = unseen & (unseen - 1); left != 0; left &= left - 1) {
-                const auto i = std::size_t(std::countr_zero(left));
-                rays.Ask(lit.neighbors[i].position, lit.neighbors[first].position, 1u << i, seen);
-            }
-            rays.Flush();
-            for (std::uint32_t side = seen; side != 0; side &= side - 1)
-                result.groups[std::size_t(std::countr_zero(side))] = std::uint8_t(result.groupCount);
-            ++result.groupCount;
-            unseen &= ~seen;
-        }
-        return result;
+  private:
+    Vec3f PositionOf(std::size_t index, int x, int y, int z) const {
+        return LitPosition({Vec3f(layout_.Position(x, y, z)), std::uint32_t(index)}, states_[index], displaced_);
     }
 
-    static bspGridPointSH_t Blend(const std::vector<Side> &sides) {
-        std::array<double, kSHFloats> sum{};
-        double total = 0;
-        for (const Side &side : sides) {
-            const double weight = side.weight / (side.Mean() + kDarkest);
-            total += weight;
-            for (std::size_t i = 0; i < kSHFloats; ++i)
-                sum[i] += side.sum[i] / side.weight * weight;
-        }
-        std::array<float, kSHFloats> filled;
-        for (std::size_t i = 0; i < kSHFloats; ++i)
-            filled[i] = float(sum[i] / total);
-        return std::bit_cast<bspGridPointSH_t>(filled);
-    }
-
-    const GridInputs &in_;
     const GridLayout &layout_;
     const std::vector<DisplacedPoint> &displaced_;
     const std::vector<PointState> &states_;
-    std::array<double, kNeighbors.size()> weights_; ///< inverse squares of distances
+    std::array<double, kNeighbors.size()> weights_; ///< by neighbor: inverse square of its distance
+    double selfWeight_;
 };
+
+/// Sorts the entries of `lit` into groups: the first entry of a group sees all the others of it, but none of the
+/// first entries before. unseen: bits of the entries that entry 0 does not see.
+VisibilityGroups::PointGroups GroupsOf(std::uint32_t index, const LitNeighborhood::Neighbors &lit, std::uint32_t unseen,
+                                       SightRays &rays) {
+    VisibilityGroups::PointGroups result{index, 1, {}};
+    while (unseen != 0) {
+        const auto first = std::size_t(std::countr_zero(unseen));
+        std::uint32_t seen = 1u << first;
+        for (std::uint32_t left = unseen & (unseen - 1); left != 0; left &= left - 1) {
+            const auto i = std::size_t(std::countr_zero(left));
+            rays.Ask(lit.list[i].position, lit.list[first].position, 1u << i, seen);
+        }
+        rays.Flush();
+        for (std::uint32_t group = seen; group != 0; group &= group - 1)
+            result.groups[std::size_t(std::countr_zero(group))] = std::uint8_t(result.groupCount);
+        ++result.groupCount;
+        unseen &= ~seen;
+    }
+    return result;
+}
+
+/// Appends the groups of those points that have several. points: grid coordinates x y z.
+void FindGroups(const LightScene &scene, const LitNeighborhood &neighborhood,
+                std::span<const std::array<int, 3>> points, std::vector<VisibilityGroups::PointGroups> &found,
+                RayCounts &counts) {
+    // The first rays of all points share packets: most points have one group only and need no more.
+    std::vector<LitNeighborhood::Neighbors> around;
+    std::vector<std::uint32_t> seen(points.size(), 1);
+    SightRays rays(scene, counts);
+    around.reserve(points.size());
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        const auto &[x, y, z] = points[n];
+        const auto &lit = around.emplace_back(neighborhood.Around(x, y, z, LitNeighborhood::Positions::Find));
+        for (std::size_t i = 1; i < lit.count; ++i)
+            rays.Ask(lit.list[i].position, lit.list[0].position, 1u << i, seen[n]);
+    }
+    rays.Flush();
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        const auto &[x, y, z] = points[n];
+        const std::uint32_t unseen = ~seen[n] & ((1u << around[n].count) - 1);
+        if (unseen != 0)
+            found.push_back(GroupsOf(std::uint32_t(neighborhood.IndexOf(x, y, z)), around[n], unseen, rays));
+    }
+}
+
+/// The mean of the groups' lights, each weighted by 1 / (its mean light + kDarkest).
+bspGridPointSH_t Blend(const std::vector<GroupSum> &groups) {
+    std::array<double, kSHFloats> sum{};
+    double total = 0;
+    for (const GroupSum &group : groups) {
+        const double weight = group.weight / (group.Mean() + kDarkest);
+        total += weight;
+        for (std::size_t i = 0; i < kSHFloats; ++i)
+            sum[i] += group.sum[i] / group.weight * weight;
+    }
+    std::array<float, kSHFloats> filled;
+    for (std::size_t i = 0; i < kSHFloats; ++i)
+        filled[i] = float(sum[i] / total);
+    return std::bit_cast<bspGridPointSH_t>(filled);
+}
+
+/// The value of a Solid or Beside point; nothing if it has no lit neighbor, or is Beside and all its neighbors are in
+/// one group. groups: null if it has one group only.
+std::optional<bspGridPointSH_t> FilledValue(const LitNeighborhood &neighborhood, int x, int y, int z,
+                                            const VisibilityGroups::PointGroups *groups, const LightGridSH &grid) {
+    if (!groups && neighborhood.StateOf(neighborhood.IndexOf(x, y, z)) == PointState::Beside)
+        return std::nullopt;
+    const auto lit = neighborhood.Around(x, y, z, LitNeighborhood::Positions::LeaveOut);
+    if (lit.count == 0)
+        return std::nullopt;
+    std::vector<GroupSum> sums(groups ? groups->groupCount : 1);
+    for (std::size_t i = 0; i < lit.count; ++i) {
+        GroupSum &group = sums[groups ? groups->groups[i] : 0];
+        const LitNeighborhood::Neighbor &neighbor = lit.list[i];
+        group.weight += neighbor.weight;
+        AddWeighted(neighbor.weight, grid.points[neighbor.index].coeffs[0].data(), group.sum.data());
+    }
+    return Blend(sums);
+}
 
 } // namespace
 
@@ -403,7 +411,7 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
                                       const std::vector<PointState> &states) {
     const int width = layout.bounds[0], height = layout.bounds[1];
     const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
-    const Filler filler(in, layout, displaced, states);
+    const LitNeighborhood neighborhood(layout, displaced, states);
     std::vector<std::vector<VisibilityGroups::PointGroups>> found(static_cast<std::size_t>(rows));
     in.jobs.For(rows, [&](std::int64_t row, int) {
         std::vector<std::array<int, 3>> points;
@@ -413,7 +421,7 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
                 points.push_back({x, int(row % height), int(row / height)});
         }
         RayCounts counts; // discarded: the log counts rays to lights only
-        filler.FindSides(points, found[std::size_t(row)], counts);
+        FindGroups(in.scene, neighborhood, points, found[std::size_t(row)], counts);
     });
     VisibilityGroups groups;
     groups.isSplit.resize(states.size());
@@ -435,7 +443,7 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
     const std::int64_t rows = std::int64_t(height) * layout.bounds[2];
     // Every value is computed from the lit points before any is stored, so the order does not matter.
     std::vector<std::vector<Value>> filled(static_cast<std::size_t>(rows));
-    const Filler filler(in, layout, displaced, states);
+    const LitNeighborhood neighborhood(layout, displaced, states);
     in.jobs.For(rows, [&](std::int64_t row, int) {
         const auto first = std::size_t(row) * std::size_t(width);
         auto nextSplit =
@@ -446,8 +454,8 @@ void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vecto
             if (states[index] != PointState::Solid && states[index] != PointState::Beside)
                 continue;
             const bool split = nextSplit != groups.points.end() && nextSplit->index == index;
-            if (const auto value =
-                    filler.Fill(x, int(row % height), int(row / height), split ? &*nextSplit : nullptr, grid))
+            if (const auto value = FilledValue(neighborhood, x, int(row % height), int(row / height),
+                                               split ? &*nextSplit : nullptr, grid))
                 filled[std::size_t(row)].push_back({index, *value});
             nextSplit += split ? 1 : 0;
         }

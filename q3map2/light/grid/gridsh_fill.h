@@ -68,9 +68,9 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
                                       const std::vector<DisplacedPoint> &displaced,
                                       const std::vector<PointState> &states);
 
-/// Gives a value to every point in a solid that has lit neighbors, so that interpolation beside walls is right. Each
-/// group of neighbors is a side of a wall; the darker a side, the more it counts, so that a wall thinner than a cell
-/// lets no light through. Points beside a wall with neighbors on the other side are filled in the same way. `displaced`
+/// Gives a value to every point in a solid that has lit neighbors, so that interpolation beside walls is right. A
+/// group of neighbors is one side of a wall: the darker a group, the more it counts, so that a wall thinner than a cell
+/// lets no light through. Points beside a wall that have several groups are filled too. `displaced`
 /// is sorted by index. Changes Solid to Filled or Exterior in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
                 const VisibilityGroups &groups, std::vector<PointState> &states, LightGridSH &grid);

@@ -17,18 +17,18 @@ namespace {
 /// Samples in each cell that has a point in a solid.
 constexpr float kPerCell = 4;
 /// With -shfit, cells in which the mean light of samples differs by more than kSteep take kSteepFactor times the
-/// samples: with few, the fit beside a lamp depends on where they happen to be. 1 = byte 255.
+/// samples: with few, the fit beside a light depends on where they happen to be. 1 = byte 255.
 constexpr float kSteep = 16.0f / 255;
 constexpr int kSteepFactor = 6;
 /// Candidates drawn at most for each sample wanted, with and without -shfit, so that cells that are mostly solid get as
 /// many samples as others.
 constexpr int kMaxTriesAll = 8, kMaxTries = 2;
-/// Weight of a point's value before the fit, as a share of the weight of its samples; without and with -shfit.
+/// Weight of a point's value before the fit, as a fraction of the weight of its samples; without and with -shfit.
 constexpr float kPull = 0.1f, kPullAll = 0.03f;
 /// Samples of mean light m have weight (kDarkLight / (kDarkLight + m))^(1/4): leaks show in the dark. 1 = byte 255.
 constexpr float kDarkLight = 0.02f;
 /// Samples of mean light m count less where kBeyondScreen * m > 1: their weight is divided by (kBeyondScreen *
-/// m)^kFall. Surfaces there are white on at least one side, and the steep light beside a lamp, which no grid
+/// m)^kFall. Surfaces there are white on at least one side, and the steep light beside a light, which no grid
 /// fits, would distort points several cells away. The ...All values are for -shfit, where more points follow such
 /// light.
 constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f, kFall = 4, kFallAll = 2;
@@ -40,8 +40,8 @@ constexpr float kMinWeight = 1e-30f;
 /// most that light that is nowhere negative can have. Interpolation between points lowers the ratio, so a point may
 /// exceed it by the factor kBandsSlack.
 constexpr float kMaxBandsPlain = 2.8284271f, kMaxBands = 1.2829003f, kBandsSlack = 1.25f;
-/// Relaxation ends when no coefficient moves by more than this, or by more than this share of the light there. 1 = byte
-/// 255.
+/// Relaxation ends when no coefficient moves by more than this, or by more than this fraction of the light there. 1 =
+/// byte 255.
 constexpr float kSmallMove = 0.1f / 255;
 constexpr int kMaxSweeps = 40;
 /// Points of equal parity on all axes share no cell, so that they can move at the same time.
@@ -84,7 +84,8 @@ void LimitToLight(SHFloats &point, float maxBands) {
 
 } // namespace
 
-float FitWeight(float weight, float mean, bool all) {
+float FitWeight(float weight, float mean, FittedPoints fitted) {
+    const bool all = fitted == FittedPoints::All;
     const float beyond = std::clamp((all ? kBeyondScreenAll : kBeyondScreen) * mean, 1.0f, kMaxBeyondScreen);
     return weight * std::pow(kDarkLight / (kDarkLight + mean), 0.25f) / std::pow(beyond, all ? kFallAll : kFall);
 }
@@ -134,7 +135,7 @@ bool GridFit::HasFittedCorner(const BrickPoint &point) const {
     return false;
 }
 
-std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const SmoothLight &light,
+std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, const LightAtPositions &light,
                                             GridStats &work) const {
     std::vector<FitSample> samples;
     if (rows_.empty())
@@ -162,7 +163,7 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
 }
 
 /// Draws positions in cells where a player fits, and lights them.
-void GridFit::DrawSamples(std::span<CellSamples> cells, std::size_t round, const SmoothLight &light,
+void GridFit::DrawSamples(std::span<CellSamples> cells, std::size_t round, const LightAtPositions &light,
                           std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<ProbeReceiver> receivers;
     const Vec3f cell(layout_.size);
@@ -201,7 +202,7 @@ void GridFit::DrawSamples(std::span<CellSamples> cells, std::size_t round, const
 
 /// Sets the light of the samples. The first sample of each cell is traced; where interpolation nearly gives its weak
 /// light, the weak light of the others is interpolated too, with the difference at the first one added.
-void GridFit::LightCells(const Round &of, const SmoothLight &light, std::span<FitSample> samples,
+void GridFit::LightCells(const Round &of, const LightAtPositions &light, std::span<FitSample> samples,
                          GridStats &work) const {
     const WeakField &field = *light.Weak();
     std::vector<std::optional<WeakLight>> weak(of.receivers.size());
@@ -211,7 +212,7 @@ void GridFit::LightCells(const Round &of, const SmoothLight &light, std::span<Fi
             if (inCell.rounds[0].count > 0)
                 first.push_back(of.receivers[inCell.rounds[0].first - of.first]);
         std::vector<std::optional<WeakLight>> traced(first.size());
-        light.AddWeak(first, of.seed, traced, work);
+        light.TraceMissingWeak(first, of.seed, traced, work);
         std::size_t next = 0;
         for (CellSamples &inCell : of.cells)
             if (inCell.rounds[0].count > 0) {
@@ -227,8 +228,8 @@ void GridFit::LightCells(const Round &of, const SmoothLight &light, std::span<Fi
                 work.skippedSmooth += weak[i] ? 1 : 0;
             }
     }
-    light.AddWeak(of.receivers, HashIndex(of.seed), weak, work);
-    const std::vector<bspGridPointSH_t> values = light.AddStrong(of.receivers, of.seed, weak, work);
+    light.TraceMissingWeak(of.receivers, HashIndex(of.seed), weak, work);
+    const std::vector<bspGridPointSH_t> values = light.TraceStrongAndSum(of.receivers, of.seed, weak, work);
     for (std::size_t i = 0; i < samples.size(); ++i)
         samples[i].value = values[i];
 }
@@ -268,8 +269,8 @@ void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
 }
 
 void GridFit::Accumulate(const FitSample &sample) {
-    const float weight =
-        FitWeight(sample.weight, MeanLight(std::bit_cast<SHFloats>(sample.value)), in_.options.shFit > 0);
+    const float weight = FitWeight(sample.weight, MeanLight(std::bit_cast<SHFloats>(sample.value)),
+                                   in_.options.shFit > 0 ? FittedPoints::All : FittedPoints::InSolids);
     const auto corners = CornersAt(sample.position);
     const auto coefficients = std::bit_cast<SHFloats>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
@@ -277,13 +278,13 @@ void GridFit::Accumulate(const FitSample &sample) {
         if (number < 0 || (sample.sees >> a & 1) == 0)
             continue;
         Row &row = rows_[std::size_t(number)];
-        const float share = weight * corners[a].weight;
+        const float fraction = weight * corners[a].weight;
         for (std::size_t i = 0; i < kSHFloats; ++i)
-            row.rhs[i] += share * coefficients[i];
+            row.rhs[i] += fraction * coefficients[i];
         for (std::size_t b = 0; b < 8; ++b) {
             // Offset of corner b from corner a on an axis, plus 1: coordinate 0 to 2 in the 3 x 3 x 3 stencil.
             const auto axis = [&](std::size_t bit) { return 1 + int((b >> bit) & 1) - int((a >> bit) & 1); };
-            row.stencil[std::size_t(axis(0) + 3 * (axis(1) + 3 * axis(2)))] += share * corners[b].weight;
+            row.stencil[std::size_t(axis(0) + 3 * (axis(1) + 3 * axis(2)))] += fraction * corners[b].weight;
         }
     }
 }

@@ -15,14 +15,17 @@ namespace q3 {
 struct FitSample {
     Vec3f position;
     bspGridPointSH_t value;
-    float weight = 1;         ///< samples wanted per cell / candidates tried in it: about the open share of the cell
+    float weight = 1;         ///< samples wanted per cell / candidates tried in it: about the open fraction of the cell
     std::uint8_t sees = 0xff; ///< bit per corner of its cell: whether the sample counts for that point
 };
 
+/// The points that a fit moves.
+enum class FittedPoints { InSolids, All };
+
 /// Weight of a sample in a fit: its own `weight` times (d / (d + m))^(1/4), since leaks show in the dark, with d =
 /// kDarkLight and m the mean light of the brightest channel, 1 = byte 255; divided by a power of m where it is beyond
-/// what a screen shows. all: in a fit of all points; else of points in solids.
-float FitWeight(float weight, float mean, bool all);
+/// what a screen shows.
+float FitWeight(float weight, float mean, FittedPoints fitted);
 
 /// Least-squares fit of grid points to the light between them, so that trilinear interpolation matches it best where
 /// players can be. By default only points in or beside solids and on emitters are fitted; with -shfit all.
@@ -39,7 +42,7 @@ class GridFit {
             const std::vector<bool> &isSplit);
 
     /// Samples of the cells whose lowest corners are the points of a brick. From any thread.
-    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const SmoothLight &light,
+    std::vector<FitSample> SampleCells(std::span<const BrickPoint> points, const LightAtPositions &light,
                                        GridStats &work) const;
     /// Takes the samples of a brick; call once per brick, empty or not. From any thread; sums in the order of bricks.
     void AddSamples(std::int64_t brick, std::vector<FitSample> samples);
@@ -75,7 +78,7 @@ class GridFit {
 
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
     bool HasFittedCorner(const BrickPoint &point) const;
-    void DrawSamples(std::span<CellSamples> cells, std::size_t round, const SmoothLight &light,
+    void DrawSamples(std::span<CellSamples> cells, std::size_t round, const LightAtPositions &light,
                      std::vector<FitSample> &samples, GridStats &work) const;
     /// The samples of one round: `receivers` in the order of the cells, of which the first is sample `first` of all
     /// rounds.
@@ -85,7 +88,8 @@ class GridFit {
         std::span<const ProbeReceiver> receivers;
         std::uint64_t seed;
     };
-    void LightCells(const Round &of, const SmoothLight &light, std::span<FitSample> samples, GridStats &work) const;
+    void LightCells(const Round &of, const LightAtPositions &light, std::span<FitSample> samples,
+                    GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);
     bool AddPull(const bspGridPointSH_t &present, Row &row) const;

@@ -28,14 +28,14 @@ constexpr float kFaintInBrick = 1.0f / 16;
 /// Blocks that are lit together, so that their rays fill packets; more would need more memory for records.
 constexpr std::size_t kBlocksTogether = 4;
 
-/// Share of light that is stored as directed: max(0, least + along * more), where `along` is the cosine
+/// Fraction of light that is stored as directed: max(0, least + along * more), where `along` is the cosine
 /// between the light's direction and the main direction.
 struct Directed {
     float least, more;
     explicit Directed(const LightOptions &options)
         : least(options.gridAmbientDirectionality),
           more(options.gridDirectionality - options.gridAmbientDirectionality) {}
-    float Share(float along) const { return std::max(0.0f, least + along * more); }
+    float Fraction(float along) const { return std::max(0.0f, least + along * more); }
 };
 
 /// Light that reaches the points of a few blocks. How much of it is ambient depends on a point's main direction, which
@@ -132,12 +132,12 @@ void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, cons
 
 /// Splits a record into ambient and directed light and adds both.
 Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &directed, Parts &parts) {
-    const Directed shares = directed; // a copy, which the outputs cannot alias
+    const Directed fractions = directed; // a copy, which the outputs cannot alias
     const Lanes3 &color = record.color, &direction = record.direction;
     for (const std::size_t i : kEachLane) {
         const float along = direction.x[i] * parts.mainDirection.x[i] + direction.y[i] * parts.mainDirection.y[i] +
                             direction.z[i] * parts.mainDirection.z[i];
-        const float k = shares.Share(along), rest = 0.25f * (1 - k);
+        const float k = fractions.Fraction(along), rest = 0.25f * (1 - k);
         parts.directed.x[i] += color.x[i] * k;
         parts.directed.y[i] += color.y[i] * k;
         parts.directed.z[i] += color.z[i] * k;
@@ -149,25 +149,25 @@ Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &di
 
 std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, const Vec3f &ambient) const {
     const Directed directed(options);
-    std::vector<Parts> all(blocks_.size());
+    std::vector<Parts> parts(blocks_.size());
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const Block &from = blocks_[block];
         for (const std::size_t i : kEachLane)
-            all[block].mainDirection.Set(
+            parts[block].mainDirection.Set(
                 i, Vec3f(Normalize(Vec3d{from.directionSumX[i], from.directionSumY[i], from.directionSumZ[i]})));
-        all[block].ambient.Fill(ambient);
-        all[block].directed.Fill({});
+        parts[block].ambient.Fill(ambient);
+        parts[block].directed.Fill({});
     }
     for (const LightRecord &record : lightRecords_)
-        Divide(record, directed, all[record.block]);
+        Divide(record, directed, parts[record.block]);
     for (const PointRecord &record : pointRecords_) {
-        Parts &light = all[record.block];
-        const float k = directed.Share(Dot(record.direction, light.mainDirection[record.lane]));
+        Parts &light = parts[record.block];
+        const float k = directed.Fraction(Dot(record.direction, light.mainDirection[record.lane]));
         light.directed.Set(record.lane, light.directed[record.lane] + record.color * k);
         light.ambient.Set(record.lane,
                           light.ambient[record.lane] + (record.color * (0.25f * (1 - k)) + record.ownAmbient));
     }
-    return all;
+    return parts;
 }
 
 /// The first of PlacePoint's steps that can succeed: boxes of smaller steps hold no open leaf.
@@ -248,8 +248,9 @@ std::vector<ReceiverBatch> PlaceBrick(const BspSpace &space, const GridLayout &l
 void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t block, std::size_t lane,
                    GridRecords &records, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
-        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
-        const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * share);
+        const float fraction =
+            FloodFraction(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
+        const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * fraction);
         records.Add(block, lane, {0, 0, 1}, flood * 0.75f, flood * 0.25f, Vec3d{0, 0, double(Length(flood * 0.75f))});
     }
 }
@@ -291,8 +292,8 @@ class GridBlocks {
     GridBlocks(const GridInputs &in, std::span<ReceiverBatch> blocks)
         : in_(in), blocks_(blocks), records_(blocks.size()), incident_(blocks.size()),
           sums_(in.options.cheapGrid ? blocks.size() : 0) {}
-    void Trace(const LightSettings &settings, std::span<const BrickLight> lights, GridStats &work) {
-        for (const BrickLight &one : lights) {
+    void Trace(const LightSettings &settings, std::span<const WeightedLight> lights, GridStats &work) {
+        for (const WeightedLight &one : lights) {
             LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, incident_, work.counts);
             for (std::size_t block = 0; block < blocks_.size(); ++block)
                 if (incident_[block].live.Any()) {
@@ -377,7 +378,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
                                  .sunOnly = in.options.sunOnly,
                                  .pointAreas = in.options.faster,
                                  .skip = in.options.skip};
-    const BrickCandidates all(lights);
+    const PassLights passLights(lights);
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
     const GridBricks bricks(layout);
     stats.points = layout.Count();
@@ -386,13 +387,13 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         if (blocks.empty())
             return;
         StartFaintResiduals(blocks, kFaintInBrick);
-        const BrickLights candidates(all, BrickView(blocks), {std::uint64_t(brick), kFaintInBrick}, in.options.skip,
-                                     work);
+        const LightsInReach lightsInReach(passLights, BrickView(blocks), {std::uint64_t(brick), kFaintInBrick},
+                                          in.options.skip, work);
         LightSettings pass = settings;
-        pass.faint = candidates.Many() ? kFaintInBrick : 0;
+        pass.faint = lightsInReach.HasManyFaint() ? kFaintInBrick : 0;
         for (std::size_t first = 0; first < blocks.size(); first += kBlocksTogether) {
             GridBlocks together(in, std::span(blocks).subspan(first, std::min(kBlocksTogether, blocks.size() - first)));
-            together.Trace(pass, candidates.List(), work);
+            together.Trace(pass, lightsInReach.List(), work);
             together.Store(grid);
         }
     });

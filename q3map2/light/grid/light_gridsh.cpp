@@ -9,12 +9,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 namespace q3 {
 
 // ---- The SH grid without negative lobes ----
+
+void DeringStats::Add(const DeringStats &o) {
+    points += o.points;
+    largestChange = std::max(largestChange, o.largestChange);
+}
 
 DeringStats DeringPoint(bspGridPointSH_t &point, bool radiance) {
     std::array<SHVector, 3> channels;
@@ -42,19 +48,14 @@ DeringStats DeringGridSH(LightGridSH &grid, bool radiance, const JobPool &jobs) 
     const std::size_t parts = (grid.points.size() + kPart - 1) / kPart;
     std::vector<DeringStats> work(parts);
     jobs.For(std::int64_t(parts), [&](std::int64_t part, int) {
-        DeringStats &mine = work[std::size_t(part)];
+        DeringStats &partStats = work[std::size_t(part)];
         const std::size_t first = std::size_t(part) * kPart, last = std::min(grid.points.size(), first + kPart);
-        for (std::size_t i = first; i < last; ++i) {
-            const DeringStats point = DeringPoint(grid.points[i], radiance);
-            mine.points += point.points;
-            mine.largestChange = std::max(mine.largestChange, point.largestChange);
-        }
+        for (std::size_t i = first; i < last; ++i)
+            partStats.Add(DeringPoint(grid.points[i], radiance));
     });
     DeringStats total;
-    for (const DeringStats &part : work) {
-        total.points += part.points;
-        total.largestChange = std::max(total.largestChange, part.largestChange);
-    }
+    for (const DeringStats &part : work)
+        total.Add(part);
     return total;
 }
 
@@ -63,7 +64,10 @@ DeringStats DeringGridSH(LightGridSH &grid, bool radiance, const JobPool &jobs) 
 namespace {
 
 /// Engines hold lump lengths in 32-bit integers.
-constexpr std::int64_t kMaxPointsSH = (0x7fffffffll - 40) / 108;
+constexpr std::int64_t kMaxPointsSH =
+    (std::numeric_limits<std::int32_t>::max() - std::int64_t(sizeof(bspGridSHHeader_t))) /
+    std::int64_t(sizeof(bspGridPointSH_t));
+static_assert(sizeof(bspGridSHHeader_t) == 40 && sizeof(bspGridPointSH_t) == 108);
 
 /// Pairs of a point and a light, or a ray of bounced light, from which on weak light is interpolated: fewer are traced
 /// in a fraction of a second, and exact.
@@ -101,9 +105,8 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
 
 GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights)
     : in_(in), layout_(layout), lightCount_(lights.size()), bricks_(layout), lit_(in, layout, bricks_),
-      integrator_(in, lights),
-      weak_(in.space, layout, lit_.States(),
-            DisplayedChange(in.options.shRadiance, 255 * (in.options.gridScale > 0 ? in.options.gridScale : 1))) {
+      integrator_(in, lights), weak_(in.space, layout, lit_.States(),
+                                     DisplayedChange(in.options.shRadiance, 255 * in.options.PositiveGridScale())) {
     lit_.FindOnEmitters(lights);
 }
 
@@ -113,17 +116,17 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
     grid.points.assign(std::size_t(layout_.Count()), bspGridPointSH_t{});
     stats.points = layout_.Count();
 
-    const VisibilityGroups sides = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
+    const VisibilityGroups groups = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
     usesWeak_ = in_.options.skip.smooth && HasMuchToTrace() &&
                 WeakFieldTracer(in_, layout_, lit_, integrator_).Fill(weak_, stats);
-    const SmoothLight light(integrator_, Weak());
-    GridFit fit(in_, layout_, lit_.States(), sides.isSplit);
+    const LightAtPositions light(integrator_, Weak());
+    GridFit fit(in_, layout_, lit_.States(), groups.isSplit);
     RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         const std::vector<BrickPoint> points = bricks_.Points(brick);
         TracePoints(points, brick, grid, work);
         fit.AddSamples(brick, fit.SampleCells(points, light, work));
     });
-    FillGridSH(in_, layout_, lit_.Displaced(), sides, lit_.States(), grid);
+    FillGridSH(in_, layout_, lit_.Displaced(), groups, lit_.States(), grid);
     fit.Solve(grid, in_.jobs);
     const auto &states = lit_.States();
     for (const PointState state : {PointState::Open, PointState::OnEmitter, PointState::Beside})

@@ -16,6 +16,8 @@ namespace q3 {
 struct DeringStats {
     std::int64_t points = 0;  ///< number of points changed
     double largestChange = 0; ///< of displayed light in 26 directions, in 255ths
+    /// Sums the points and takes the larger change.
+    void Add(const DeringStats &o);
 };
 
 /// Makes the smallest change to each channel that leaves no direction below zero; see RemoveNegativeLobes. Channels
@@ -42,7 +44,7 @@ class GridSHTracer {
     /// The SH light grid: points in the open are lit, points in solids next to the open filled and fitted, others zero.
     /// Call it once.
     LightGridSH TraceGridSH(GridStats &stats);
-    /// After TraceGridSH: weak light for SmoothLight; null if it is not smooth enough, if tracing all of it takes
+    /// After TraceGridSH: weak light for LightAtPositions; null if it is not smooth enough, if tracing all of it takes
     /// little, or with -noskipsmooth.
     const WeakField *Weak() const { return usesWeak_ ? &weak_ : nullptr; }
 

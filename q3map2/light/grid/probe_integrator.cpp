@@ -51,10 +51,11 @@ void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t 
               RayCounts &counts) {
     const Vec3f position = receivers.position[i];
     for (const float up : {1.0f, -1.0f}) {
-        const float share = FloodShare(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
-        const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * share / 255);
-        const double convolve0 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[0] / std::numbers::pi;
-        const double convolve1 = in.options.shRadiance ? 1 / std::numbers::pi : kCosineLobe[2] / std::numbers::pi;
+        const float fraction =
+            FloodFraction(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
+        const Vec3d light = Vec3d(in.world.floodColor) * (double(in.world.floodIntensity) * fraction / 255);
+        const double convolve0 = StoredFactor(0, in.options.shRadiance) / std::numbers::pi;
+        const double convolve1 = StoredFactor(2, in.options.shRadiance) / std::numbers::pi;
         for (std::size_t channel = 0; channel < 3; ++channel) {
             sum[channel][0][i] += light[channel] * convolve0 * kSHC0 * 2 * std::numbers::pi;
             sum[channel][2][i] += light[channel] * convolve1 * kSHC1 * std::numbers::pi * up;
@@ -71,7 +72,7 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
     for (const IndirectRay &ray : rays) {
         const SHVector basis = SHBasis(Vec3d(ray.direction));
         for (std::size_t k = 0; k < 9; ++k) {
-            const double weight = basis[k] * (in.options.shRadiance ? 1 : kCosineLobe[k]) / 255;
+            const double weight = basis[k] * StoredFactor(k, in.options.shRadiance) / 255;
             for (std::size_t channel = 0; channel < 3; ++channel)
                 sum[channel][k][i] += weight * double(ray.light[channel]);
         }
@@ -106,8 +107,7 @@ void StoreBlock(const GridInputs &in, const ChannelSums &sum, std::size_t count,
     for (std::size_t channel = 0; channel < 3; ++channel)
         StoreChannel(sum[channel],
                      {double(in.world.ambient[channel]) / 255 * uniform,
-                      double(in.world.minGrid[channel]) / 255 * uniform,
-                      in.options.gridScale > 0 ? in.options.gridScale : 1},
+                      double(in.world.minGrid[channel]) / 255 * uniform, in.options.PositiveGridScale()},
                      stored[channel]);
     for (std::size_t i = 0; i < count; ++i) {
         bspGridPointSH_t &point = values.emplace_back();
@@ -119,12 +119,13 @@ void StoreBlock(const GridInputs &in, const ChannelSums &sum, std::size_t count,
 } // namespace
 
 ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> &lights)
-    : in_(in), lighting_(in, lights, in.options.shRadiance, in.options.skip.smooth) {}
+    : in_(in), lighting_(in, lights, in.options.shRadiance ? SHQuantity::Radiance : SHQuantity::Irradiance,
+                         in.options.skip.smooth ? LightSplit::WeakAndStrong : LightSplit::None) {}
 
 std::vector<ChannelSums> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
                                                GridStats &work) const {
     std::vector<ChannelSums> sums(blocks.size());
-    const auto add = [&](const BrickLight &one, const std::vector<ProbeIncidentLight> &incident) {
+    const auto add = [&](const WeightedLight &one, const std::vector<ProbeIncidentLight> &incident) {
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
             if (incident[block].live.Any())

@@ -89,7 +89,7 @@ class ProbeIntegrator {
     }
 
     const GridInputs &in_;
-    BrickLighting lighting_;
+    IncidentLightTracer lighting_;
 };
 
 } // namespace q3

@@ -18,7 +18,7 @@ namespace {
 /// Predictions with a larger expected error are not used. Byte scale.
 constexpr float kTolerance = 1.5f;
 /// Limit of errors for Interpolate and OffsetAt. What they give enters fits, where errors of samples average out: a
-/// lower limit costs rays and hardly gains accuracy; without one, some lamps are missed. Byte scale.
+/// lower limit costs rays and hardly gains accuracy; without one, some lights are missed. Byte scale.
 constexpr float kMaxInterpolationError = 8;
 /// Errors of predictions fall by this factor from level to level: distances fall by sqrt(2), and the error of a mean of
 /// two points is in proportion to the square of their distance.
@@ -272,7 +272,7 @@ constexpr int kFirstFine = 4;
 /// By level: log2 of the distance of its points in columns, about.
 constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 2, 1, 0};
 
-/// If less than a share of kMinPredicted of the points of kTestedLevel is predicted well, light is not split: to trace
+/// If less than a fraction kMinPredicted of the points of kTestedLevel is predicted well, light is not split: to trace
 /// weak and strong light apart takes longer than both at once.
 constexpr int kTestedLevel = 3;
 constexpr double kMinPredicted = 0.3;
@@ -359,34 +359,42 @@ void WeakFieldTracer::TraceBrick(int level, std::int64_t brick, const std::vecto
 
 namespace {
 
-void AddProbe(const ProbeReceiver &one, std::vector<ReceiverBatch> &blocks) {
-    BatchWithRoom(blocks).Add(one.position, one.position, one.cluster, one.seed);
+void AddProbe(const ProbeReceiver &receiver, std::vector<ReceiverBatch> &blocks) {
+    BatchWithRoom(blocks).Add(receiver.position, receiver.position, receiver.cluster, receiver.seed);
+}
+
+/// The values of receivers in their order. trace(blocks, store): calls store(number, value) for each of them.
+template <typename Trace>
+std::vector<bspGridPointSH_t> TracedValues(std::span<const ProbeReceiver> receivers, const Trace &trace) {
+    std::vector<ReceiverBatch> blocks;
+    for (const ProbeReceiver &receiver : receivers)
+        AddProbe(receiver, blocks);
+    std::vector<bspGridPointSH_t> values(receivers.size());
+    if (!blocks.empty())
+        trace(blocks, [&](std::size_t i, const bspGridPointSH_t &value) { values[i] = value; });
+    return values;
 }
 
 } // namespace
 
-std::vector<bspGridPointSH_t> SmoothLight::At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                                              GridStats &work) const {
+std::vector<bspGridPointSH_t> LightAtPositions::At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                                   GridStats &work) const {
     if (weak_) {
         std::vector<std::optional<WeakLight>> weak;
         for (const ProbeReceiver &one : receivers) {
             weak.push_back(weak_->Interpolate(one.position, {}));
             work.skippedSmooth += weak.back() ? 1 : 0;
         }
-        AddWeak(receivers, seed, weak, work);
-        return AddStrong(receivers, seed, weak, work);
+        TraceMissingWeak(receivers, seed, weak, work);
+        return TraceStrongAndSum(receivers, seed, weak, work);
     }
-    std::vector<ReceiverBatch> blocks;
-    for (const ProbeReceiver &one : receivers)
-        AddProbe(one, blocks);
-    std::vector<bspGridPointSH_t> values(receivers.size());
-    if (!blocks.empty())
-        integrator_.Trace(blocks, seed, work, [&](std::size_t i, const bspGridPointSH_t &value) { values[i] = value; });
-    return values;
+    return TracedValues(receivers, [&](std::vector<ReceiverBatch> &blocks, const auto &store) {
+        integrator_.Trace(blocks, seed, work, store);
+    });
 }
 
-void SmoothLight::AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                          std::span<std::optional<WeakLight>> weak, GridStats &work) const {
+void LightAtPositions::TraceMissingWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                        std::span<std::optional<WeakLight>> weak, GridStats &work) const {
     std::vector<ReceiverBatch> blocks;
     std::vector<std::size_t> numbers;
     for (std::size_t i = 0; i < receivers.size(); ++i)
@@ -397,18 +405,14 @@ void SmoothLight::AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_
                               [&](std::size_t i, const WeakLight &light) { weak[numbers[i]] = light; });
 }
 
-std::vector<bspGridPointSH_t> SmoothLight::AddStrong(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                                                     std::span<const std::optional<WeakLight>> weak,
-                                                     GridStats &work) const {
-    std::vector<ReceiverBatch> blocks;
-    for (const ProbeReceiver &one : receivers)
-        AddProbe(one, blocks);
-    std::vector<bspGridPointSH_t> values(receivers.size());
-    if (!blocks.empty())
-        integrator_.TraceStrong(
-            blocks, seed, work, [&](std::size_t i) -> const WeakLight & { return *weak[i]; },
-            [&](std::size_t i, const bspGridPointSH_t &value) { values[i] = value; });
-    return values;
+std::vector<bspGridPointSH_t> LightAtPositions::TraceStrongAndSum(std::span<const ProbeReceiver> receivers,
+                                                                  std::uint64_t seed,
+                                                                  std::span<const std::optional<WeakLight>> weak,
+                                                                  GridStats &work) const {
+    const auto weakOf = [&](std::size_t i) -> const WeakLight & { return *weak[i]; };
+    return TracedValues(receivers, [&](std::vector<ReceiverBatch> &blocks, const auto &store) {
+        integrator_.TraceStrong(blocks, seed, work, weakOf, store);
+    });
 }
 
 } // namespace q3

@@ -14,7 +14,7 @@
 
 namespace q3 {
 
-/// Sum of the weak shares of all lights (see LightPart), of bounced light and of floodlight at a point: SH coefficients
+/// Sum of the weak parts of all lights (see LightPart), of bounced light and of floodlight at a point: SH coefficients
 /// before ambient light, minimum light and grid scale are applied. 1 = byte 255.
 using WeakLight = bspGridPointSH_t;
 
@@ -135,21 +135,23 @@ struct ProbeReceiver {
 
 /// Computes light at positions: strong light is traced, weak light interpolated in a WeakField, or traced where that
 /// has none. Const after construction; safe from several threads. Keeps references.
-class SmoothLight {
+class LightAtPositions {
   public:
     /// weak: of a grid around the positions, complete; null: all light is traced.
-    SmoothLight(const ProbeIntegrator &integrator, const WeakField *weak) : integrator_(integrator), weak_(weak) {}
+    LightAtPositions(const ProbeIntegrator &integrator, const WeakField *weak) : integrator_(integrator), weak_(weak) {}
 
     /// Light at receivers that are near to each other, as in a brick. seed: see ProbeIntegrator::Trace.
     std::vector<bspGridPointSH_t> At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
                                      GridStats &work) const;
     /// The two steps of At, for callers that know some of the weak light. The first traces the weak light of receivers
     /// for which `weak` has nothing. Only with weak light.
-    void AddWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed, std::span<std::optional<WeakLight>> weak,
-                 GridStats &work) const;
-    /// The second traces the strong light and adds the weak light, which must be there for all receivers.
-    std::vector<bspGridPointSH_t> AddStrong(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                                            std::span<const std::optional<WeakLight>> weak, GridStats &work) const;
+    void TraceMissingWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                          std::span<std::optional<WeakLight>> weak, GridStats &work) const;
+    /// The second returns the light: the strong light, which it traces, plus `weak`, which must be set for all
+    /// receivers.
+    std::vector<bspGridPointSH_t> TraceStrongAndSum(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
+                                                    std::span<const std::optional<WeakLight>> weak,
+                                                    GridStats &work) const;
     const WeakField *Weak() const { return weak_; }
 
   private:

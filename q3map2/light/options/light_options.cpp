@@ -426,12 +426,14 @@ Group Tone() {
 }
 
 Group ColorSpaces() {
-    const auto sRgb = [](bool light, bool color, bool texture, bool on) {
-        return Do<LightOptions>([=](LightOptions &o, const Values &) {
-            o.tone.sRgb = light ? on : o.tone.sRgb;
-            o.shader.sRgbColor = color ? on : o.shader.sRgbColor;
-            o.sRgbTexture = texture ? on : o.sRgbTexture;
-        });
+    enum class Transfer { SRgb, Linear };
+    using Apply = void (*)(LightOptions &, bool sRgb);
+    constexpr Apply kStoredLight = [](LightOptions &o, bool sRgb) { o.tone.sRgb = sRgb; };
+    constexpr Apply kGivenColors = [](LightOptions &o, bool sRgb) { o.shader.sRgbColor = sRgb; };
+    constexpr Apply kTextures = [](LightOptions &o, bool sRgb) { o.sRgbTexture = sRgb; };
+    constexpr Apply kAll = [](LightOptions &o, bool sRgb) { o.tone.sRgb = o.shader.sRgbColor = o.sRgbTexture = sRgb; };
+    const auto encode = [](Apply apply, Transfer transfer) {
+        return Do<LightOptions>([=](LightOptions &o, const Values &) { apply(o, transfer == Transfer::SRgb); });
     };
     return {
         "Color spaces",
@@ -440,21 +442,21 @@ Group ColorSpaces() {
            .initial = "by game, usually off",
            .help = "Store light in sRGB",
            .details = "The falloff tolerance becomes 0.077."},
-          sRgb(true, false, false, true)},
-         {{.name = "-nosRGBlight", .help = "Store light linearly"}, sRgb(true, false, false, false)},
+          encode(kStoredLight, Transfer::SRgb)},
+         {{.name = "-nosRGBlight", .help = "Store light linearly"}, encode(kStoredLight, Transfer::Linear)},
          {{.name = "-sRGBcolor",
            .initial = "by game, usually off",
            .help = "Colors of entities, suns and q3map_lightRGB are sRGB",
            .details = "Concerns both grids too."},
-          sRgb(false, true, false, true)},
-         {{.name = "-nosRGBcolor", .help = "These colors are linear"}, sRgb(false, true, false, false)},
+          encode(kGivenColors, Transfer::SRgb)},
+         {{.name = "-nosRGBcolor", .help = "These colors are linear"}, encode(kGivenColors, Transfer::Linear)},
          {{.name = "-sRGBtex",
            .initial = "by game, usually off",
            .help = "Colors of images are sRGB where they tint bounced light"},
-          sRgb(false, false, true, true)},
-         {{.name = "-nosRGBtex", .help = "These colors are linear"}, sRgb(false, false, true, false)},
-         {{.name = "-sRGB", .help = "-sRGBlight, -sRGBcolor and -sRGBtex"}, sRgb(true, true, true, true)},
-         {{.name = "-nosRGB", .help = "-nosRGBlight, -nosRGBcolor and -nosRGBtex"}, sRgb(true, true, true, false)}}};
+          encode(kTextures, Transfer::SRgb)},
+         {{.name = "-nosRGBtex", .help = "These colors are linear"}, encode(kTextures, Transfer::Linear)},
+         {{.name = "-sRGB", .help = "-sRGBlight, -sRGBcolor and -sRGBtex"}, encode(kAll, Transfer::SRgb)},
+         {{.name = "-nosRGB", .help = "-nosRGBlight, -nosRGBcolor and -nosRGBtex"}, encode(kAll, Transfer::Linear)}}};
 }
 
 Group Speed() {

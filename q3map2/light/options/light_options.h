@@ -78,6 +78,8 @@ struct LightOptions {
     // Intensities: the product of the option's factors and the default.
     float pointScale = 7500, spotScale = 7500, areaScale = 0.25f, skyScale = 1;
     float gridScale = 1, gridAmbientScale = 1;
+    /// Factor of the light in the SH grid and ambient cubes: gridScale if that is positive, else 1.
+    float PositiveGridScale() const { return gridScale > 0 ? gridScale : 1; }
     float gridDirectionality = 1, gridAmbientDirectionality = 0;
     float extraDist = 0;
     std::vector<std::string> texLightFiles{}; ///< -lights

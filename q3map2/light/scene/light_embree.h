@@ -8,6 +8,7 @@
 #endif
 
 #include "q3map2/light/batch/lanes.h"
+#include "q3map2/light/batch/ray_packet.h"
 
 #include <algorithm>
 #include <iterator>
@@ -36,12 +37,11 @@ using EmbreeContext = RTCRayQueryContext;
 inline void InitContext(EmbreeContext &context) {
     rtcInitRayQueryContext(&context);
 }
-/// coherent: the rays of a packet are close to each other.
 inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays,
-                        bool coherent = true) {
+                        RayCoherence coherence) {
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
-    arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    arguments.flags = coherence == RayCoherence::Coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
     arguments.context = &context;
     rtcIntersect16(valid, scene, &rays, &arguments);
 }
@@ -59,8 +59,9 @@ inline void InitContext(EmbreeContext &context) {
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
 }
 inline void Intersect16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRayHit16 &rays,
-                        bool coherent = true) {
-    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+                        RayCoherence coherence) {
+    context.flags = coherence == RayCoherence::Coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                        : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     rtcIntersect16(valid, scene, &context, &rays);
 }
 inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context, RTCRay16 &rays) {
@@ -98,5 +99,11 @@ inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &
     std::fill(std::begin(rays.flags), std::end(rays.flags), 0u);
     std::iota(std::begin(rays.id), std::end(rays.id), 0u);
 }
+
+/// Nearest hit of every live ray beyond its `nearest`; hit.geomID is RTC_INVALID_GEOMETRY_ID for rays that miss.
+void FindNearest(RTCScene scene, const RayPacket &packet, const Lanes &nearest, RTCRayHit16 &hits,
+                 RayCoherence coherence = RayCoherence::Coherent);
+void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits,
+                 RayCoherence coherence = RayCoherence::Coherent);
 
 } // namespace q3

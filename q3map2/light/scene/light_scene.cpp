@@ -239,21 +239,6 @@ void ClipToSky(const SkyHits &hits, int skyIndex, RayPacket &packet) {
     packet.distance = hits.distance;
 }
 
-/// Nearest hit of every live ray beyond its `nearest`.
-Q3_VECTOR void FindNearest(RTCScene scene, const RayPacket &packet, const Lanes &nearest, RTCRayHit16 &hits) {
-    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits.ray);
-    std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-    EmbreeContext context;
-    InitContext(context);
-    Intersect16(packet.live.data(), scene, context, hits);
-}
-
-void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits) {
-    Lanes all;
-    all.fill(nearest);
-    FindNearest(scene, packet, all, hits);
-}
-
 } // namespace
 
 SurfaceTable LightScene::State::WithProps(SurfaceTable table, const PropShadows &props) {
@@ -276,8 +261,8 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     : state_(std::make_unique<State>(bsp, table, options, legacyIgnoreRadius, props)) {
     State &s = *state_;
     s.main.triangles = ShadowCasters(bsp, table, options);
-    AddProps(props, int(table.size()), 1, kProps, true, s.main.triangles);
-    AddProps(props, int(table.size()), 1, kLegacySurfaces, false, s.main.triangles);
+    AddProps(props, int(table.size()), 1, kProps, SeeThroughProps::Add, s.main.triangles);
+    AddProps(props, int(table.size()), 1, kLegacySurfaces, SeeThroughProps::LeaveOut, s.main.triangles);
     for (const int surface : s.main.triangles[kSkies].surface)
         s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
     s.skyFaces.emplace(s.main.triangles[kSkies], s.skyIndexes);
@@ -312,7 +297,7 @@ void LightScene::State::MakeBlockers() {
     Once(blockersMade, [&] {
         solidHull = MakeScene({kSolids});
         AddBlockers(bsp, table, options, main.triangles);
-        AddProps(props, int(bsp.drawSurfaces.size()), 1, kBlockerSurfaces, false, main.triangles);
+        AddProps(props, int(bsp.drawSurfaces.size()), 1, kBlockerSurfaces, SeeThroughProps::LeaveOut, main.triangles);
         MakeGeometry(kBlockerSolids, main);
         MakeGeometry(kBlockerSurfaces, main);
         blockerSolids = MakeScene({kBlockerSolids});
@@ -368,7 +353,8 @@ void LightScene::State::MakeGroup(int receiveShadows) {
     auto group = std::make_unique<Group>();
     group->receiveShadows = receiveShadows;
     AddSurfaces(bsp, table, options, receiveShadows, group->casters.triangles);
-    AddProps(props, int(bsp.drawSurfaces.size()), receiveShadows, kProps, true, group->casters.triangles);
+    AddProps(props, int(bsp.drawSurfaces.size()), receiveShadows, kProps, SeeThroughProps::Add,
+             group->casters.triangles);
     MakeGeometries(group->casters);
     if (const RTCGeometry shared = main.geometries[kSolids].get()) {
         rtcRetainGeometry(shared);

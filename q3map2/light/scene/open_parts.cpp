@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-// ---- Which parts of a polygon, and how much of a way, lie in the open ----
+// ---- Which parts of a polygon, and how much of a segment, lie in the open ----
 
 namespace {
 
@@ -17,10 +17,11 @@ constexpr double kCutMargin = 0.05; ///< corners this near to a plane count as o
 /// Pieces that were cut this often are not cut again, but go to the side of a plane on which their center is. Trees of
 /// real maps need far fewer cuts.
 constexpr int kMostCuts = 256;
-/// A way that is blocked is tried again this far aside: rounding may put one along a face into the solid. Game units.
+/// A segment that is blocked is tried again this far aside: rounding may put one along a face into the solid. Game
+/// units.
 constexpr float kAside = 0.2f;
-/// Parts of a way shorter than this are not in a leaf. Game units.
-constexpr float kShortestWay = 0.01f;
+/// Parts of a segment shorter than this are not in a leaf. Game units.
+constexpr float kShortestSegment = 0.01f;
 
 struct BrushPlane {
     Vec3d normal;
@@ -146,13 +147,13 @@ void PartFinder::CutByBrush(const Winding<double> &w, const bspBrush_t &brush, P
     inside.push_back(std::move(rest));
 }
 
-/// Walks the tree along the straight way from a to b. Places on the way are fractions of its length.
+/// Walks the tree along the straight segment from a to b. Places on the segment are fractions of its length.
 class FirstSolidFinder {
   public:
     FirstSolidFinder(const Vec3f &a, const Vec3f &b, const BspSpace &space)
-        : space_(space), bsp_(space.Map()), a_(a), b_(b), shortest_(kShortestWay / std::max(Length(b - a), 1.0f)) {}
+        : space_(space), bsp_(space.Map()), a_(a), b_(b), shortest_(kShortestSegment / std::max(Length(b - a), 1.0f)) {}
 
-    float FreeShare() const {
+    float FreeFraction() const {
         struct Part {
             BspChild child;
             float from, to;
@@ -181,7 +182,7 @@ class FirstSolidFinder {
     }
 
   private:
-    Vec3f At(float share) const { return a_ + (b_ - a_) * share; }
+    Vec3f At(float fraction) const { return a_ + (b_ - a_) * fraction; }
     /// Where the part between `from` and `to`, which is in the leaf, meets a solid; `to` if it does not.
     float FirstSolid(std::size_t leaf, float from, float to) const {
         if (to - from < shortest_)
@@ -213,7 +214,7 @@ class FirstSolidFinder {
     const BspSpace &space_;
     const Bsp &bsp_;
     Vec3f a_, b_;
-    float shortest_; ///< kShortestWay as a fraction of the way
+    float shortest_; ///< kShortestSegment as a fraction of the segment
 };
 
 } // namespace
@@ -222,49 +223,49 @@ PolygonParts PartsOf(const Winding<float> &w, const BspSpace &space) {
     return PartFinder(space).Find(w);
 }
 
-float FreeShare(const Vec3f &a, const Vec3f &b, const BspSpace &space) {
-    float share = FirstSolidFinder(a, b, space).FreeShare();
+float FreeFraction(const Vec3f &a, const Vec3f &b, const BspSpace &space) {
+    float fraction = FirstSolidFinder(a, b, space).FreeFraction();
     const Vec3f along = b - a;
-    if (share >= 1 || along == Vec3f{})
-        return share;
+    if (fraction >= 1 || along == Vec3f{})
+        return fraction;
     const Vec3f axis = std::abs(along.z) * 2 > Length(along) ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
     const Vec3f right = Normalize(Cross(along, axis)) * kAside, up = Normalize(Cross(along, right)) * kAside;
     for (const Vec3f &aside : {right, -right, up, -up})
-        share = std::max(share, FirstSolidFinder(a + aside, b + aside, space).FreeShare());
-    return share;
+        fraction = std::max(fraction, FirstSolidFinder(a + aside, b + aside, space).FreeFraction());
+    return fraction;
 }
 
-// ---- What solids are on the straight way between two points ----
+// ---- What solids are on the straight segment between two points ----
 
 namespace {
 
-/// Solids with less than this between them count as one: two adjoining brushes, both shrunk by kWayTouch, have twice
-/// that between them, and more along an oblique segment. Game units.
-constexpr float kLeastGap = 4 * kWayTouch;
+/// Solids with less than this between them count as one: two adjoining brushes, both shrunk by kIgnoredSolid, have
+/// twice that between them, and more along an oblique segment. Game units.
+constexpr float kLeastGap = 4 * kIgnoredSolid;
 
-/// Where a part of a way begins and ends, as fractions of its length.
+/// Where a part of a segment begins and ends, as fractions of its length.
 using Span = std::array<float, 2>;
 
-/// Collects the solid parts of a way, leaf by leaf.
-class WayWalk {
+/// Collects the solid parts of a segment, leaf by leaf.
+class SegmentWalk {
   public:
-    WayWalk(const BspSpace &space, const Vec3f &a, const Vec3f &b)
+    SegmentWalk(const BspSpace &space, const Vec3f &a, const Vec3f &b)
         : space_(space), bsp_(space.Map()), a_(a), b_(b), along_(b - a) {}
 
-    Way Run() {
+    SegmentState Run() {
         Walk();
         if (solids_.empty())
-            return Way::Open;
+            return SegmentState::Open;
         std::sort(solids_.begin(), solids_.end());
         const float slack = kLeastGap / std::max(kLeastGap, Length(along_));
-        float left = 0; // where the way leaves the solid that it starts in
+        float left = 0; // where the segment leaves the solid that it starts in
         for (const auto &[from, to] : solids_) {
             if (from > left + slack)
-                return Way::Blocked;
+                return SegmentState::Blocked;
             left = std::max(left, to);
         }
-        // Points on the face of a solid are in the open: a way from there through the solid is blocked.
-        return IsSolid(a_) && !IsSolid(b_) ? Way::LeavesSolid : Way::Blocked;
+        // Points on the face of a solid are in the open: a segment from there through the solid is blocked.
+        return IsSolid(a_) && !IsSolid(b_) ? SegmentState::LeavesSolid : SegmentState::Blocked;
     }
 
   private:
@@ -273,10 +274,10 @@ class WayWalk {
         Span span;
     };
 
-    bool IsSolid(const Vec3f &p) const { return space_.ClusterAt(p, -kWayTouch) == kSolidCluster; }
+    bool IsSolid(const Vec3f &p) const { return space_.ClusterAt(p, -kIgnoredSolid) == kSolidCluster; }
     bool IsSolidInTheMiddle(const Span &span) const { return IsSolid(a_ + along_ * ((span[0] + span[1]) * 0.5f)); }
 
-    /// Visits the leafs that the way passes, in any order.
+    /// Visits the leafs that the segment passes, in any order.
     void Walk() {
         std::vector<Part> more; // overflow of `pending`
         std::array<Part, 32> pending;
@@ -312,10 +313,10 @@ class WayWalk {
         }
     }
 
-    /// span: the part of the way in leaf `number`.
+    /// span: the part of the segment in leaf `number`.
     void AddSolids(std::size_t number, const Span &span) {
         if (bsp_.leafs[number].cluster < 0) {
-            if ((span[1] - span[0]) * Length(along_) > kWayTouch && IsSolidInTheMiddle(span))
+            if ((span[1] - span[0]) * Length(along_) > kIgnoredSolid && IsSolidInTheMiddle(span))
                 solids_.push_back(span);
             return;
         }
@@ -326,14 +327,14 @@ class WayWalk {
                 solids_.push_back(inside);
     }
 
-    /// The part of the way in a brush shrunk by kWayTouch.
+    /// The part of the segment in a brush shrunk by kIgnoredSolid.
     Span SpanIn(const bspBrush_t &brush) const {
         Span inside{0, brush.numSides > 0 ? 1.0f : 0.0f};
         for (int s = 0; s < brush.numSides && inside[0] < inside[1]; ++s) {
             const bspPlane_t &plane =
                 bsp_.planes[std::size_t(bsp_.brushSides[std::size_t(brush.firstSide + s)].planeNum)];
             const Vec3f n(plane.normal);
-            const float from = Dot(n, a_) - plane.dist + kWayTouch, to = Dot(n, b_) - plane.dist + kWayTouch;
+            const float from = Dot(n, a_) - plane.dist + kIgnoredSolid, to = Dot(n, b_) - plane.dist + kIgnoredSolid;
             if (from > 0 && to > 0)
                 return {1, 0};
             if (from > 0)
@@ -352,8 +353,8 @@ class WayWalk {
 
 } // namespace
 
-Way WayBetween(const BspSpace &space, const Vec3f &a, const Vec3f &b) {
-    return WayWalk(space, a, b).Run();
+SegmentState StateOfSegment(const BspSpace &space, const Vec3f &a, const Vec3f &b) {
+    return SegmentWalk(space, a, b).Run();
 }
 
 } // namespace q3

@@ -97,23 +97,23 @@ struct PolygonParts {
 /// Cuts no more than needed: a polygon without covered part stays whole.
 PolygonParts PartsOf(const Winding<float> &w, const BspSpace &space);
 
-/// Fraction of the straight way from a to b that lies before the first solid leaf or opaque brush: 1 if it meets none,
-/// 0 if a is in one. A way along the face of a solid is open.
-float FreeShare(const Vec3f &a, const Vec3f &b, const BspSpace &space);
+/// Fraction of the straight segment from a to b that lies before the first solid leaf or opaque brush: 1 if it meets
+/// none, 0 if a is in one. A segment along the face of a solid is open.
+float FreeFraction(const Vec3f &a, const Vec3f &b, const BspSpace &space);
 
-// ---- What solids are on the straight way between two points ----
+// ---- What solids are on the straight segment between two points ----
 
-enum class Way {
+enum class SegmentState {
     Open,        ///< no solid
     LeavesSolid, ///< it starts in a solid, leaves it, and passes no other
     Blocked      ///< it passes a solid, or ends in one
 };
 
-/// Less than this of a solid on a way does not count. Game units.
-inline constexpr float kWayTouch = 0.125f;
+/// Less than this of a solid on a segment does not count. Game units.
+inline constexpr float kIgnoredSolid = 0.125f;
 
-/// What is on the way from a to b: solid leafs, and opaque brushes shrunk by kWayTouch. A way in the plane of a face is
-/// outside the solid.
-Way WayBetween(const BspSpace &space, const Vec3f &a, const Vec3f &b);
+/// What is on the segment from a to b: solid leafs, and opaque brushes shrunk by kIgnoredSolid. A segment in the plane
+/// of a face is outside the solid.
+SegmentState StateOfSegment(const BspSpace &space, const Vec3f &a, const Vec3f &b);
 
 } // namespace q3

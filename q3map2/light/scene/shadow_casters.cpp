@@ -262,25 +262,26 @@ void AddFaces(const std::vector<Winding<double>> &faces, Triangles &triangles) {
 /// kLegacySurfaces to those that kLegacySolids do not cover.
 void RemoveCovered(const Bsp &bsp, const std::vector<bool> &solidLeafs, const std::vector<bool> &legacySolidLeafs,
                    TrianglesByKind &triangles) {
-    const Triangles all = std::exchange(triangles[kSurfaces], {});
+    const Triangles opaque = std::exchange(triangles[kSurfaces], {});
     TreeWalk<double> tree(bsp);
-    for (std::size_t i = 0; i < all.Count(); ++i) {
+    for (std::size_t i = 0; i < opaque.Count(); ++i) {
         bool legacy = false;
-        const bool covered = SolidBehind(tree, all.Corners(i), solidLeafs, legacySolidLeafs, legacy);
+        const bool covered = SolidBehind(tree, opaque.Corners(i), solidLeafs, legacySolidLeafs, legacy);
         if (!covered)
-            triangles[kSurfaces].Copy(all, i);
+            triangles[kSurfaces].Copy(opaque, i);
         if (!covered || !legacy)
-            triangles[kLegacySurfaces].Copy(all, i);
+            triangles[kLegacySurfaces].Copy(opaque, i);
     }
 }
 
 } // namespace
 
-void AddProps(const PropShadows &props, int firstSurface, int receiveShadows, GeometryId opaque, bool withFilters,
-              TrianglesByKind &triangles) {
+void AddProps(const PropShadows &props, int firstSurface, int receiveShadows, GeometryId opaque,
+              SeeThroughProps seeThrough, TrianglesByKind &triangles) {
     for (std::size_t i = 0; i < props.casters.size(); ++i) {
         const PropCaster &caster = props.casters[i];
-        if (!Shadows(caster.castShadows, receiveShadows) || (caster.seeThrough && !withFilters))
+        if (!Shadows(caster.castShadows, receiveShadows) ||
+            (caster.seeThrough && seeThrough == SeeThroughProps::LeaveOut))
             continue;
         Triangles &to = triangles[caster.seeThrough ? kFilters : opaque];
         for (std::size_t t = 0; t < caster.corners.size(); ++t) {
@@ -309,15 +310,15 @@ TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const L
 }
 
 void AddBlockers(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, TrianglesByKind &triangles) {
-    TrianglesByKind all;
-    AddSurfaces(bsp, table, options, 1, all);
-    const std::vector<bool> solidLeafs = LegacySolidLeafs(bsp, all, kBlockerEpsilon);
+    TrianglesByKind unsorted;
+    AddSurfaces(bsp, table, options, 1, unsorted);
+    const std::vector<bool> solidLeafs = LegacySolidLeafs(bsp, unsorted, kBlockerEpsilon);
     AddSolids(bsp, solidLeafs, triangles[kBlockerSolids]);
     TreeWalk<double> tree(bsp);
     bool same = true;
-    for (std::size_t i = 0; i < all[kSurfaces].Count(); ++i)
-        if (!SolidBehind(tree, all[kSurfaces].Corners(i), solidLeafs, solidLeafs, same))
-            triangles[kBlockerSurfaces].Copy(all[kSurfaces], i);
+    for (std::size_t i = 0; i < unsorted[kSurfaces].Count(); ++i)
+        if (!SolidBehind(tree, unsorted[kSurfaces].Corners(i), solidLeafs, solidLeafs, same))
+            triangles[kBlockerSurfaces].Copy(unsorted[kSurfaces], i);
 }
 
 std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon) {

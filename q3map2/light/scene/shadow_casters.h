@@ -103,10 +103,12 @@ TrianglesByKind ShadowCasters(const Bsp &bsp, const SurfaceTable &table, const L
 /// Adds the surfaces that shadow receivers of that group; opaque ones to kSurfaces, also where a solid covers them.
 void AddSurfaces(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, int receiveShadows,
                  TrianglesByKind &triangles);
-/// Adds the static props that shadow receivers of that group, opaque ones to `opaque`; see-through ones, if
-/// `withFilters`, to kFilters. firstSurface: number of draw surfaces.
-void AddProps(const PropShadows &props, int firstSurface, int receiveShadows, GeometryId opaque, bool withFilters,
-              TrianglesByKind &triangles);
+/// Whether AddProps adds see-through props.
+enum class SeeThroughProps { LeaveOut, Add };
+/// Adds the static props that shadow receivers of that group, opaque ones to `opaque`; see-through ones
+/// to kFilters, or nowhere. firstSurface: number of draw surfaces.
+void AddProps(const PropShadows &props, int firstSurface, int receiveShadows, GeometryId opaque,
+              SeeThroughProps seeThrough, TrianglesByKind &triangles);
 /// Adds the hull of solid leafs.
 void AddSolids(const Bsp &bsp, std::vector<bool> solidLeafs, Triangles &triangles);
 /// Sets kBlockerSolids and kBlockerSurfaces.

@@ -207,10 +207,10 @@ Vec3f DerivedAxis(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderI
     }
     constexpr std::array<Vec3f, 6> kAxes{{{0, 0, -1}, {0, 0, 1}, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}}};
     for (const Vec3f &axis : kAxes) {
-        bool all = true;
-        for (int i = 0; i < surface.numVerts && all; ++i)
-            all = Dot(normalOf(i), axis) >= kAxisCone;
-        if (all)
+        bool withinCone = true;
+        for (int i = 0; i < surface.numVerts && withinCone; ++i)
+            withinCone = Dot(normalOf(i), axis) >= kAxisCone;
+        if (withinCone)
             return axis;
     }
     return {};
@@ -290,14 +290,14 @@ NormalImage NormalsOf(const ShaderInfo &shader, ShaderLibrary &library, Log &log
 /// The macro texture of a shader; null: none. A missing one is a warning.
 std::shared_ptr<const Image> MacroImageOf(const ShaderInfo &shader, const std::string &otherwise,
                                           ShaderLibrary &library, Log &log) {
-    const std::string &own = shader.lightmap.macroImage;
-    if (EqualNoCase(own, "none") || (own.empty() && otherwise.empty()))
+    const std::string &shaderImage = shader.lightmap.macroImage;
+    if (EqualNoCase(shaderImage, "none") || (shaderImage.empty() && otherwise.empty()))
         return nullptr;
-    auto image = library.LoadImage(own.empty() ? otherwise : own);
-    if (!image && own.empty())
+    auto image = library.LoadImage(shaderImage.empty() ? otherwise : shaderImage);
+    if (!image && shaderImage.empty())
         throw Error("macro texture {}: no such image among the game's files", otherwise);
     if (!image)
-        log.Warn("macro texture", "{}: q3map_macroTexture {}: no such image", shader.name, own);
+        log.Warn("macro texture", "{}: q3map_macroTexture {}: no such image", shader.name, shaderImage);
     return image;
 }
 

@@ -105,14 +105,14 @@ class Falloff {
     float perEnd4_, perFade_;
 };
 
-/// Share of a spotlight that its cone lets through toward a point; `toLight`: from there to the light, game units.
+/// Fraction of a spotlight that its cone lets through toward a point; `toLight`: from there to the light, game units.
 ///
 /// A cone by radius, with h the distance along the axis, r = h radiusByDist the radius of the cone there and s the
 /// distance from the axis: 1 for s < r - 32, (r - s) / 32 up to the rim, 0 beyond.
 ///
 /// A cone by angles, with c the cosine to the axis: c (min(1, (c - outer) / (inner - outer)))^exponent, 0 for c <=
 /// outer.
-inline float ConeShare(const Light &light, const Vec3f &toLight) {
+inline float ConeFraction(const Light &light, const Vec3f &toLight) {
     const float along = -Dot(toLight, light.normal);
     if (along < 0)
         return 0;
@@ -135,8 +135,9 @@ inline float ConeShare(const Light &light, const Vec3f &toLight) {
 inline bool ConeMisses(const Light &light, const Vec3f &center, float radius) {
     if (!light.cone.byAngles)
         return false;
-    const Vec3f way = center - light.origin;
-    const float along = Dot(way, light.normal), off = Length(way - light.normal * along), cosine = light.cone.cosOuter;
+    const Vec3f offset = center - light.origin;
+    const float along = Dot(offset, light.normal), off = Length(offset - light.normal * along),
+                cosine = light.cone.cosOuter;
     return off * cosine - along * std::sqrt(1 - cosine * cosine) > radius + kConeSlack;
 }
 

@@ -16,8 +16,8 @@ namespace {
 /// Lights this near to a solid count as in it. Game units.
 constexpr float kLightMargin = 0.125f;
 /// A solid covers the part of a polygon over which it is at this height. Game units.
-constexpr float kLampCoverHeight = 0.25f;
-/// Covered parts narrower than this do not count: sloped walls beside a lamp lean over its edge. Game units.
+constexpr float kCoverHeight = 0.25f;
+/// Covered parts narrower than this do not count: sloped walls beside an area light lean over its edge. Game units.
 constexpr double kNarrow = 0.5;
 /// Smaller parts emit no light. Square game units.
 constexpr double kLeastArea = 1;
@@ -38,37 +38,41 @@ Winding<float> Moved(Winding<float> w, const Vec3f &by) {
 
 /// A place in front of the polygon of the light that is clear of solids: 1 unit in front of its center if possible.
 std::optional<Vec3f> OpenOrigin(const Light &light, const BspSpace &space) {
-    constexpr float kHeights[] = {1, 0.5f, kLampCoverHeight}; // in front of the polygon; game units
-    constexpr float kTowardsCorners[] = {0.25f, 0.5f, 0.75f}; // fractions of the way from the center
+    constexpr float kHeights[] = {1, 0.5f, kCoverHeight};     // in front of the polygon; game units
+    constexpr float kTowardsCorners[] = {0.25f, 0.5f, 0.75f}; // fractions of the segment from the center
     const Vec3f center = light.shape.center;
     const auto clear = [&](const Vec3f &p) { return space.ClusterAt(p, kLightMargin) >= 0; };
     for (const float height : kHeights)
         if (const Vec3f p = center + light.normal * height; clear(p))
             return p;
-    for (const float share : kTowardsCorners)
+    for (const float fraction : kTowardsCorners)
         for (const Vec3f &corner : light.w)
             for (const float height : kHeights)
-                if (const Vec3f p = center + (corner - center) * share + light.normal * height; clear(p))
+                if (const Vec3f p = center + (corner - center) * fraction + light.normal * height; clear(p))
                     return p;
     return {};
 }
 
+/// The sides of a part of an area light that emit.
+enum class EmittingSides { Front, Both };
+
 /// Adds a light for the part `w` of the light's polygon, photons and tolerance in proportion to its area; none if the
 /// part is tiny or no place in front of it is clear.
-void AddPart(const Light &light, Winding<float> w, bool twoSided, const BspSpace &space, std::vector<Light> &parts) {
+void AddPart(const Light &light, Winding<float> w, EmittingSides sides, const BspSpace &space,
+             std::vector<Light> &parts) {
     const double area = WindingArea(w);
     if (area < kLeastArea)
         return;
     Light part = light;
     part.w = std::move(w);
-    part.twoSided = twoSided;
+    part.twoSided = sides == EmittingSides::Both;
     part.SetShape();
     const std::optional<Vec3f> origin = OpenOrigin(part, space);
     if (!origin)
         return;
-    const double share = area / double(light.shape.area);
-    part.photons = float(double(light.photons) * share);
-    part.tolerance = float(double(light.tolerance) * share); // so it reaches about as far as the whole light
+    const double fraction = area / double(light.shape.area);
+    part.photons = float(double(light.photons) * fraction);
+    part.tolerance = float(double(light.tolerance) * fraction); // so it reaches about as far as the whole light
     part.origin = *origin;
     part.dist = Dot(part.origin, part.normal);
     parts.push_back(std::move(part));
@@ -86,7 +90,7 @@ bool OriginInSight(const Light &light, const BspSpace &space) {
     Vec3f origin = light.origin;
     if (LightCluster(origin, space) < 0)
         return false;
-    return FreeShare(light.shape.center + light.normal * kLampCoverHeight, origin, space) >= 1;
+    return FreeFraction(light.shape.center + light.normal * kCoverHeight, origin, space) >= 1;
 }
 
 /// Whether p is inside a model or behind curves: rays in all directions hit the back of a one-sided surface first.
@@ -112,7 +116,7 @@ bool SeesBacksOnly(const Vec3f &p, const LightScene &scene) {
 
 /// The open and covered parts of `w`, which is the light's polygon or a part of it; without narrow covered ones.
 PolygonParts PartsOfLight(const Light &light, const Winding<float> &w, const BspSpace &space) {
-    const Vec3f lift = light.normal * kLampCoverHeight;
+    const Vec3f lift = light.normal * kCoverHeight;
     const double narrow = std::min(kNarrow, WidthOf(light.w) / 4);
     PolygonParts parts = PartsOf(Moved(w, lift), space);
     std::erase_if(parts.covered, [&](const Winding<float> &piece) { return WidthOf(piece) < narrow; });
@@ -122,26 +126,27 @@ PolygonParts PartsOfLight(const Light &light, const Winding<float> &w, const Bsp
     return parts;
 }
 
-/// A part of a lamp whose front is open.
-struct LampPart {
+/// A part of an area light whose front is open.
+struct OpenFrontPart {
     Winding<float> w;
-    bool twoSided = false;
+    EmittingSides sides = EmittingSides::Front;
 };
 
 /// Cuts the parts of a two-sided light whose front is open where a solid covers their back: those are one-sided. back:
 /// the light reversed.
-std::vector<LampPart> CutByBack(const Light &back, const BspSpace &space, const std::vector<Winding<float>> &open) {
-    std::vector<LampPart> result;
+std::vector<OpenFrontPart> CutByBack(const Light &back, const BspSpace &space,
+                                     const std::vector<Winding<float>> &open) {
+    std::vector<OpenFrontPart> result;
     for (const Winding<float> &front : open) {
         const PolygonParts parts = PartsOfLight(back, {front.rbegin(), front.rend()}, space);
         if (parts.open.empty() || parts.covered.empty()) {
-            result.push_back({front, true});
+            result.push_back({front, EmittingSides::Both});
             continue;
         }
         for (const Winding<float> &piece : parts.open)
-            result.push_back({{piece.rbegin(), piece.rend()}, true});
+            result.push_back({{piece.rbegin(), piece.rend()}, EmittingSides::Both});
         for (const Winding<float> &piece : parts.covered)
-            result.push_back({{piece.rbegin(), piece.rend()}, false});
+            result.push_back({{piece.rbegin(), piece.rend()}, EmittingSides::Front});
     }
     return result;
 }
@@ -169,23 +174,23 @@ std::vector<Light> OpenAreaLights(Light light, const BspSpace &space) {
     PolygonParts parts = PartsOfLight(light, light.w, space);
     if (parts.covered.empty())
         parts.open = {light.w}; // nothing, or only what is too narrow to count, is covered
-    std::vector<LampPart> fronts;
+    std::vector<OpenFrontPart> fronts;
     const Light back = light.twoSided ? Reversed(light) : Light{};
     if (light.twoSided)
         fronts = CutByBack(back, space, parts.open);
     else
         for (Winding<float> &open : parts.open)
-            fronts.push_back({std::move(open), false});
+            fronts.push_back({std::move(open), EmittingSides::Front});
     if (parts.covered.empty() && fronts.size() == 1 && OriginInSight(light, space)) {
         lights.push_back(std::move(light));
         return lights;
     }
-    for (LampPart &front : fronts)
-        AddPart(light, std::move(front.w), front.twoSided, space, lights);
+    for (OpenFrontPart &front : fronts)
+        AddPart(light, std::move(front.w), front.sides, space, lights);
     if (light.twoSided)
         for (const Winding<float> &covered : parts.covered)
             for (Winding<float> &open : PartsOfLight(back, {covered.rbegin(), covered.rend()}, space).open)
-                AddPart(back, std::move(open), false, space, lights);
+                AddPart(back, std::move(open), EmittingSides::Front, space, lights);
     if (Vec3f origin = light.origin; lights.empty() && LightCluster(origin, space) >= 0)
         lights.push_back(std::move(light));
     return lights;
@@ -196,8 +201,8 @@ float BacksplashDistance(const Light &light, float distance, const BspSpace &spa
         return distance;
     Vec3f from = light.origin;
     LightCluster(from, space);
-    const float share = FreeShare(from, light.origin + light.normal * distance, space);
-    return share < 1 ? distance * share / 2 : distance;
+    const float fraction = FreeFraction(from, light.origin + light.normal * distance, space);
+    return fraction < 1 ? distance * fraction / 2 : distance;
 }
 
 void WarnOfHiddenLights(std::span<const Light> lights, const BspSpace &space, const LightScene *scene, Log &log) {

@@ -22,7 +22,7 @@ int LightCluster(Vec3f &origin, const BspSpace &space);
 /// else there is none.
 std::vector<Light> OpenAreaLights(Light light, const BspSpace &space);
 
-/// Distance from an area light to its backsplash, game units: `distance`, or half the way to the first solid in
+/// Distance from an area light to its backsplash, game units: `distance`, or half the distance to the first solid in
 /// between.
 float BacksplashDistance(const Light &light, float distance, const BspSpace &space);
 

@@ -124,7 +124,7 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     else if (keys::kColor.Given(entity))
         log.Warn("key of a light without effect", "{}: _color has no effect beside the color in _light",
                  LightLabel(entity));
-    if (!IsFinite(light.color) || MaxComponent(Max(light.color, -light.color)) > kMaxIntensity) {
+    if (!IsFinite(light.color) || MaxAbsComponent(light.color) > kMaxIntensity) {
         log.Warn("light color", "{}: _color {} is out of range, white is used", LightLabel(entity),
                  keys::kColor.Text(entity));
         light.color = {1, 1, 1};
@@ -250,7 +250,7 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
     auto [light, byQuad] = LightFromKeys(entity, options, log);
     const int samples = keys::kSamples.Integer(entity);
     const float deviance = float(keys::kDeviance.Number(entity));
-    if (MaxComponent(Max(light.origin, -light.origin)) > kMaxLightCoordinate) {
+    if (MaxAbsComponent(light.origin) > kMaxLightCoordinate) {
         log.Warn("light origin", "{} is outside any map, it is dropped", LightLabel(entity));
         return;
     }

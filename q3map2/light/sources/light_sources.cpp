@@ -35,13 +35,13 @@ void Light::SetShape() {
 
 // ---- Which lights each cluster may see ----
 
-LightsByCluster::LightsByCluster(const std::vector<Light> &lights, bool sunsEverywhere) : lights_(lights) {
+LightsByCluster::LightsByCluster(const std::vector<Light> &lights, SunsSeen suns) : lights_(lights) {
     const std::size_t words = (lights.size() + 63) / 64;
     everywhere_.resize(words);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const std::vector<bool> &seenFrom = lights[i].seenFrom;
         const std::uint64_t bit = std::uint64_t(1) << (i % 64);
-        if (seenFrom.empty() || (sunsEverywhere && lights[i].type == LightType::Sun)) {
+        if (seenFrom.empty() || (suns == SunsSeen::Everywhere && lights[i].type == LightType::Sun)) {
             everywhere_[i / 64] |= bit;
             continue;
         }

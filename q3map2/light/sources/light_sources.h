@@ -115,11 +115,13 @@ struct Light {
     void SetShape();
 };
 
+/// From where suns count as seen: from the clusters that visibility data says, or from all.
+enum class SunsSeen { ByVisibility, Everywhere };
+
 /// A row of bits per cluster, a bit per light. Keeps a reference to the lights.
 class LightsByCluster {
   public:
-    /// sunsEverywhere: suns count as seen from every cluster, whatever the visibility data says.
-    LightsByCluster(const std::vector<Light> &lights, bool sunsEverywhere);
+    LightsByCluster(const std::vector<Light> &lights, SunsSeen suns);
 
     /// Calls use(number of the light) in order for every light that one of the clusters may see, and returns how many
     /// it left out.

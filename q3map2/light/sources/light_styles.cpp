@@ -23,13 +23,14 @@ namespace {
 constexpr std::size_t kPhasesPerLetter = 4;
 /// Most periods of a wave in a pattern that are tried.
 constexpr std::size_t kMostPeriods = 32;
-/// Share of the variance that a wave must save to be taken before a simpler or slower one.
+/// Fraction of the variance that a wave must save to be taken before a simpler or slower one.
 constexpr double kLeastGain = 1e-6;
-/// Share of the variance that a periodic wave may leave before noise is taken.
-constexpr double kNoiseShare = 0.5;
+/// Fraction of the variance that a periodic wave may leave before noise is taken.
+constexpr double kNoiseFraction = 0.5;
 /// Root mean square of engines' noise: random numbers from -1 to 1, blended linearly.
 constexpr double kNoiseDeviation = 0.4714;
-constexpr double kWhole = 12; // steps from a to m
+/// Letters from a, black, to m, full brightness.
+constexpr double kStepsToFullLight = 12;
 
 constexpr std::array kPeriodic = {StyleWave::Sin, StyleWave::Square, StyleWave::Triangle, StyleWave::Sawtooth,
                                   StyleWave::InverseSawtooth};
@@ -132,7 +133,7 @@ std::vector<double> BrightnessOf(std::string_view pattern) {
         const char letter = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
         if (letter < 'a' || letter > 'z')
             throw Error("pattern \"{}\": expected letters from a to z", pattern);
-        brightness.push_back((letter - 'a') / kWhole);
+        brightness.push_back((letter - 'a') / kStepsToFullLight);
     }
     return brightness;
 }
@@ -142,7 +143,7 @@ double StyleWave::At(double time) const {
     return base + amplitude * FormAt(form, x - std::floor(x));
 }
 
-std::string StyleWave::Words() const {
+std::string StyleWave::ShaderText() const {
     constexpr std::array<std::string_view, 7> kNames = {
         "", "sin", "square", "triangle", "sawtooth", "inversesawtooth", "noise"};
     const auto tidy = [](double value) { return std::abs(value) < 5e-5 ? 0 : value; };
@@ -154,9 +155,9 @@ std::string StyleWave::Words() const {
 
 StyleWave FitWave(std::string_view pattern) {
     const std::vector<double> letters = BrightnessOf(pattern);
-    const double mean = MeanOf(letters), all = VarianceOf(letters, mean);
+    const double mean = MeanOf(letters), variance = VarianceOf(letters, mean);
     WaveFit best{.wave = {.form = StyleWave::Constant, .base = mean}};
-    if (!(all > 0))
+    if (!(variance > 0))
         return best.wave;
     const std::size_t phases = kPhasesPerLetter * letters.size();
     for (std::size_t periods = 1; periods <= std::clamp<std::size_t>(letters.size() / 2, 1, kMostPeriods); ++periods)
@@ -166,13 +167,13 @@ StyleWave FitWave(std::string_view pattern) {
                 const StyleWave wave{
                     .form = form, .phase = double(i) / double(phases), .frequency = perLetter * kPatternRate};
                 const WaveFit fit = Regress(wave, perLetter, letters, mean);
-                if (fit.saved > best.saved + kLeastGain * all && fit.wave.amplitude > 0)
+                if (fit.saved > best.saved + kLeastGain * variance && fit.wave.amplitude > 0)
                     best = fit;
             }
-    if (best.saved < (1 - kNoiseShare) * all)
+    if (best.saved < (1 - kNoiseFraction) * variance)
         return {.form = StyleWave::Noise,
                 .base = mean,
-                .amplitude = std::sqrt(all) / kNoiseDeviation,
+                .amplitude = std::sqrt(variance) / kNoiseDeviation,
                 .frequency = kPatternRate};
     return best.wave;
 }

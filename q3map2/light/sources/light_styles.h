@@ -41,7 +41,7 @@ struct StyleWave {
     /// Brightness at a time in seconds; noise: its mean.
     double At(double time) const;
     /// As an rgbGen has it: "wave sin 1 0.5 0 1", "const ( 1 1 1 )".
-    std::string Words() const;
+    std::string ShaderText() const;
 };
 
 /// The periodic wave with the least mean squared difference from the repeated pattern. Noise of the same mean and

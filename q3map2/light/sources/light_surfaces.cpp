@@ -301,7 +301,7 @@ class AreaLightMaker {
     }
     bool InTheWorld(const Polygon &polygon) {
         for (const MeshVert &v : polygon)
-            if (!IsFinite(v.xyz) || MaxComponent(Max(v.xyz, -v.xyz)) > kMaxLightCoordinate) {
+            if (!IsFinite(v.xyz) || MaxAbsComponent(v.xyz) > kMaxLightCoordinate) {
                 log_.Warn("light surface", "{}: a surface light with a corner at {:g} {:g} {:g} is left out",
                           shader_.name, v.xyz.x, v.xyz.y, v.xyz.z);
                 return false;

@@ -42,21 +42,21 @@ const std::vector<CornerTerm> &CornerWeights::TermsOf(const LatticePoint &corner
 }
 
 std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec3f &at) {
-    std::vector<CornerTerm> all;
+    std::vector<CornerTerm> combined;
     for (std::size_t c = 0; c < 8; ++c) {
         const float weight = leaf.Weight(c, at);
         if (weight == 0)
             continue;
         for (const CornerTerm &term : TermsOf(leaf.Corner(c))) {
-            const auto same =
-                std::find_if(all.begin(), all.end(), [&](const CornerTerm &t) { return t.stored == term.stored; });
-            if (same == all.end())
-                all.push_back({term.stored, weight * term.weight});
+            const auto same = std::find_if(combined.begin(), combined.end(),
+                                           [&](const CornerTerm &t) { return t.stored == term.stored; });
+            if (same == combined.end())
+                combined.push_back({term.stored, weight * term.weight});
             else
                 same->weight += weight * term.weight;
         }
     }
-    return all;
+    return combined;
 }
 
 // ---- Least-squares fit of the stored corners to the light inside the cells ----
@@ -64,9 +64,9 @@ std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec
 namespace {
 
 constexpr int kIterations = 4;
-/// The fit changes a corner by at most this share of its mean light, so that the dark stays dark beside the bright.
+/// The fit changes a corner by at most this fraction of its mean light, so that the dark stays dark beside the bright.
 constexpr float kMaxChange = 0.5f;
-/// Weight of a corner's own light, as a share of the weight of the samples around it.
+/// Weight of a corner's own light, as a fraction of the weight of the samples around it.
 constexpr float kPull = 0.05f;
 
 /// The normal equations of the fit, without their matrix: products with it are sums over the samples.
@@ -75,7 +75,7 @@ class FitSystem {
     explicit FitSystem(std::size_t unknowns) : weights_(unknowns), diagonal_(unknowns) {}
     /// terms: the interpolated value at the sample.
     void AddSample(const SHFloats &light, const std::vector<CornerTerm> &terms) {
-        const float weight = FitWeight(1, std::max(0.0f, MeanLight(light)), true);
+        const float weight = FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All);
         samples_.push_back({light, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
         for (const CornerTerm &term : terms) {
             terms_.push_back(term);
@@ -129,7 +129,7 @@ class FitSystem {
 
     std::vector<Sample> samples_;
     std::vector<CornerTerm> terms_;
-    std::vector<float> weights_;  ///< by unknown: sum over its samples of their weight times its share
+    std::vector<float> weights_;  ///< by unknown: sum over its samples of their weight times its fraction
     std::vector<float> diagonal_; ///< by unknown: of the matrix, without the pull
 };
 
@@ -193,7 +193,7 @@ void LimitChange(const SHFloats &before, SHFloats &value) {
 
 std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
-                                 std::span<const LampSample> lamps) {
+                                 std::span<const NearLightSample> nearLights) {
     std::vector<SHFloats> values;
     for (const std::uint32_t number : corners.Stored())
         values.push_back(light[number].value);
@@ -216,10 +216,10 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light,
         if (inside != Octree::kNone && (stored || !nearSolid))
             system.AddSample(point.value, corners.TermsIn(tree[inside], point.at));
     }
-    for (const LampSample &lamp : lamps) {
-        const std::size_t leaf = tree.LeafAt(CellAt(lamp.at));
+    for (const NearLightSample &sample : nearLights) {
+        const std::size_t leaf = tree.LeafAt(CellAt(sample.at));
         if (leaf != Octree::kNone && tree[leaf].open > 0 && clear[leaf])
-            system.AddSample(lamp.light, corners.TermsIn(tree[leaf], lamp.at));
+            system.AddSample(sample.light, corners.TermsIn(tree[leaf], sample.at));
     }
     system.Solve(values);
     for (std::size_t i = 0; i < values.size(); ++i)

@@ -47,12 +47,12 @@ class CornerWeights {
 };
 
 /// Least-squares values of the stored corners, in the order of corners.Stored(). Minimizes the sum over all points s of
-/// `light` in the open, and over `lamps`, of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards
-/// its own light, by conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they are
-/// stored corners, so that no light is fitted through a wall.
+/// `light` in the open, and over `nearLights`, of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull
+/// towards its own light, by conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they
+/// are stored corners, so that no light is fitted through a wall.
 std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
-                                 std::span<const LampSample> lamps = {});
+                                 std::span<const NearLightSample> nearLights = {});
 
 /// The nodes and values that the file has. values: of the stored corners, in the order of corners.Stored(). A cell owns
 /// its lower corner alone, so cells without open space are split where a stored or hanging corner is not theirs.

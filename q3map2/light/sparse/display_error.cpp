@@ -78,7 +78,7 @@ constexpr std::uint64_t kSeed = 0x4E6F697365ull;
 /// Bounced light at a point in the open, convolved with the cosine.
 SHFloats GatherAt(const GridInputs &in, const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) {
     in.indirect->Gather(position, seed, rays);
-    const float scale = (in.options.gridScale > 0 ? float(in.options.gridScale) : 1.0f) / 255;
+    const float scale = in.options.PositiveGridScale() / 255;
     SHFloats light{};
     for (const IndirectRay &ray : rays) {
         const SHVector basis = SHBasis(Vec3d(ray.direction));

@@ -28,7 +28,7 @@ class SparseLattice {
     /// would fall below kMinCell; those of baseLevel are its cells.
     explicit SparseLattice(const bspGridSHHeader_t &uniform);
     /// A lattice of cells as near to cubes as halving the uniform grid's cells along single axes makes them, since
-    /// light before a lamp changes as fast with height as sideways. Edges are not halved below kMinCubicCell.
+    /// light near a light changes as fast with height as sideways. Edges are not halved below kMinCubicCell.
     static SparseLattice Cubic(const bspGridSHHeader_t &uniform);
     int BaseLevel() const { return baseLevel_; }
     /// Distance of points of the uniform grid along an axis: 2^UniformLevel smallest cells.
@@ -66,8 +66,8 @@ struct LatticeSample {
     SHFloats value{};  ///< convolved with the cosine
 };
 
-/// Light at a position in front of a lamp: LampSamples.
-struct LampSample {
+/// Light at a position near a light: NearLightSet.
+struct NearLightSample {
     Vec3f at;         ///< in smallest cells
     SHFloats light{}; ///< convolved with the cosine
 };
@@ -124,7 +124,7 @@ std::uint64_t MortonOf(const LatticePoint &p);
 /// Traces light at lattice points in the open. Const after construction; keeps references.
 class LatticeTracer {
   public:
-    LatticeTracer(const GridInputs &in, const SmoothLight &light, const SparseLattice &lattice)
+    LatticeTracer(const GridInputs &in, const LightAtPositions &light, const SparseLattice &lattice)
         : in_(in), light_(light), lattice_(lattice) {}
     /// Sets the light of the points from number `first` on that are in the open or a small step from it, and their
     /// `open`. The others keep value 0. Adds the work to `stats`.
@@ -134,7 +134,7 @@ class LatticeTracer {
     void TraceBrick(LatticePoints &points, std::span<const std::uint32_t> numbers, GridStats &work) const;
 
     const GridInputs &in_;
-    const SmoothLight &light_;
+    const LightAtPositions &light_;
     const SparseLattice &lattice_;
 };
 

@@ -79,9 +79,9 @@ std::vector<std::size_t> Octree::OpenLeafs() const {
 
 // ---- Optimal pruning of the octree ----
 
-PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp) {
+PrunedOctree PruneOctree(Octree &tree, float price, float maxNearLightError) {
     std::vector<float> cost(tree.Size());
-    std::vector<bool> kept(tree.Size());          // nodes that are not pruned, for lamps, and those above them
+    std::vector<bool> kept(tree.Size());          // nodes that are not pruned, for lights nearby, and those above them
     for (std::size_t i = tree.Size(); i-- > 0;) { // children come after their parents
         OctreeCell &cell = tree[i];
         if (cell.open <= 0)
@@ -93,7 +93,7 @@ PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp) {
         }
         const float asLeaf = cell.error * cell.Volume() + price;
         float asParent = 0;
-        kept[i] = cell.child != 0 && cell.lamp > maxLamp;
+        kept[i] = cell.child != 0 && cell.nearLightError > maxNearLightError;
         for (std::size_t c = 0; c < 8 && cell.child != 0; ++c) {
             asParent += cost[cell.child + c];
             kept[i] = kept[i] || kept[cell.child + c];

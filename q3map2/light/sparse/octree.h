@@ -11,12 +11,12 @@ namespace q3 {
 
 /// A cell of the octree: a leaf, or an inner node with eight children.
 struct OctreeCell {
-    LatticePoint origin{};   ///< lower corner
-    std::int32_t level = 0;  ///< its edge is 2^level smallest cells
-    std::uint32_t child = 0; ///< index of the first child; child c is the octant of corner c. 0: leaf
-    float open = 0;          ///< open share of its volume, estimated from its corners; 0: no open space at all
-    float error = 0;         ///< expected mean squared error of interpolation between its corners, displayed, bytes^2
-    float lamp = 0;          ///< the same where LampSamples measured it; 0: there are none inside
+    LatticePoint origin{};    ///< lower corner
+    std::int32_t level = 0;   ///< its edge is 2^level smallest cells
+    std::uint32_t child = 0;  ///< index of the first child; child c is the octant of corner c. 0: leaf
+    float open = 0;           ///< open fraction of its volume, estimated from its corners; 0: no open space at all
+    float error = 0;          ///< expected mean squared error of interpolation between its corners, displayed, bytes^2
+    float nearLightError = 0; ///< the same where NearLightSet measured it; 0: there are none inside
 
     std::int32_t Edge() const { return std::int32_t(1) << level; }
     /// Open volume in smallest cells.
@@ -84,8 +84,8 @@ struct PrunedOctree {
 
 /// Turns inner nodes, except roots, into leafs so that the sum over all leafs of (squared error x open volume + price)
 /// is least: the pruning of Breiman et al. (1984) and of Chou, Lookabaugh and Gray (1989). price: the Lagrange
-/// multiplier of the number of leafs, bytes^2 times smallest cells. maxLamp: inner nodes with a larger OctreeCell::lamp
-/// stay inner nodes. Sets `open` of inner nodes from their children.
-PrunedOctree PruneOctree(Octree &tree, float price, float maxLamp = std::numeric_limits<float>::infinity());
+/// multiplier of the number of leafs, bytes^2 times smallest cells. maxNearLightError: inner nodes with a larger
+/// OctreeCell::nearLightError stay inner nodes. Sets `open` of inner nodes from their children.
+PrunedOctree PruneOctree(Octree &tree, float price, float maxNearLightError = std::numeric_limits<float>::infinity());
 
 } // namespace q3

@@ -14,7 +14,7 @@ namespace {
 /// Ratio of the expected squared error of a cell of the uniform grid to the sum of its squared second differences by
 /// axis; of that of a new cell to the mean squared surplus of its corners. They lie between the ratios of smooth light,
 /// 0.02 and 0.06, and those of edges, up to 0.25 and 1.
-constexpr float kSecondDifferenceShare = 0.15f, kSurplusShare = 0.2f;
+constexpr float kSecondDifferenceRatio = 0.15f, kSurplusRatio = 0.2f;
 /// Weight of a point in a solid, whose value serves the open space beside it, in the error of a large cell.
 constexpr float kSolidWeight = 0.5f;
 /// Factors of the variance of a point in its squared surplus, and in its squared second difference along an axis: that
@@ -82,7 +82,7 @@ bool OctreeRefiner::HasOpenSpace(const OctreeCell &cell) const {
     return space_.AnyOpen(lattice_.PositionOf(cell.origin), lattice_.PositionOf(cell.Corner(7)), kClearance);
 }
 
-float OctreeRefiner::OpenShare(const OctreeCell &cell) const {
+float OctreeRefiner::OpenFraction(const OctreeCell &cell) const {
     float open = 0;
     for (std::size_t c = 0; c < 8; ++c) {
         const std::uint32_t number = light_.Find(cell.Corner(c));
@@ -100,7 +100,7 @@ void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
     AddUniformPoints(uniform, radiance);
     ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
         if (tree_[i].open > 0)
-            tree_[i].open = OpenShare(tree_[i]);
+            tree_[i].open = OpenFraction(tree_[i]);
     });
 }
 
@@ -175,7 +175,7 @@ void OctreeRefiner::EstimateErrors(BounceNoise noise) {
             if (const std::uint32_t number = light_.Find(p); light_[number].open)
                 sum += second[number], ++count;
         });
-        cell.error += count > 0 ? kSecondDifferenceShare * sum / count : 0;
+        cell.error += count > 0 ? kSecondDifferenceRatio * sum / count : 0;
     });
 }
 
@@ -248,7 +248,7 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
 }
 
 /// Sets the error of a cell that was split to what it had, the mean squared surplus of its children's corners, and the
-/// open shares and expected errors of the children.
+/// open fractions and expected errors of the children.
 void OctreeRefiner::SetErrorsAfterSplit(std::size_t parent) {
     OctreeCell &cell = tree_[parent];
     const CornerLight corners = CornersOf(light_, cell);
@@ -267,14 +267,14 @@ void OctreeRefiner::SetErrorsAfterSplit(std::size_t parent) {
     cell.error = count > 0 ? sum / count : 0;
     for (std::size_t c = 0; c < 8; ++c) {
         OctreeCell &child = tree_[cell.child + c];
-        child.open = HasOpenSpace(child) ? OpenShare(child) : 0;
+        child.open = HasOpenSpace(child) ? OpenFraction(child) : 0;
         float childSum = 0, childCount = 0;
         for (std::size_t d = 0; d < 8; ++d) {
             const std::size_t n = ((c & 1) + (d & 1)) + 3 * ((c >> 1 & 1) + (d >> 1 & 1)) + 9 * ((c >> 2) + (d >> 2));
             if (known[n])
                 childSum += surplus[n], ++childCount;
         }
-        child.error = childCount > 0 ? kSurplusShare * childSum / childCount : 0;
+        child.error = childCount > 0 ? kSurplusRatio * childSum / childCount : 0;
     }
 }
 

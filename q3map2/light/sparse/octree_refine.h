@@ -15,10 +15,10 @@ SHFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, c
 /// Splits cells whose expected error is above a threshold, and traces the points that this adds. Keeps references.
 ///
 /// The hierarchical surplus of a point is its light minus what the larger cell around it gives there by interpolation.
-/// Where light is smooth, surpluses fall to a quarter with each halving of cells; at shadow edges and beside lamps they
-/// hardly fall. The expected squared error of a cell is the mean squared surplus of its corners times a factor between
-/// these two cases. What the noise of bounced light adds to squared differences is subtracted from them: smaller cells
-/// would not reduce it.
+/// Where light is smooth, surpluses fall to a quarter with each halving of cells; at shadow edges and beside lights
+/// they hardly fall. The expected squared error of a cell is the mean squared surplus of its corners times a factor
+/// between these two cases. What the noise of bounced light adds to squared differences is subtracted from them:
+/// smaller cells would not reduce it.
 class OctreeRefiner {
   public:
     OctreeRefiner(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, Octree &tree,
@@ -40,7 +40,7 @@ class OctreeRefiner {
     static LatticePoint ChildCorner(const OctreeCell &cell, std::size_t n);
     bool HasOpenSpace(const OctreeCell &cell) const;
     /// OctreeCell::open of a cell with open space, from its corners.
-    float OpenShare(const OctreeCell &cell) const;
+    float OpenFraction(const OctreeCell &cell) const;
     void AddUniformPoints(const LightGridSH &uniform, bool radiance);
     float SecondDifference(const LatticeSample &point) const;
     float MeasuredError(const OctreeCell &cell) const;

@@ -4,7 +4,7 @@
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/light/sparse/corner_fit.h"
 #include "q3map2/light/sparse/display_error.h"
-#include "q3map2/light/sparse/lamp_samples.h"
+#include "q3map2/light/sparse/near_light_samples.h"
 #include "q3map2/light/sparse/octree.h"
 #include "q3map2/light/sparse/octree_refine.h"
 
@@ -32,19 +32,19 @@ constexpr double kMinGain = 0.25;
 constexpr double kMoreLeafs = 1.5, kLeastFall = 0.97;
 /// The price of a leaf grows by this factor while the lump exceeds its limit.
 constexpr float kPriceStep = 1.15f;
-/// Without a budget the lump has at most this share of the bytes of the uniform grid, whatever its error, or kSmallLump
-/// bytes if that is more.
-constexpr double kMaxShareOfUniform = 0.5, kSmallLump = 80e3;
-/// Upper estimate of the bytes of the lump per leaf; its share of a node, and the bytes of a stored point.
+/// Without a budget the lump has at most this fraction of the bytes of the uniform grid, whatever its error, or
+/// kSmallLump bytes if that is more.
+constexpr double kMaxFractionOfUniform = 0.5, kSmallLump = 80e3;
+/// Upper estimate of the bytes of the lump per leaf; its fraction of a node, and the bytes of a stored point.
 constexpr double kBytesPerLeaf = 25, kNodeBytesPerLeaf = 2, kBytesPerPoint = 28;
-/// Cells that lamps need take at most this share of a lump that is at its limit: beyond it, the error allowed before
-/// lamps grows by kLampSlackStep.
-constexpr double kMaxLampShare = 0.5;
-constexpr float kLampSlackStep = 1.5f;
-/// Cells before lamps are split while their error is above this many error targets.
-constexpr float kLampTargets = 1.6f;
-/// Positions before lamps: at most one for so many points of the uniform grid, or kFewLampSamples if that is more.
-constexpr std::size_t kPointsPerLampSample = 4, kFewLampSamples = 16384;
+/// Cells that positions near lights need take at most this fraction of a lump that is at its limit: beyond it, the
+/// error allowed near lights grows by kNearLightSlackStep.
+constexpr double kMaxNearLightFraction = 0.5;
+constexpr float kNearLightSlackStep = 1.5f;
+/// Cells near lights are split while their error is above this many error targets.
+constexpr float kNearLightTargets = 1.6f;
+/// Positions near lights: at most one for so many points of the uniform grid, or kFewNearLightSamples if that is more.
+constexpr std::size_t kPointsPerNearLightSample = 4, kFewNearLightSamples = 16384;
 /// First guess of the ratio of the measured error of a grid to that of interpolation between the corners' own light.
 /// It is above 1 because corners on the boundary of larger cells are interpolated.
 constexpr double kFirstFitGain = 1.2;
@@ -65,10 +65,10 @@ class SparseGridBuilder {
     SparseGridBuilder(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal,
                       bool radiance)
         : space_(space), lattice_(lattice), goal_(goal), radiance_(radiance), light_(lattice), tree_(lattice),
-          refiner_(space, jobs, lattice, tree_, light_), maxLamp_(Squared(kLampTargets * goal.error)) {}
+          refiner_(space, jobs, lattice, tree_, light_), maxNearLightError_(Squared(kNearLightTargets * goal.error)) {}
     void Start(const LightGridSH &uniform) {
         refiner_.Start(uniform, radiance_);
-        limit_ = std::max(kSmallLump, kMaxShareOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t)));
+        limit_ = std::max(kSmallLump, kMaxFractionOfUniform * double(uniform.points.size() * sizeof(bspGridPointSH_t)));
         if (goal_.budget)
             limit_ = *goal_.budget;
     }
@@ -81,7 +81,7 @@ class SparseGridBuilder {
         return Grid(FindPrice(), result);
     }
     /// The same with smaller cells where they are needed. check: without receivers, the error is not measured.
-    SparseGridSH Refined(const GridInputs &in, const LatticeTracer &tracer, const LampSamples &lamps,
+    SparseGridSH Refined(const GridInputs &in, const LatticeTracer &tracer, const NearLightSet &nearLights,
                          const ExactReceivers &check, GridStats &work, SparseStats &result);
 
   private:
@@ -89,13 +89,13 @@ class SparseGridBuilder {
     PrunedTree Pruned(float price) const;
     bool MeetsGoal(const PrunedTree &pruned) const;
     double Bytes(const PrunedTree &pruned) const;
-    bool LampsTakeTooMuch(const PrunedTree &pruned) const;
+    bool NearLightsTakeTooMuch(const PrunedTree &pruned) const;
     double Interpolated(const Octree &tree) const;
     SparseEnd Refine(const LatticeTracer &tracer, GridStats &work);
     float FindPrice() const;
     SparseGridSH Grid(float price, SparseStats &result);
     SparseGridSH GridOf(const PrunedTree &pruned, SparseStats &result) const;
-    void MeasureLamps(const SparseGridSH &grid, SparseStats &result) const;
+    void MeasureNearLights(const SparseGridSH &grid, SparseStats &result) const;
 
     const BspSpace &space_;
     const SparseLattice &lattice_;
@@ -105,29 +105,29 @@ class SparseGridBuilder {
     Octree tree_;
     OctreeRefiner refiner_;
     ScreenError screen_;
-    std::span<const LampSample> lamps_;
+    std::span<const NearLightSample> nearLights_;
     const ExactReceivers *check_ = nullptr; ///< null: nothing is measured
     double fitGain_ = kFirstFitGain;        ///< measured error of the last grid over that without its fit
-    float maxLamp_;                         ///< larger OctreeCell::lamp needs smaller cells, bytes^2
-    float lampSlack_ = 1;                   ///< factor of maxLamp, above 1 where the lump would exceed its limit
+    float maxNearLightError_;               ///< larger OctreeCell::nearLightError needs smaller cells, bytes^2
+    float nearLightSlack_ = 1; ///< factor of maxNearLightError, above 1 where the lump would exceed its limit
     bool dering_ = false;
     double limit_ = 0;                  ///< bytes of the lump
     float unit_ = 1;                    ///< of thresholds, smallest cells
     float threshold_ = kFirstThreshold; ///< the next one, in those units
     float minPrice_ = kMinPrice;        ///< of a leaf: the tree is not refined for lower ones
-    double leastError_ = 0;             ///< of the trees measured in Refine, before doublings that gained nothing
+    double leastError_ = 0;             ///< measured in Refine, before refinements that gained nothing
     std::size_t leastErrorLeafs_ = 0;   ///< leafs of that tree; 0: none is measured yet
     float leastErrorPrice_ = kMinPrice; ///< minPrice_ of that tree
 };
 
 SparseGridBuilder::PrunedTree SparseGridBuilder::Pruned(float price) const {
-    float maxLamp = maxLamp_;
-    if (goal_.budget && !lamps_.empty()) {
+    float maxNearLightError = maxNearLightError_;
+    if (goal_.budget && !nearLights_.empty()) {
         Octree tree = tree_;
-        maxLamp = Squared(kLampTargets * float(PruneOctree(tree, price).error));
+        maxNearLightError = Squared(kNearLightTargets * float(PruneOctree(tree, price).error));
     }
     PrunedTree pruned{tree_, {}};
-    pruned.second = PruneOctree(pruned.first, price, maxLamp * lampSlack_);
+    pruned.second = PruneOctree(pruned.first, price, maxNearLightError * nearLightSlack_);
     return pruned;
 }
 
@@ -167,12 +167,12 @@ double SparseGridBuilder::Bytes(const PrunedTree &pruned) const {
     return double(CornerWeights(pruned.first, light_).Stored().size()) * kBytesPerPoint + leafs * kNodeBytesPerLeaf;
 }
 
-bool SparseGridBuilder::LampsTakeTooMuch(const PrunedTree &pruned) const {
-    if (lamps_.empty() || goal_.budget)
+bool SparseGridBuilder::NearLightsTakeTooMuch(const PrunedTree &pruned) const {
+    if (nearLights_.empty() || goal_.budget)
         return false;
     Octree tree = tree_;
-    const PrunedOctree withoutLamps = PruneOctree(tree, minPrice_);
-    return double(pruned.second.leafs - withoutLamps.leafs) > kMaxLampShare * double(pruned.second.leafs);
+    const PrunedOctree withoutNearLights = PruneOctree(tree, minPrice_);
+    return double(pruned.second.leafs - withoutNearLights.leafs) > kMaxNearLightFraction * double(pruned.second.leafs);
 }
 
 /// Splits cells until pruning can meet the goal, or more cells do not help. Says which.
@@ -183,9 +183,9 @@ SparseEnd SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats &work
         if (MeetsGoal(pruned))
             return SparseEnd::Goal;
         if (Bytes(pruned) >= limit_) {
-            if (!LampsTakeTooMuch(pruned))
+            if (!NearLightsTakeTooMuch(pruned))
                 return SparseEnd::Bytes;
-            lampSlack_ *= Squared(kLampSlackStep);
+            nearLightSlack_ *= Squared(kNearLightSlackStep);
             continue;
         }
         // Whether further leafs hardly reduce the error: most of it is in the smallest cells.
@@ -218,7 +218,7 @@ float SparseGridBuilder::FindPrice() const {
 /// The grid at that price, or at the lowest higher one at which its lump keeps the limit.
 SparseGridSH SparseGridBuilder::Grid(float price, SparseStats &result) {
     double bytesPerLeaf = 0;
-    for (;; price *= kPriceStep, lampSlack_ *= Squared(kPriceStep)) {
+    for (;; price *= kPriceStep, nearLightSlack_ *= Squared(kPriceStep)) {
         const PrunedTree pruned = Pruned(price);
         const bool isCoarsest = price > kMaxPrice;
         if (double(pruned.second.leafs) * bytesPerLeaf > limit_ && !isCoarsest)
@@ -234,16 +234,13 @@ SparseGridSH SparseGridBuilder::Grid(float price, SparseStats &result) {
 
 SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &result) const {
     CornerWeights corners(pruned.first, light_);
-    const std::vector<SHFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, lamps_);
+    const std::vector<SHFloats> values = FitCorners(pruned.first, light_, corners, lattice_, space_, nearLights_);
     SparseGridTree tree = MakeSparseTree(pruned.first, light_, corners, lattice_, values);
     DeringStats dering;
     for (bspGridPointSH_t &value : tree.values) {
         value = ToStored(std::bit_cast<SHFloats>(value), radiance_);
-        if (dering_) {
-            const DeringStats changed = DeringPoint(value, radiance_);
-            dering.points += changed.points;
-            dering.largestChange = std::max(dering.largestChange, changed.largestChange);
-        }
+        if (dering_)
+            dering.Add(DeringPoint(value, radiance_));
     }
     SparseGridSH grid = PackSparseGrid(tree);
     result.leafs = pruned.second.leafs;
@@ -254,13 +251,13 @@ SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &re
     return grid;
 }
 
-/// Sets the error of the finished grid at positions before lamps.
-void SparseGridBuilder::MeasureLamps(const SparseGridSH &grid, SparseStats &result) const {
+/// Sets the error of the finished grid at positions near lights.
+void SparseGridBuilder::MeasureNearLights(const SparseGridSH &grid, SparseStats &result) const {
     const std::vector<std::byte> lump = EncodeSparseGrid(grid);
     const shgrid_grid reader = SparseReader(lump);
     double sum = 0;
-    for (const LampSample &lamp : lamps_) {
-        const Vec3f p = lattice_.PositionOf(lamp.at);
+    for (const NearLightSample &sample : nearLights_) {
+        const Vec3f p = lattice_.PositionOf(sample.at);
         const float position[3] = {p.x, p.y, p.z};
         shgrid_coeffs read;
         shgrid_sample(&reader, position, &read);
@@ -268,25 +265,26 @@ void SparseGridBuilder::MeasureLamps(const SparseGridSH &grid, SparseStats &resu
         for (std::size_t k = 0; k < 9; ++k)
             for (std::size_t channel = 0; channel < 3; ++channel)
                 value.coeffs[k][channel] = read.c[k][channel];
-        sum += double(screen_.Squared(ToDisplayed(value, radiance_), lamp.light));
+        sum += double(screen_.Squared(ToDisplayed(value, radiance_), sample.light));
     }
-    result.lampSamples = lamps_.size();
-    result.lampError = lamps_.empty() ? 0 : std::sqrt(sum / double(lamps_.size()));
+    result.nearLightSamples = nearLights_.size();
+    result.nearLightError = nearLights_.empty() ? 0 : std::sqrt(sum / double(nearLights_.size()));
 }
 
-SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTracer &tracer, const LampSamples &lamps,
-                                        const ExactReceivers &check, GridStats &work, SparseStats &result) {
-    lamps_ = lamps.All();
+SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTracer &tracer,
+                                        const NearLightSet &nearLights, const ExactReceivers &check, GridStats &work,
+                                        SparseStats &result) {
+    nearLights_ = nearLights.All();
     check_ = check.Size() > 0 ? &check : nullptr;
     unit_ = 1.0f / 64;
     for (std::size_t axis = 0; axis < 3; ++axis)
         unit_ *= float(1 << lattice_.UniformLevel(axis));
     const BounceNoise noise(in, lattice_, light_);
     refiner_.EstimateErrors(noise);
-    SplitAtLamps(lamps, maxLamp_, noise, in.jobs, tree_, light_, refiner_, tracer, work);
+    SplitNearLights(nearLights, maxNearLightError_, noise, in.jobs, tree_, light_, refiner_, tracer, work);
     minPrice_ = kFirstThreshold * kThresholdStep * unit_ / kLeafsPerSplit;
     for (int round = 1;; ++round) {
-        lampSlack_ = 1;
+        nearLightSlack_ = 1;
         result.end = Refine(tracer, work);
         float price = minPrice_;
         if (result.end == SparseEnd::Goal)
@@ -302,7 +300,7 @@ SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTrace
         }
         if (result.end != SparseEnd::Goal || goal_.budget || !check_ || round == kMostRounds ||
             result.measured->rms <= kTargetSlack * double(goal_.error)) {
-            MeasureLamps(grid, result);
+            MeasureNearLights(grid, result);
             return grid;
         }
     }
@@ -310,7 +308,7 @@ SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTrace
 
 } // namespace
 
-SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
+SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const LightAtPositions &light,
                             const LightGridSH &uniform, const SparseGoal &goal, GridStats &work, SparseStats &result) {
     const SparseLattice lattice = SparseLattice::Cubic(uniform.header);
     const LatticeTracer tracer(in, light, lattice);
@@ -318,10 +316,10 @@ SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &ligh
     if (in.options.shDering)
         builder.EnableDering();
     builder.Start(uniform);
-    const std::size_t mostSamples = std::max(kFewLampSamples, uniform.points.size() / kPointsPerLampSample);
-    const LampSamples lamps(in, lights, light, lattice, mostSamples, work);
+    const std::size_t mostSamples = std::max(kFewNearLightSamples, uniform.points.size() / kPointsPerNearLightSample);
+    const NearLightSet nearLights(in, lights, light, lattice, mostSamples, work);
     const ExactReceivers check(in, lights);
-    return builder.Refined(in, tracer, lamps, check, work, result);
+    return builder.Refined(in, tracer, nearLights, check, work, result);
 }
 
 SparseGridSH SparseFromUniform(const BspSpace &space, const LightGridSH &uniform, bool radiance, const SparseGoal &goal,
@@ -363,8 +361,9 @@ void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log
                   error, stats.measured->receivers);
     } else
         log.Print("{:9.2f} of 255 is the expected error of interpolation\n", error);
-    if (stats.lampSamples > 0)
-        log.Print("{:9.2f} of 255 is the error at {} positions before lamps\n", stats.lampError, stats.lampSamples);
+    if (stats.nearLightSamples > 0)
+        log.Print("{:9.2f} of 255 is the error at {} positions near lights\n", stats.nearLightError,
+                  stats.nearLightSamples);
     constexpr double kShown = 1.1; // the price of leafs is found in steps
     if (!goal.budget && error > kShown * double(goal.error))
         log.Print("That is above the {:g} that was asked for: {}\n", goal.error, WhyNotFiner(stats.end));

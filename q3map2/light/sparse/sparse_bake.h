@@ -28,18 +28,18 @@ struct SparseStats {
     std::size_t bytes = 0;               ///< of the lump
     double error = 0;                    ///< expected displayed error of interpolation: RMS, bytes
     std::optional<GridSHError> measured; ///< of the finished grid, where players can be; none: nothing was traced
-    std::size_t lampSamples = 0;         ///< positions before lamps
-    double lampError = 0;                ///< displayed error there: RMS, bytes
+    std::size_t nearLightSamples = 0;    ///< positions near lights
+    double nearLightError = 0;           ///< displayed error there: RMS, bytes
     SparseEnd end = SparseEnd::Goal;
     DeringStats dering; ///< with -shdering
 };
 
 /// Bakes a sparse SH grid from the uniform one and the light between its points. Cells are split, down to edges of
-/// kMinCubicCell: first before lamps while the error there is large, then where the expected error is large. Others are
+/// kMinCubicCell: first near lights while the error there is large, then where the expected error is large. Others are
 /// joined. This ends when the goal is met, as measured at random positions. Stored corners are fitted to the light
 /// inside the cells. uniform: before deringing; -shdering applies to the result. lights: those of `light`. The result
 /// does not depend on the number of threads.
-SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
+SparseGridSH BakeSparseGrid(const GridInputs &in, const std::vector<Light> &lights, const LightAtPositions &light,
                             const LightGridSH &uniform, const SparseGoal &goal, GridStats &work, SparseStats &result);
 
 /// A sparse grid from only the points of a uniform one: its cells are joined, not split. radiance: the coefficients of

@@ -10,8 +10,7 @@
 
 namespace q3 {
 
-// ---- Moments of one polygon as the receivers of a batch see it: the formulas of polygon_moments.h,
-// laid out for vector code.
+// ---- Moments of one polygon as the receivers of a batch see it: polygon_moments.h, laid out for SIMD ----
 
 Q3_VECTOR void MomentLanes::SeenCorner::See(Vec3f corner, const Lanes3 &receivers) {
     Q3_INDEPENDENT
@@ -172,7 +171,7 @@ struct PickedTriangle {
         before = i == 0 ? 0 : double(sums[i - 1]);
         size = double(sums[i]) - before;
     }
-    /// u as a share of this triangle, 0 to 1.
+    /// u as a fraction of this triangle, 0 to 1.
     double Within(double u) const { return size > 0 ? std::min(1.0, std::max(0.0, (u - before) / size)) : 0; }
 };
 

@@ -19,14 +19,14 @@ namespace {
 constexpr float kPlaneClearance = 1.0f / 64;
 /// Lights that give less than this get one probe ray; brighter ones a ray to each corner. Byte scale.
 constexpr float kFaint = 1.0f / 4;
-/// Partly hidden lights that give less than this are scaled by the share of probe rays that arrive. Byte scale.
+/// Partly hidden lights that give less than this are scaled by the fraction of probe rays that arrive. Byte scale.
 constexpr float kRefine = 0.5f;
 /// Receivers that get at least 2 kRefine are also refined where visibility differs within the batch. From kBright on,
 /// additional probe rays to the inside of the emitter find small blockers that rays to its corners miss. Byte scale.
 constexpr float kBright = 2;
 constexpr int kInnerProbes = 2;
 /// A straight shadow edge across a convex emitter separates its corners, so each gets a probe ray, moved toward the
-/// center by this share.
+/// center by this fraction.
 constexpr float kCornerInset = 0.01f;
 /// Projections are approximated where the error stays below this. Byte scale.
 constexpr float kMomentError = 1.0f / 256;
@@ -47,12 +47,16 @@ int RefinedRays(float facing, float samples) {
            AreaSampler::kSamplesPerTake;
 }
 
-/// Coefficient k of lane i: += weight * Y[k](x y z), or = with kAdd false.
-template <bool kAdd>
+enum class Assign { Set, Add };
+
+/// Coefficient k of lane i: = weight * Y[k](x y z), or += with Assign::Add.
+template <Assign kAssign>
 inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, ProbeIncidentLight &incident) {
     const auto basis = SHBasis(Vec3f{x, y, z});
     auto &m = incident.shCoeffs;
-    const auto put = [&](Lanes &row, float value) { row[i] = kAdd ? row[i] + value * weight : value * weight; };
+    const auto put = [&](Lanes &row, float value) {
+        row[i] = kAssign == Assign::Add ? row[i] + value * weight : value * weight;
+    };
     put(m[0], basis[0]), put(m[1], basis[1]), put(m[2], basis[2]), put(m[3], basis[3]), put(m[4], basis[4]);
     put(m[5], basis[5]), put(m[6], basis[6]), put(m[7], basis[7]), put(m[8], basis[8]);
 }
@@ -169,15 +173,15 @@ bool AreaContribution::EstimateUnoccluded() {
     return live_.Any();
 }
 
-/// Sets partShare_; ends receivers at which the part is 0.
+/// Sets partFraction_; ends receivers at which the part is 0.
 Q3_VECTOR void AreaContribution::TakePart() {
-    partShare_.fill(1);
+    partFraction_.fill(1);
     if (settings_.part == LightPart::Whole)
         return;
-    const float color = MaxComponent(Max(light_.color, -light_.color)), weakBelow = settings_.weakBelow;
+    const float color = MaxAbsComponent(light_.color), weakBelow = settings_.weakBelow;
     for (const std::size_t i : kEachLane) {
-        partShare_[i] = ShareOfPart(settings_.part, color * unoccludedEstimate_[i], weakBelow);
-        live_[i] = partShare_[i] > 0 ? live_[i] : 0;
+        partFraction_[i] = FractionOfPart(settings_.part, color * unoccludedEstimate_[i], weakBelow);
+        live_[i] = partFraction_[i] > 0 ? live_[i] : 0;
     }
 }
 
@@ -252,10 +256,10 @@ void AreaContribution::TraceProbes(int probes) {
 /// Live receivers whose visibility the probe rays leave uncertain. Ends receivers from which no probe ray arrived;
 /// Refine makes those to be refined live again.
 Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
-    const float all = float(probes);
+    const float allProbes = float(probes);
     std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
     for (const std::size_t i : kEachLane) {
-        const std::int32_t whole = -std::int32_t(arrived_[i] == all), hidden = -std::int32_t(arrived_[i] == 0);
+        const std::int32_t whole = -std::int32_t(arrived_[i] == allProbes), hidden = -std::int32_t(arrived_[i] == 0);
         anyWhole |= live_[i] & whole, anyNotWhole |= live_[i] & ~whole;
         anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
     }
@@ -267,7 +271,7 @@ Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
     LaneMask unsure;
     for (const std::size_t i : kEachLane) {
         const float clear = arrived_[i], estimate = unoccludedEstimate_[i];
-        const std::int32_t partly = -std::int32_t((clear != all) & (clear != 0));
+        const std::int32_t partly = -std::int32_t((clear != allProbes) & (clear != 0));
         const std::int32_t asked =
             (partly & -std::int32_t(estimate >= partlyFrom)) | (mixed & -std::int32_t(estimate >= mixedFrom));
         unsure[i] = live_[i] & asked;
@@ -282,7 +286,7 @@ Q3_VECTOR void AreaContribution::ProjectAsPoint() {
     const Lanes3 &p = receivers_->position;
     for (const std::size_t i : kEachLane) {
         const auto [x, y, z, d] = DirectionOf(center.x - p.x[i], center.y - p.y[i], center.z - p.z[i]);
-        BasisLanes<false>(i, x, y, z, unoccludedEstimate_[i], *incident_);
+        BasisLanes<Assign::Set>(i, x, y, z, unoccludedEstimate_[i], *incident_);
     }
 }
 
@@ -292,7 +296,7 @@ Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
     for (const std::size_t i : kEachLane) {
         const auto [x, y, z, d] = DirectionOf(at.x - p.x[i], at.y - p.y[i], at.z - p.z[i]);
         const float divisor = d > 0 ? d : 1;
-        BasisLanes<true>(i, x, y, z, strength * height_[i] / (divisor * divisor * divisor), *incident_);
+        BasisLanes<Assign::Add>(i, x, y, z, strength * height_[i] / (divisor * divisor * divisor), *incident_);
     }
 }
 
@@ -314,12 +318,12 @@ void AreaContribution::ProjectByQuadrature() {
     }
 }
 
-/// Sets the projections of the near receivers, or of all, by closed form; also measures the moments of receivers to
-/// refine.
-void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
+/// Sets the projections of the near receivers by closed form, and those of the others if that is their method; also
+/// measures the moments of receivers to refine.
+void AreaContribution::TakeClosedForms(Method others, const LaneMask &refine) {
     LaneMask more, taken;
     for (const std::size_t i : kEachLane) {
-        taken[i] = all ? live_[i] : near_[i];
+        taken[i] = others == Method::ClosedForm ? live_[i] : near_[i];
         more[i] = (taken[i] | refine[i]) & ~near_[i];
     }
     if (more.Any())
@@ -328,10 +332,10 @@ void AreaContribution::TakeClosedForms(bool all, const LaneMask &refine) {
         moments_.Project(double(light_.add) / std::numbers::pi, taken, incident_->shCoeffs);
 }
 
-/// Visible shares and tints from the probe rays, for receivers that are not refined.
-Q3_VECTOR void AreaContribution::SetShares(float probes, const LaneMask &refine) {
+/// Visible fractions and tints from the probe rays, for receivers that are not refined.
+Q3_VECTOR void AreaContribution::SetVisibleFractions(float probes, const LaneMask &refine) {
     for (const std::size_t i : kEachLane)
-        share_[i] = refine[i] != 0 ? 1 : arrived_[i] / probes;
+        visibleFraction_[i] = refine[i] != 0 ? 1 : arrived_[i] / probes;
     if (!tinted_) {
         if (refine.Any()) // Refine may find tints
             incident_->tint.Fill({1, 1, 1});
@@ -352,8 +356,12 @@ void AreaContribution::SetProjection(std::size_t i, const SHVector &projection) 
         incident_->shCoeffs[k][i] = float(projection[k] * scale);
 }
 
-/// Corrects the closed form by many rays (a control variate): with V and W the sampled projections of the visible part
-/// and of the whole and f the visible share, f * exact + V - f * W is exact where nothing or everything is hidden.
+/// Corrects the closed form E by many rays, a control variate: with V and W the sampled projections of the visible part
+/// and of the whole light, and f the visible fraction,
+///
+///     projection = f E + V - f W
+///
+/// which is exact where nothing or everything is hidden.
 void AreaContribution::Refine(std::size_t i) {
     const int n = RefinedRays(unoccludedEstimate_[i], settings_.samples);
     const Vec3f lift = Vec3f(light_.shape.normal) * EmitterOffset(i);
@@ -380,27 +388,27 @@ void AreaContribution::Refine(std::size_t i) {
     if (clear == 0)
         return;
     tint += Vec3d{1, 1, 1} * double(clear);
-    const double share = double(clear) / n;
+    const double fraction = double(clear) / n;
     SHVector projection = moments_.Of(i).Projection();
     for (std::size_t k = 0; k < 9; ++k) {
         const double visible = SampleMoments::Total(moments.visible[k]), whole = SampleMoments::Total(moments.whole[k]);
-        projection[k] = share * projection[k] + (visible - share * whole) / n;
+        projection[k] = fraction * projection[k] + (visible - fraction * whole) / n;
     }
     SetProjection(i, projection);
     incident_->tint.Set(i, Vec3f(tint / double(clear)));
 }
 
-/// Applies share, weight and the cosine lobe; sets `add`.
+/// Applies fraction, weight and the cosine lobe; sets `add`.
 Q3_VECTOR void AreaContribution::Convolve() {
     const float fromAll = float(4 * std::numbers::pi * kSHC0);
     for (const std::size_t i : kEachLane)
-        share_[i] *= partShare_[i];
+        visibleFraction_[i] *= partFraction_[i];
     for (const std::size_t i : kEachLane)
-        incident_->add[i] = incident_->shCoeffs[0][i] * share_[i] * weight_ * fromAll;
+        incident_->add[i] = incident_->shCoeffs[0][i] * visibleFraction_[i] * weight_ * fromAll;
     for (std::size_t k = 0; k < 9; ++k) {
-        const float scale = weight_ * (settings_.radiance ? 1 : float(kCosineLobe[k]));
+        const float scale = weight_ * float(StoredFactor(k, settings_.radiance));
         for (const std::size_t i : kEachLane)
-            incident_->shCoeffs[k][i] = live_[i] != 0 ? incident_->shCoeffs[k][i] * share_[i] * scale : 0;
+            incident_->shCoeffs[k][i] = live_[i] != 0 ? incident_->shCoeffs[k][i] * visibleFraction_[i] * scale : 0;
     }
 }
 
@@ -432,8 +440,8 @@ void AreaContribution::Add(ReceiverBatch &receivers, ProbeIncidentLight &inciden
     else if (method == Method::Quadrature)
         ProjectByQuadrature();
     counts_.skippedMoments += std::uint64_t(method == Method::ClosedForm ? 0 : live_.Count());
-    TakeClosedForms(method == Method::ClosedForm, refine);
-    SetShares(float(probes), refine);
+    TakeClosedForms(method, refine);
+    SetVisibleFractions(float(probes), refine);
     for (unsigned lanes = refine.Bits(); lanes != 0; lanes &= lanes - 1)
         Refine(std::size_t(std::countr_zero(lanes)));
     Convolve();

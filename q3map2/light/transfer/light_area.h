@@ -14,8 +14,8 @@ namespace q3 {
 /// Each receiver first casts a few probe rays to the emitter: one for a faint light, else one to each corner and, for a
 /// bright light, some to its inside. If all arrive, the projection is the closed form of the whole polygon; if none
 /// does, it is zero. If some do, or if the receivers of the batch disagree about a bright light, the receiver is
-/// refined: many rays correct the closed form. A partly visible light too dim for that is scaled by the share of probe
-/// rays that arrive.
+/// refined: many rays correct the closed form. A partly visible light too dim for that is scaled by the fraction of
+/// probe rays that arrive.
 class AreaContribution {
   public:
     AreaContribution(const Light &light, float weight, const LightSettings &settings, const LightScene &scene,
@@ -48,8 +48,8 @@ class AreaContribution {
     void ProjectAsPoint();
     void AddSample(const Vec3f &at, float strength);
     void ProjectByQuadrature();
-    void TakeClosedForms(bool all, const LaneMask &refine);
-    void SetShares(float probes, const LaneMask &refine);
+    void TakeClosedForms(Method others, const LaneMask &refine);
+    void SetVisibleFractions(float probes, const LaneMask &refine);
     void SetProjection(std::size_t i, const SHVector &projection);
     void Refine(std::size_t i);
     void Convolve();
@@ -68,13 +68,13 @@ class AreaContribution {
     LaneMask below_{};         ///< behind the plane of the emitter
     LaneMask near_{};          ///< so near that only the closed form is accurate enough
     Lanes height_;             ///< distance to the plane of the light
-    Lanes partShare_;          ///< see ShareOfPart; 1 for LightPart::Whole
+    Lanes partFraction_;       ///< see FractionOfPart; 1 for LightPart::Whole
     Lanes unoccludedEstimate_; ///< approximate light without shadows on a surface facing the emitter; byte scale
     Lanes error_;              ///< (radius of the emitter / distance)^2, a measure of approximation error
     float brightest_ = 0;      ///< greatest unoccludedEstimate_
     MomentLanes moments_;      ///< of near receivers and, after TakeClosedForms, of all that need closed forms
     Lanes arrived_;            ///< number of probe rays that arrived
-    Lanes share_;              ///< visible share of the light; 1 for refined receivers, whose projection includes it
+    Lanes visibleFraction_;    ///< visible fraction of the light; 1 for refined receivers, whose projection includes it
     Lanes3 tintSum_;           ///< sum of the transmittances of the probe rays that arrived; valid if tinted_
     bool tinted_ = false;
 };

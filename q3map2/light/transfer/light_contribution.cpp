@@ -30,7 +30,7 @@ bool SelectFaintLight(float faint, float bound, float &residual, float &weight) 
 }
 
 float LightBound(const Light &light, const Boundsf &box) {
-    const float color = MaxComponent(Max(light.color, -light.color));
+    const float color = MaxAbsComponent(light.color);
     if (light.type == LightType::Sun)
         return color * light.photons;
     if (light.type != LightType::Area)
@@ -40,8 +40,8 @@ float LightBound(const Light &light, const Boundsf &box) {
     const Vec3f n(shape.normal), half = (box.maxs - box.mins) * 0.5f;
     const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
     const float height = std::abs(Dot(n, box.Center()) - float(shape.dist)) + reach;
-    const float share = d > 0 ? shape.area * std::min(1.0f, height / d) / (std::numbers::pi_v<float> * d * d) : 1;
-    return color * light.add * std::min(1.0f, share);
+    const float fraction = d > 0 ? shape.area * std::min(1.0f, height / d) / (std::numbers::pi_v<float> * d * d) : 1;
+    return color * light.add * std::min(1.0f, fraction);
 }
 
 // ---- Light of one source at points of the light grids ----
@@ -101,9 +101,9 @@ void Unshadowed(const Light &light, const LightSettings &settings, const Receive
 /// Projects light from one direction u on the SH basis: coefficient k is add * Y[k](u) times the convolution factor of
 /// its band. At the light's own position u is zero: light from all directions, band 0 alone.
 Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
-    const float s0 = float(kSHC0) * (radiance ? 1 : float(kCosineLobe[0]));
-    const float s1 = float(kSHC1) * (radiance ? 1 : float(kCosineLobe[1]));
-    const float band2 = radiance ? 1 : float(kCosineLobe[4]);
+    const float s0 = float(kSHC0) * float(StoredFactor(0, radiance));
+    const float s1 = float(kSHC1) * float(StoredFactor(1, radiance));
+    const float band2 = float(StoredFactor(4, radiance));
     const float s2 = float(kSHC2) * band2, s3 = float(kSHC3) * band2, s4 = float(kSHC4) * band2;
     auto &c = incident.shCoeffs;
     for (const std::size_t i : kEachLane) {
@@ -125,9 +125,9 @@ Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
 void TakePart(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
     if (settings.part == LightPart::Whole)
         return;
-    const float color = MaxComponent(Max(light.color, -light.color));
+    const float color = MaxAbsComponent(light.color);
     for (const std::size_t i : kEachLane) {
-        incident.add[i] *= ShareOfPart(settings.part, color * incident.add[i], settings.weakBelow);
+        incident.add[i] *= FractionOfPart(settings.part, color * incident.add[i], settings.weakBelow);
         incident.live[i] = incident.add[i] > 0 ? incident.live[i] : 0;
     }
 }
@@ -176,8 +176,7 @@ class SingleRayLight {
     float Prepare(std::size_t batch);
     /// Whether coarse visibility is good enough for a light that gives at most `strongest`.
     bool IsDim(float strongest) const {
-        return exact_ && settings_.skip.coarse &&
-               strongest * MaxComponent(Max(light_.color, -light_.color)) * settings_.samples < kDim;
+        return exact_ && settings_.skip.coarse && strongest * MaxAbsComponent(light_.color) * settings_.samples < kDim;
     }
     void Cast(RayPacket &rays) const {
         const ShadowRules rules = exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid;

@@ -26,16 +26,16 @@ bool SelectFaintLight(float faint, float bound, float &residual, float &weight);
 ///                  height of the box over its plane divided by d, at most 1
 float LightBound(const Light &light, const Boundsf &box);
 
-/// The part of each light that a grid pass traces. Weak and strong part add up to the light; see ShareOfPart.
+/// The part of each light that a grid pass traces. Weak and strong part add up to the light; see FractionOfPart.
 enum class LightPart {
     Whole,
     Strong, ///< no rays are cast to lights without a strong part
     Weak    ///< for receivers that may be far apart: that their visibility differs is no cause for further rays
 };
 
-/// Share of a part in a light that gives a receiver `light` without shadows. That of the weak part is 1 up to half of
-/// weakBelow, 0 from weakBelow on, linear between. light, weakBelow: byte scale.
-inline float ShareOfPart(LightPart part, float light, float weakBelow) {
+/// Fraction of a part in a light that gives a receiver `light` without shadows. That of the weak part is 1 up to half
+/// of weakBelow, 0 from weakBelow on, linear between. light, weakBelow: byte scale.
+inline float FractionOfPart(LightPart part, float light, float weakBelow) {
     const float slope = 2 - 2 * light / weakBelow, weak = slope > 0 ? std::min(slope, 1.0f) : 0;
     return part == LightPart::Whole ? 1 : part == LightPart::Weak ? weak : 1 - weak;
 }
@@ -51,7 +51,7 @@ struct LightSettings {
     float faint =
         0; ///< area lights that give a batch less may be represented by others, see SelectFaintLight. Byte scale
     LightPart part = LightPart::Whole; ///< others: GridSH only
-    float weakBelow = 0;               ///< see ShareOfPart. Byte scale
+    float weakBelow = 0;               ///< see FractionOfPart. Byte scale
 };
 
 /// Sets incident[i] to the light of `light`, times `weight`, at batches[i]: falloff, cones, form factors, sides,

@@ -77,7 +77,7 @@ void PointLight(const Light &light, const Lanes &angle, IncidentLight &incident)
         return;
     for (const std::size_t i : kEachLane)
         if (incident.live[i] != 0 && incident.add[i] > 0)
-            incident.add[i] *= ConeShare(light, incident.direction[i] * incident.distance[i]);
+            incident.add[i] *= ConeFraction(light, incident.direction[i] * incident.distance[i]);
 }
 
 Q3_VECTOR void AreaHeights(const Light &light, const Lanes3 &position, Lanes &s, Lanes3 &pushed) {

@@ -42,7 +42,7 @@ void AimAt(const Vec3f &target, const Lanes3 &position, IncidentLight &incident)
 /// Direction and distance of suns: the same for all receivers.
 void AimAtSun(const Light &light, IncidentLight &incident);
 
-/// Sets `add` of point lights and spotlights: Falloff at `distance`, with the angle's factor, times ConeShare.
+/// Sets `add` of point lights and spotlights: Falloff at `distance`, with the angle's factor, times ConeFraction.
 void PointLight(const Light &light, const Lanes &angle, IncidentLight &incident);
 
 /// s: signed height of each receiver over the plane of an area light; pushed: where its form factor is taken, moved

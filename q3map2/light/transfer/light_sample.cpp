@@ -93,8 +93,8 @@ Q3_VECTOR void CullAreaSides(const Lanes &s, SurfaceTransfer &t) {
         const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
         const float height = s[i];
         const bool behind = oneSided & (height < -kAreaBehind);
-        const bool own = (height > -kAreaOwnSide) & (along > kAreaOwnCosine);
-        const bool hidden = (height < kAreaOwnSide) & (behind | own);
+        const bool onEmitter = (height > -kAreaOwnSide) & (along > kAreaOwnCosine);
+        const bool hidden = (height < kAreaOwnSide) & (behind | onEmitter);
         t.incident.live[i] = hidden ? 0 : t.incident.live[i];
     }
 }

@@ -95,8 +95,8 @@ Vec3f RandomDirection(std::uint32_t seed, std::size_t ray) {
             float(std::cos(elevation))};
 }
 
-/// Share of a ray, from the receiver on, that lies behind a hit: 1 - (distance - b) / (length - b), b = kRayBackoff.
-float OccludedShare(float distance, float length) {
+/// Fraction of a ray, from the receiver on, that lies behind a hit: 1 - (distance - b) / (length - b), b = kRayBackoff.
+float OccludedFraction(float distance, float length) {
     return 1 - std::max(0.0f, distance - kRayBackoff) / std::max(kStep, length - kRayBackoff);
 }
 
@@ -106,7 +106,7 @@ Q3_VECTOR void CullDistant(const LightScene::Blockers &blockers, float sure, con
                            Lanes &occlusion, LaneMask &close) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const std::int32_t hit = blockers.hit[i], far = hit & (SignBits(sure - blockers.distance[i]) >> 31);
-        occlusion[i] += far != 0 ? OccludedShare(blockers.distance[i], length[i]) : 0;
+        occlusion[i] += far != 0 ? OccludedFraction(blockers.distance[i], length[i]) : 0;
         live[i] &= ~far;
         close[i] = hit & ~far;
     }
@@ -153,7 +153,7 @@ struct AmbientOcclusion::BlockerTracer {
     float nearest;
     float sure; ///< every hit beyond this distance counts
 
-    /// Removes blocked rays from `live` and adds their OccludedShare. counts(ray, distance, surface): whether a hit
+    /// Removes blocked rays from `live` and adds their OccludedFraction. counts(ray, distance, surface): whether a hit
     /// nearer than `sure` counts. Distances are from ray origins.
     template <typename Counts> void Run(LaneMask &live, Lanes &occlusion, RayCounts &work, const Counts &counts) const {
         Lanes from;
@@ -175,7 +175,7 @@ struct AmbientOcclusion::BlockerTracer {
                 const auto i = std::size_t(std::countr_zero(lanes));
                 const float distance = blockers.distance[i];
                 if (counts(i, distance, blockers.surface[i])) {
-                    occlusion[i] += OccludedShare(distance, rays.distance[i]);
+                    occlusion[i] += OccludedFraction(distance, rays.distance[i]);
                     live[i] = 0;
                 } else {
                     from[i] = distance + kStep;
@@ -297,8 +297,9 @@ void AmbientOcclusion::Dirt(const OcclusionReceivers &receivers, Nearby *nearby,
         AccumulateOcclusion(receivers, rays, rules, nearby, occlusion, counts);
     }
     for (std::size_t i = 0; i < receivers.count; ++i) {
-        const float share = occlusion[i] / float(dirtDirections_.size());
-        const float darkening = share > 0 ? std::min(1.0f, gain_ == 1 ? share : std::pow(share, gain_)) * scale_ : 0;
+        const float fraction = occlusion[i] / float(dirtDirections_.size());
+        const float darkening =
+            fraction > 0 ? std::min(1.0f, gain_ == 1 ? fraction : std::pow(fraction, gain_)) * scale_ : 0;
         dirt[i] = 1 - std::min(1.0f, darkening);
     }
 }
@@ -322,10 +323,10 @@ void AmbientOcclusion::SkyVisibility(const OcclusionReceivers &receivers, float 
         AccumulateOcclusion(receivers, rays, rules, nullptr, occlusion, counts);
         if (!useRay)
             continue;
-        Lanes share;
+        Lanes fraction;
         for (const std::size_t i : kEachLane)
-            share[i] = (1 - (occlusion[i] - before[i])) / float(floodDirections_.size());
-        useRay(rays.direction, share);
+            fraction[i] = (1 - (occlusion[i] - before[i])) / float(floodDirections_.size());
+        useRay(rays.direction, fraction);
     }
     for (std::size_t i = 0; i < receivers.count; ++i)
         visibility[i] = std::clamp(1 - occlusion[i] / float(floodDirections_.size()), 0.0f, 1.0f);
@@ -348,8 +349,8 @@ void AmbientOcclusion::OpenSky(const OcclusionReceivers &receivers, Lanes3 &sky,
         for (std::size_t i = 0; i < receivers.count; ++i) {
             if (rays.live[i] == 0)
                 continue;
-            const float share = rays.tinted ? Luminance(rays.tint[i]) / Luminance({1, 1, 1}) : 1;
-            directions[i] += rays.direction[i] * share, open[i] += share;
+            const float fraction = rays.tinted ? Luminance(rays.tint[i]) / Luminance({1, 1, 1}) : 1;
+            directions[i] += rays.direction[i] * fraction, open[i] += fraction;
         }
     }
     for (std::size_t i = 0; i < receivers.count; ++i)
@@ -374,8 +375,8 @@ void ForMappedLuxelBatches(const SurfaceInputs &in, SurfaceLight &surfaces,
     in.jobs.For(std::int64_t(tasks.size()), [&](std::int64_t number, int worker) {
         const Task &task = tasks[std::size_t(number)];
         RawLightmap &raw = surfaces.lightmaps[task.lightmap];
-        const std::vector<std::uint32_t> &all = luxels[task.lightmap];
-        const std::size_t end = std::min(all.size(), task.first + kTaskBlocks * kPacketSize);
+        const std::vector<std::uint32_t> &mapped = luxels[task.lightmap];
+        const std::size_t end = std::min(mapped.size(), task.first + kTaskBlocks * kPacketSize);
         std::vector<OcclusionReceivers> blocks;
         std::vector<LuxelIndices> numbers;
         for (std::size_t i = task.first; i < end; ++i) {
@@ -385,9 +386,9 @@ void ForMappedLuxelBatches(const SurfaceInputs &in, SurfaceLight &surfaces,
                 blocks.back().surfaces = raw.surfaces;
                 numbers.emplace_back();
             }
-            numbers.back()[blocks.back().count] = all[i];
-            blocks.back().Add(raw.positions[all[i]], raw.normals[all[i]],
-                              std::uint32_t(task.lightmap) * kSeedStep + all[i]);
+            numbers.back()[blocks.back().count] = mapped[i];
+            blocks.back().Add(raw.positions[mapped[i]], raw.normals[mapped[i]],
+                              std::uint32_t(task.lightmap) * kSeedStep + mapped[i]);
         }
         batch(raw, blocks, numbers, std::size_t(worker));
     });

@@ -32,19 +32,19 @@ class AmbientOcclusion {
   public:
     explicit AmbientOcclusion(const SurfaceInputs &in);
 
-    /// Factor of light: 1 - min(1, dirtScale * o^dirtGain), where o is the mean over rays of the share of the ray,
+    /// Factor of light: 1 - min(1, dirtScale * o^dirtGain), where o is the mean over rays of the fraction of the ray,
     /// dirtDepth long, that is behind its first hit. Fastest if the blocks are near each other.
     void Dirt(std::span<const OcclusionReceivers> blocks, std::vector<Lanes> &dirt, RayCounts &counts) const;
-    /// Takes one ray of each receiver. visibility: share of the ray before its first hit, divided by the number of
+    /// Takes one ray of each receiver. visibility: fraction of the ray before its first hit, divided by the number of
     /// rays.
     using UseSkyRay = std::function<void(const Lanes3 &direction, const Lanes &visibility)>;
-    /// Mean over rays, `distance` long, of the share of the ray before its first hit: 0 to 1. useRay, unless empty, is
-    /// called with each ray.
+    /// Mean over rays, `distance` long, of the fraction of the ray before its first hit: 0 to 1. useRay, unless empty,
+    /// is called with each ray.
     void SkyVisibility(const OcclusionReceivers &receivers, float distance, Lanes &visibility, RayCounts &counts,
                        const UseSkyRay &useRay = {}) const;
 
-    /// Mean direction of the rays over the hemisphere that reach a sky; its length is the share of rays that do. Light
-    /// absorbed by see-through surfaces counts as occluded.
+    /// Mean direction of the rays over the hemisphere that reach a sky; its length is the fraction of rays that do.
+    /// Light absorbed by see-through surfaces counts as occluded.
     void OpenSky(const OcclusionReceivers &receivers, Lanes3 &sky, RayCounts &counts) const;
 
   private:
@@ -63,7 +63,7 @@ class AmbientOcclusion {
     /// All blockers of the map, for dirt of luxels; made at the first call.
     const Nearby &AllBlockers() const;
     void Dirt(const OcclusionReceivers &receivers, Nearby *nearby, Lanes &dirt, RayCounts &counts) const;
-    /// Adds to `occlusion` the share of each live ray behind its first hit on a solid or, if it hits none, on a
+    /// Adds to `occlusion` the fraction of each live ray behind its first hit on a solid or, if it hits none, on a
     /// surface. nearby: all blockers that rays can hit; null: the scene is traced.
     void AccumulateOcclusion(const OcclusionReceivers &receivers, const RayPacket &rays, const NearHitRules &rules,
                              Nearby *nearby, Lanes &occlusion, RayCounts &counts) const;

@@ -22,15 +22,15 @@ void SmoothDirt(RawLightmap &raw) {
                 counted[at(x, y)] = raw.dirt[luxel];
     for (std::size_t y = 0; y < height; ++y)
         for (std::size_t x = 0; x < width; ++x) {
-            float &own = counted[at(x, y)];
-            float sum = 0, count = own > 0 ? 0 : 1; // a luxel itself always counts
+            float &factor = counted[at(x, y)];
+            float sum = 0, count = factor > 0 ? 0 : 1; // a luxel itself always counts
             for (const std::size_t first : {y * row + x, (y + 1) * row + x, (y + 2) * row + x})
                 for (std::size_t i = first; i < first + 3; ++i)
                     sum += counted[i], count += counted[i] > 0 ? 1.0f : 0.0f;
             const std::size_t luxel = y * width + x;
             raw.dirt[luxel] = sum / count;
             if (raw.Mapped(luxel))
-                own = raw.dirt[luxel];
+                factor = raw.dirt[luxel];
         }
 }
 
@@ -73,7 +73,7 @@ FloodSource ShaderFlood(const SurfaceInputs &in, const RawLightmap &raw) {
 }
 
 /// Adds the directional channels of floodlight `light` at a block of receivers, ray by ray. The light of a ray is
-/// visibility / cosine, so that it gives its share of `light` on the receiver's normal.
+/// visibility / cosine, so that it gives its fraction of `light` on the receiver's normal.
 class FloodChannels {
   public:
     FloodChannels(RawLightmap &raw, const Vec3f &light, const LuxelIndices &luxels, std::size_t count)
@@ -100,9 +100,9 @@ class FloodChannels {
 };
 
 float DirectionScale(const SurfaceInputs &in, const RawLightmap &raw) {
-    const bool own = ShaderFlood(in, raw).light != Vec3f{};
-    const float scale = own ? in.table[std::size_t(raw.surfaces.front())].shader->lightmap.floodDirectionScale
-                            : in.world.floodDirectionScale;
+    const bool byShader = ShaderFlood(in, raw).light != Vec3f{};
+    const float scale = byShader ? in.table[std::size_t(raw.surfaces.front())].shader->lightmap.floodDirectionScale
+                                 : in.world.floodDirectionScale;
     return scale < 0 ? 1 : scale;
 }
 

@@ -18,7 +18,7 @@ constexpr float kMinCosine = 0.95f, kMaxSlope = 0.2f;
 } // namespace
 
 NoiseFilter::NoiseFilter(const RawLightmap &raw, std::span<const float> luminance, std::span<const float> deviation)
-    : raw_(raw), neighbors_(luminance.size()), weights_(luminance.size()), shares_(luminance.size()) {
+    : raw_(raw), neighbors_(luminance.size()), weights_(luminance.size()), fractions_(luminance.size()) {
     FindNeighbors();
     std::vector<float> noise(luminance.size()), difference(luminance.size());
     for (std::size_t i = 0; i < luminance.size(); ++i)
@@ -30,7 +30,7 @@ NoiseFilter::NoiseFilter(const RawLightmap &raw, std::span<const float> luminanc
     for (std::size_t i = 0; i < luminance.size(); ++i)
         if (raw.Mapped(i)) {
             const float n = Mean<float>(i, noise), d = Mean<float>(i, difference);
-            shares_[i] = n >= d ? 1 : n / d;
+            fractions_[i] = n >= d ? 1 : n / d;
         }
 }
 
@@ -85,7 +85,7 @@ void NoiseFilter::Apply(BounceEstimate &estimate) const {
             Vec3f change;
             ForWindow(i, [&](std::size_t other, int bit, float weight) {
                 if ((neighbors_[i] >> bit & 1) != 0)
-                    change += (values[other] - values[i]) * (weight * std::min(shares_[i], shares_[other]));
+                    change += (values[other] - values[i]) * (weight * std::min(fractions_[i], fractions_[other]));
             });
             filtered[i] += change / weights_[i];
         }

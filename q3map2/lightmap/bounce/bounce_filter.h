@@ -25,9 +25,10 @@ struct BounceEstimate {
 /// give every set of GatherDirections equal weight in the mean, since sets repeat every 4 luxels. Neighbors that are
 /// not mapped, on another plane, not facing the same way, or without such a neighbor on the opposite side are left out,
 /// so that linear gradients stay. With D the difference, k the weight of the luxel in its mean and s2 the variance of
-/// the estimate, the share t of the mean that minimizes the squared error is (1 - k) sum s2 / sum D^2, sums taken over
-/// the neighborhood (Stein's estimate): 1 where light is even, near 0 where it varies more than its noise, such as in a
-/// corner. Two luxels exchange light by the smaller of their shares, which keeps the sum of light except at edges.
+/// the estimate, the fraction t of the mean that minimizes the squared error is (1 - k) sum s2 / sum D^2, sums taken
+/// over the neighborhood (Stein's estimate): 1 where light is even, near 0 where it varies more than its noise, such as
+/// in a corner. Two luxels exchange light by the smaller of their fractions, which keeps the sum of light except at
+/// edges.
 class NoiseFilter {
   public:
     /// By luxel: luminance of the irradiance, and a sample of its error, whose square estimates the variance. Keeps a
@@ -46,7 +47,7 @@ class NoiseFilter {
     const RawLightmap &raw_;
     std::vector<std::uint32_t> neighbors_; // by luxel: bit set of places in the window that hold a neighbor
     std::vector<float> weights_;           // by luxel: sum of the weights of its neighbors
-    std::vector<float> shares_;            // by luxel: share t of the mean
+    std::vector<float> fractions_;         // by luxel: fraction t of the mean
 };
 
 } // namespace q3

@@ -20,7 +20,7 @@ namespace {
 /// Rays per luxel without -bouncerays: by default, under -fast, and the minimum for luxels of a super grid.
 constexpr int kRays = 64, kFastRays = 24, kMinRays = 4;
 /// Rays per vertex, as a multiple of the rays per luxel.
-constexpr int kVertexShare = 4;
+constexpr int kVertexRayFactor = 4;
 /// Above this number of hits (768 MiB) only some are kept.
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
 /// Rays of vertices start this far off their surface, or kMinRayLift where another surface is nearer. Game units.
@@ -40,7 +40,7 @@ BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces
                            const FaintPatches *patches)
     : scene_(scene), patches_(patches),
       luxelRays_(in.lightmap.bounceRays.value_or(in.options.fast ? kFastRays : kRays)),
-      vertexRays_(kVertexShare * in.lightmap.bounceRays.value_or(kRays)), origins_(surfaces.lightmaps.size()),
+      vertexRays_(kVertexRayFactor * in.lightmap.bounceRays.value_or(kRays)), origins_(surfaces.lightmaps.size()),
       rows_(surfaces.lightmaps.size()) {
     std::uint64_t texels = 0;
     for (const RawLightmap &raw : surfaces.lightmaps) {
@@ -121,7 +121,7 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &
     for (int ray = 0; ray < rows.rays; ++ray) {
         for (std::size_t i = 0; i < batch.count; ++i)
             rays.direction.Set(i, frames[i].World(directions.At(batch.choices[i], ray)));
-        const auto emitters = scene_.FirstEmitters(rays, true);
+        const auto emitters = scene_.FirstEmitters(rays, RayCoherence::Coherent);
         for (std::size_t i = 0; i < batch.count; ++i) {
             const std::size_t luxel = batch.luxels[i], at = batch.firstHits[i] + std::size_t(ray);
             rows.hits[at] = Dithered(emitters[i], raw.positions[luxel], raw.normals[luxel], raw.twoSided, at);
@@ -130,13 +130,13 @@ void BounceGather::TraceBatch(const RawLightmap &raw, const std::vector<Vec3f> &
 }
 
 /// The hit, or kNoEmitter if it is dropped. Hits carry no weight, so under -fast one is kept with the probability
-/// ContributionShare. `number` of the hit seeds that choice.
+/// ContributionFraction. `number` of the hit seeds that choice.
 EmitterId BounceGather::Dithered(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided,
                                  std::size_t number) const {
     if (!Emits(emitter) || !patches_)
         return emitter;
-    const float share = patches_->ContributionShare(emitter, position, normal, twoSided);
-    return share > float(HashIndex(number) >> 40) * 0x1p-24f ? emitter : kNoEmitter;
+    const float fraction = patches_->ContributionFraction(emitter, position, normal, twoSided);
+    return fraction > float(HashIndex(number) >> 40) * 0x1p-24f ? emitter : kNoEmitter;
 }
 
 /// Directional channels of one luxel, summed over its rays. Rays are cosine-weighted, so each is a directional light of
@@ -194,7 +194,7 @@ void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, 
     const HitRows &rows = keepAll_ ? rows_[lightmap] : traced;
     const bool deluxe = !estimate.directions.empty(), directional = raw.channels.Any();
     const GatherDirections &directions = DirectionsOf(raw);
-    const float share = 1 / float(rows.rays);
+    const float fraction = 1 / float(rows.rays);
     const float evenRays = float((rows.rays + 1) / 2), oddRays = float(std::max(1, rows.rays / 2));
     std::size_t next = 0;
     for (std::size_t luxel = 0; luxel < raw.luxelClusters.size(); ++luxel) {
@@ -218,12 +218,12 @@ void BounceGather::GatherLuxels(const Emission &emission, std::size_t lightmap, 
             if (directional)
                 channels.Add(from, emission[hit]);
         }
-        estimate.irradiance[luxel] = sum * share;
+        estimate.irradiance[luxel] = sum * fraction;
         difference[luxel] += (Luminance(even) / evenRays - Luminance(sum - even) / oddRays) / 2;
         if (directional)
-            channels.AddTo(estimate.channels, share, directions.FluenceScale(choice));
+            channels.AddTo(estimate.channels, fraction, directions.FluenceScale(choice));
         if (deluxe)
-            estimate.directions[luxel] = direction * (kDeluxeBounceShare / 255 * share);
+            estimate.directions[luxel] = direction * (kDeluxeBounceFraction / 255 * fraction);
     }
 }
 
@@ -253,7 +253,8 @@ void BounceGather::GatherTexels(const Emission &emission, std::size_t lightmap, 
 Vec3f BounceGather::VertexRayOrigin(const Vec3f &position, const Vec3f &normal) const {
     RayPacket ahead;
     ahead.Aim(0, position + normal * kMinRayLift, position + normal * kRayLift);
-    return position + normal * (!Emits(scene_.FirstEmitters(ahead, false)[0]) ? kRayLift : kMinRayLift);
+    return position +
+           normal * (!Emits(scene_.FirstEmitters(ahead, RayCoherence::Incoherent)[0]) ? kRayLift : kMinRayLift);
 }
 
 std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec3f &normal, bool twoSided, int count,
@@ -262,7 +263,7 @@ std::vector<EmitterId> BounceGather::VertexHits(const Vec3f &position, const Vec
     const Vec3f start = VertexRayOrigin(position, normal);
     std::vector<EmitterId> hits(std::size_t(count), kNoEmitter);
     auto rays = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
-        const auto found = scene_.FirstEmitters(packet, false);
+        const auto found = scene_.FirstEmitters(packet, RayCoherence::Incoherent);
         for (std::size_t i = 0; i < numbers.size(); ++i)
             hits[numbers[i]] = Dithered(found[i], position, normal, twoSided, numbers[i]);
     });
@@ -294,7 +295,7 @@ constexpr float kFacingSum = 4;
 void PointGather::Gather(const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) const {
     rays.clear();
     auto queue = MakeRayBatcher<Vec3f>([&](RayPacket &packet, std::span<const Vec3f> directions) {
-        const auto found = scene_.FirstEmitters(packet, false);
+        const auto found = scene_.FirstEmitters(packet, RayCoherence::Incoherent);
         for (std::size_t i = 0; i < directions.size(); ++i)
             if (Emits(found[i]))
                 rays.push_back({directions[i], emission_[found[i]] * (kFacingSum / float(rays_))});

@@ -31,7 +31,7 @@ void ForVertexReceivers(const SurfaceInputs &in, const SurfaceLight &surfaces, s
         center += surfaces.verts[std::size_t(v)].xyz / float(surface.numVerts);
     for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {
         const auto &[at, normal, st, luxel] = surfaces.verts[std::size_t(v)];
-        const Vec3f way = center - at, inward = way - normal * Dot(way, normal);
+        const Vec3f offset = center - at, inward = offset - normal * Dot(offset, normal);
         use(v, at + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward))));
     }
 }

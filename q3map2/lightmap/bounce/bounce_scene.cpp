@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/light/batch/ray_packet.h"
-#include "q3map2/light/scene/light_embree.h"
+#include "q3map2/lightmap/raw/face_scene.h"
 #include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
@@ -71,17 +71,17 @@ CoarseTexture::CoarseTexture(const ShaderInfo &shader, const LightmapOptions &op
 /// Texels at the rim of a surface may have light but no surface under their center: they get the mean reflectance of
 /// their neighbors.
 void FillUnmapped(const RawLightmap &raw, std::span<Vec3f> texels) {
-    const std::vector<Vec3f> own(texels.begin(), texels.end());
+    const std::vector<Vec3f> before(texels.begin(), texels.end());
     for (int y = 0; y < raw.height; ++y)
         for (int x = 0; x < raw.width; ++x) {
-            if (own[raw.Index(x, y)] != Vec3f{})
+            if (before[raw.Index(x, y)] != Vec3f{})
                 continue;
             Vec3f sum;
             float count = 0;
-            for (int ny = std::max(0, y - 1); ny <= std::min(raw.height - 1, y + 1); ++ny)
-                for (int nx = std::max(0, x - 1); nx <= std::min(raw.width - 1, x + 1); ++nx)
-                    if (own[raw.Index(nx, ny)] != Vec3f{})
-                        sum += own[raw.Index(nx, ny)], count += 1;
+            ForNeighborhood(x, y, raw.width, raw.height, [&](int nx, int ny) {
+                if (const Vec3f &neighbor = before[raw.Index(nx, ny)]; neighbor != Vec3f{})
+                    sum += neighbor, count += 1;
+            });
             if (count > 0)
                 texels[raw.Index(x, y)] = sum / count;
         }
@@ -102,39 +102,22 @@ float BounceScale(const SurfaceInputs &in, std::size_t surface) {
 }
 
 struct BounceScene::State {
-    struct Triangle {
-        int surface = 0;
-        std::array<FaceCorner, 3> corners;
-        Vec3f normal; // on the front side, not normalized
+    /// What a ray meets on the surface.
+    struct Reflection {
         bool emits = false, twoSided = false;
     };
-    struct Hit {
-        const Triangle *triangle = nullptr; // null: a miss, or a surface that does not emit
-        float u = 0, v = 0;
-        bool back = false; // whether the ray hit the back of a one-sided surface
-    };
-    std::vector<Triangle> triangles;
+    FaceScene faces;
+    std::vector<Reflection> reflections; ///< by draw surface
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
     const EmitterIndex &emitters;
     std::map<const ShaderInfo *, CoarseTexture> textures;
-    DevicePtr device;
-    ScenePtr scene;
 
     State(const SurfaceInputs &inputs, const SurfaceLight &light, const EmitterIndex &numbers)
-        : in(inputs), surfaces(light), emitters(numbers) {}
+        : reflections(inputs.bsp.drawSurfaces.size()), in(inputs), surfaces(light), emitters(numbers) {}
 
-    void Add(int surface, const FaceCorner &a, const FaceCorner &b, const FaceCorner &c, const Vec3f &front, bool emits,
-             bool twoSided) {
-        Vec3f normal = Cross(c.xyz - a.xyz, b.xyz - a.xyz);
-        if (Dot(normal, front) < 0)
-            normal = -normal;
-        triangles.push_back({surface, {a, b, c}, normal, emits, twoSided});
-    }
     void AddSurface(int number);
-    void Commit();
-    std::array<Hit, kPacketSize> Trace(const RayPacket &rays, bool coherent) const;
-    EmitterId EmitterAt(const Hit &hit) const;
+    EmitterId EmitterAt(const FaceTriangle &triangle, float u, float v) const;
     Vec3f ColorAt(int surface, const std::array<float, 2> &st) const {
         constexpr Vec3f kMost{kMaxReflectance, kMaxReflectance, kMaxReflectance};
         const CoarseTexture &texture = textures.at(in.table[std::size_t(surface)].shader);
@@ -147,66 +130,21 @@ void BounceScene::State::AddSurface(int number) {
     const ShaderInfo &shader = *in.table[index].shader;
     if (!IsInBounceScene(in, index))
         return;
-    const bool emits = shader.bounceScale > 0;
-    if (emits)
+    reflections[index] = {shader.bounceScale > 0, shader.twoSided};
+    if (reflections[index].emits)
         textures.try_emplace(&shader, shader, in.lightmap);
-    for (const Face &face : FacesOf(in, surfaces, index)) {
-        Vec3f front;
-        for (const FaceCorner &corner : face)
-            front += corner.normal;
-        for (std::size_t i = 2; i < face.size(); ++i)
-            Add(number, face[0], face[i - 1], face[i], front, emits, shader.twoSided);
-    }
+    for (const Face &face : FacesOf(in, surfaces, index))
+        faces.Add(number, face);
 }
 
-void BounceScene::State::Commit() {
-    device = NewDevice();
-    scene = NewScene(device.get());
-    if (triangles.empty())
-        return rtcCommitScene(scene.get());
-    std::vector<float> corners;
-    corners.reserve(9 * triangles.size());
-    for (const Triangle &triangle : triangles)
-        for (const FaceCorner &corner : triangle.corners)
-            corners.insert(corners.end(), {corner.xyz.x, corner.xyz.y, corner.xyz.z});
-    const GeometryPtr geometry = NewTriangles(device.get(), corners);
-    rtcAttachGeometry(scene.get(), geometry.get());
-    rtcCommitScene(scene.get());
-}
-
-std::array<BounceScene::State::Hit, kPacketSize> BounceScene::State::Trace(const RayPacket &rays, bool coherent) const {
-    alignas(64) RTCRayHit16 hits;
-    SetRays(rays.origin, rays.direction, rays.distance, rays.live, 0, hits.ray);
-    std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-    EmbreeContext context;
-    InitContext(context);
-    Intersect16(rays.live.data(), scene.get(), context, hits, coherent);
-    std::array<Hit, kPacketSize> found;
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        if (rays.live[i] != 0 && hits.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) {
-            const Triangle &triangle = triangles[hits.hit.primID[i]];
-            if (!triangle.twoSided && !(Dot(triangle.normal, rays.direction[i]) < 0))
-                found[i].back = true;
-            else if (triangle.emits)
-                found[i] = {&triangle, hits.hit.u[i], hits.hit.v[i], false};
-        }
-    return found;
-}
-
-EmitterId BounceScene::State::EmitterAt(const Hit &hit) const {
-    const auto &c = hit.triangle->corners;
-    const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
-    const int lightmap = surfaces.lightmapOf[std::size_t(hit.triangle->surface)];
-    if (lightmap < 0) {
-        const auto nearest = std::max_element(std::begin(weights), std::end(weights)) - std::begin(weights);
-        return emitters.Vertex(c[std::size_t(nearest)].vertex);
-    }
+EmitterId BounceScene::State::EmitterAt(const FaceTriangle &triangle, float u, float v) const {
+    const int lightmap = surfaces.lightmapOf[std::size_t(triangle.surface)];
+    if (lightmap < 0)
+        return emitters.Vertex(triangle.NearestVertex(u, v));
     const RawLightmap &raw = surfaces.lightmaps[std::size_t(lightmap)];
-    const auto texel = [&](std::size_t axis, int size) {
-        const float at = weights[0] * c[0].luxel[axis] + weights[1] * c[1].luxel[axis] + weights[2] * c[2].luxel[axis];
-        return std::clamp(int(at) / raw.super, 0, size - 1);
-    };
-    return emitters.Texel(std::size_t(lightmap), texel(0, raw.width), texel(1, raw.height));
+    const std::array<float, 2> luxel = triangle.LuxelAt(u, v);
+    const auto texel = [&](float at, int size) { return std::clamp(int(at) / raw.super, 0, size - 1); };
+    return emitters.Texel(std::size_t(lightmap), texel(luxel[0], raw.width), texel(luxel[1], raw.height));
 }
 
 EmitterIndex::EmitterIndex(const SurfaceLight &surfaces) {
@@ -225,28 +163,30 @@ BounceScene::BounceScene(const SurfaceInputs &in, const SurfaceLight &surfaces, 
     : state_(std::make_unique<State>(in, surfaces, emitters)) {
     for (std::size_t i = 0; i < in.bsp.drawSurfaces.size(); ++i)
         state_->AddSurface(int(i));
-    state_->Commit();
+    state_->faces.Commit();
     FindReflectance(in, surfaces, emitters);
 }
 
 BounceScene::~BounceScene() = default;
 
-std::array<EmitterId, kPacketSize> BounceScene::FirstEmitters(const RayPacket &rays, bool coherent) const {
+std::array<EmitterId, kPacketSize> BounceScene::FirstEmitters(const RayPacket &rays, RayCoherence coherence) const {
+    const FaceScene::Hits hits = state_->faces.FirstHits(rays, coherence);
     std::array<EmitterId, kPacketSize> found;
-    const auto hits = state_->Trace(rays, coherent);
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        found[i] = hits[i].triangle ? state_->EmitterAt(hits[i]) : hits[i].back ? kBackOfSurface : kNoEmitter;
+    for (std::size_t i = 0; i < kPacketSize; ++i) {
+        found[i] = kNoEmitter;
+        if (!hits.triangle[i])
+            continue;
+        const auto [emits, twoSided] = state_->reflections[std::size_t(hits.triangle[i]->surface)];
+        if (!twoSided && !hits.InFront(i, rays))
+            found[i] = kBackOfSurface;
+        else if (emits)
+            found[i] = state_->EmitterAt(*hits.triangle[i], hits.u[i], hits.v[i]);
+    }
     return found;
 }
 
 void BounceScene::TraceOccluded(RayPacket &rays) const {
-    alignas(64) RTCRay16 shadow;
-    SetRays(rays.origin, rays.direction, rays.distance, rays.live, 0, shadow);
-    EmbreeContext context;
-    InitContext(context);
-    Occluded16(rays.live.data(), state_->scene.get(), context, shadow);
-    for (const std::size_t i : kEachLane)
-        rays.live[i] &= shadow.tfar[i] < 0 ? 0 : -1;
+    state_->faces.TraceOccluded(rays);
 }
 
 void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters) {
@@ -254,17 +194,16 @@ void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &s
     in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int) {
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(number)];
         auto rays = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> texels) {
-            const auto hits = state_->Trace(packet, false);
-            for (std::size_t i = 0; i < texels.size(); ++i)
-                if (const auto *triangle = hits[i].triangle) {
-                    const auto &c = triangle->corners;
-                    const auto st = [&](std::size_t axis) {
-                        return (1 - hits[i].u - hits[i].v) * c[0].st[axis] + hits[i].u * c[1].st[axis] +
-                               hits[i].v * c[2].st[axis];
-                    };
+            const FaceScene::Hits hits = state_->faces.FirstHits(packet, RayCoherence::Incoherent);
+            for (std::size_t i = 0; i < texels.size(); ++i) {
+                if (!hits.triangle[i])
+                    continue;
+                const FaceTriangle &triangle = *hits.triangle[i];
+                const auto [emits, twoSided] = state_->reflections[std::size_t(triangle.surface)];
+                if (emits && (twoSided || hits.InFront(i, packet)))
                     reflectance_[emitters.FirstOf(std::size_t(number)) + texels[i]] =
-                        state_->ColorAt(triangle->surface, {st(0), st(1)});
-                }
+                        state_->ColorAt(triangle.surface, triangle.TextureAt(hits.u[i], hits.v[i]));
+            }
         });
         for (int y = 0; y < raw.height; ++y)
             for (int x = 0; x < raw.width; ++x) {

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The surfaces that reflect bounced light, as a scene for gather rays.
 #pragma once
 
+#include "q3map2/light/batch/ray_packet.h"
 #include "q3map2/lightmap/raw/surface_faces.h"
 
 #include <memory>
@@ -52,8 +53,8 @@ class BounceScene {
     ~BounceScene();
 
     /// The emitter at the first hit of each live ray; kBackOfSurface for backs of one-sided surfaces, kNoEmitter for
-    /// misses and for surfaces that reflect nothing. coherent: hint that rays are nearly parallel.
-    std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays, bool coherent) const;
+    /// misses and for surfaces that reflect nothing.
+    std::array<EmitterId, kPacketSize> FirstEmitters(const RayPacket &rays, RayCoherence coherence) const;
     /// Clears the live lanes of rays that meet a surface within their distance, from either side.
     void TraceOccluded(RayPacket &rays) const;
     /// By emitter and channel: color of the texture at the emitter times BounceScale, at most kMaxReflectance.

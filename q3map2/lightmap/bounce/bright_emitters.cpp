@@ -19,8 +19,9 @@ namespace {
 /// Russian roulette: a node that gives less light than this to a receiver (on a surface, or a point in the open) is
 /// sampled with a probability proportional to its light. Byte scale.
 constexpr float kSurfaceRoulette = 0.1f, kPointRoulette = 0.5f;
-/// Shadow rays end kPatchGap (game units) in front of the patch, but at least at the share kPatchWay of the way to it.
-constexpr float kPatchGap = 0.25f, kPatchWay = 0.99f;
+/// Shadow rays end kPatchGap (game units) in front of the patch, but at least at the fraction kPatchFraction of the
+/// distance to it.
+constexpr float kPatchGap = 0.25f, kPatchFraction = 0.99f;
 constexpr std::uint64_t kRouletteSeed = 0x526F756C65747465u, kStrideSeed = 0x537472696465u;
 /// A faint node is tried at every stride-th receiver, and the stride is at most this.
 constexpr float kMaxStride = 64;
@@ -84,34 +85,34 @@ BrightEmitters::BrightEmitters(const SurfaceInputs &in, const SurfaceLight &surf
 bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::uint32_t number, std::uint32_t stride,
                                 Sample &sample, Vec3f &target) const {
     const BrightTree::Node &node = tree_.At(number);
-    const Vec3f way = node.center - receivers.origin[i];
-    const float distance2 = std::max(Dot(way, way), 1e-6f);
-    const Vec3f direction = way / std::sqrt(distance2);
+    const Vec3f offset = node.center - receivers.origin[i];
+    const float distance2 = std::max(Dot(offset, offset), 1e-6f);
+    const Vec3f direction = offset / std::sqrt(distance2);
     const bool oriented = receivers.normal[i] != Vec3f{};
     const float cosine = oriented ? Dot(direction, receivers.normal[i]) : 1;
     const float emitted = node.twoSided ? std::abs(Dot(direction, node.axis)) : -Dot(direction, node.axis);
     if (!(cosine > 0) || !(emitted > 0))
         return false;
     // Form factor of a disk instead of a point: it stays below 1 at small distances.
-    float share = emitted / (std::numbers::pi_v<float> * distance2 + node.area * emitted);
+    float fraction = emitted / (std::numbers::pi_v<float> * distance2 + node.area * emitted);
     const std::uint64_t hash = HashIndex(kRouletteSeed + (std::uint64_t(receivers.tag[i]) << 24) + number);
     // The caller tries this receiver with probability 1 / stride.
-    const float strength = Luminance(node.power) * share * cosine,
+    const float strength = Luminance(node.power) * fraction * cosine,
                 rouletteLimit = receivers.rouletteLimit / float(stride);
     if (strength < rouletteLimit) {
         const auto u = float(hash >> 40) * 0x1p-24f;
         if (u * rouletteLimit >= strength)
             return false;
-        share *= rouletteLimit / strength;
+        fraction *= rouletteLimit / strength;
     }
-    share *= float(stride);
+    fraction *= float(stride);
     const BrightPatch &patch = tree_.PatchAt(node, float(hash & 0xFFFFFF) * 0x1p-24f);
     if (patches_ && oriented)
-        share *=
-            patches_->ContributionShare(patch.emitter, receivers.position[i], receivers.normal[i], receivers.twoSided);
-    sample = {i, direction, node.power * share};
+        fraction *= patches_->ContributionFraction(patch.emitter, receivers.position[i], receivers.normal[i],
+                                                   receivers.twoSided);
+    sample = {i, direction, node.power * fraction};
     target = patch.center;
-    return share > 0;
+    return fraction > 0;
 }
 
 void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> &samples) const {
@@ -134,10 +135,11 @@ void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> 
             Vec3f target;
             if (!SampleNode(receivers, i, node, stride, sample, target))
                 continue;
-            const Vec3f way = target - receivers.origin[i];
-            const float length = Length(way);
+            const Vec3f offset = target - receivers.origin[i];
+            const float length = Length(offset);
             if (length > 0)
-                rays.Add(sample, receivers.origin[i], way / length, std::max(length - kPatchGap, length * kPatchWay));
+                rays.Add(sample, receivers.origin[i], offset / length,
+                         std::max(length - kPatchGap, length * kPatchFraction));
         }
     }
     rays.Flush();
@@ -165,7 +167,7 @@ void BrightEmitters::AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f
                 const Vec3f light = sample.light * Dot(sample.direction, raw.normals[luxel]);
                 estimate.irradiance[luxel] += light;
                 if (!estimate.directions.empty())
-                    estimate.directions[luxel] += sample.direction * (Luminance(light) * kDeluxeBounceShare / 255);
+                    estimate.directions[luxel] += sample.direction * (Luminance(light) * kDeluxeBounceFraction / 255);
                 if (!raw.channels.Any())
                     continue;
                 const BasisNormals basis = raw.channels.basis ? raw.BasisOf(luxel) : BasisNormals{};

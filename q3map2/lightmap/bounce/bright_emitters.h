@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// Few gather rays hit the small bright spots that lamps make on nearby walls, and each hit adds much light: noise. So
+/// Few gather rays hit the small bright spots that lights make on nearby walls, and each hit adds much light: noise. So
 /// the part of an emitter's radiosity above a limit is removed from the gathered emission and sampled by shadow rays to
 /// the nodes of a light tree. Const after construction; safe from several threads.
 class BrightEmitters {

@@ -27,11 +27,11 @@ int FacingOf(const BrightPatch &patch) {
 
 /// Whether no receiver of the view can get light from the node.
 bool IsHidden(const BrightTree::Node &node, const TreeView &view, const BspSpace &space) {
-    const Vec3f way = node.center - view.center;
+    const Vec3f offset = node.center - view.center;
     const float reach = node.radius + view.radius;
-    if (view.normal != Vec3f{} && Dot(view.normal, way) < -reach)
+    if (view.normal != Vec3f{} && Dot(view.normal, offset) < -reach)
         return true;
-    if (!node.twoSided && node.minCosine > 0.999f && Dot(node.axis, way) > reach)
+    if (!node.twoSided && node.minCosine > 0.999f && Dot(node.axis, offset) > reach)
         return true;
     return node.cluster != BrightPatch::kNoCluster && !view.clusters.empty() &&
            std::none_of(view.clusters.begin(), view.clusters.end(),
@@ -173,7 +173,7 @@ std::pair<float, Vec3f> AreaAndCentroid(const Winding<float> &w) {
 }
 
 /// A triangle of a face; `normal` points to the front.
-struct FaceTriangle {
+struct EmittingTriangle {
     std::array<FaceCorner, 3> corners;
     Vec3f normal;   ///< unit
     float area = 0; ///< square game units
@@ -185,7 +185,7 @@ template <typename Use> void ForTriangles(const Face &face, const Use &use) {
     for (const FaceCorner &corner : face)
         front += corner.normal;
     for (std::size_t i = 2; i < face.size(); ++i) {
-        FaceTriangle triangle{{face[0], face[i - 1], face[i]}, {}, 0};
+        EmittingTriangle triangle{{face[0], face[i - 1], face[i]}, {}, 0};
         const Vec3f cross = Cross(face[i].xyz - face[0].xyz, face[i - 1].xyz - face[0].xyz);
         triangle.area = Length(cross) / 2;
         if (!(triangle.area > 0))
@@ -202,7 +202,7 @@ class LightmapPieces {
         : raw_(raw), first_(first), excess_(excess), width_(raw.width * kPieces), height_(raw.height * kPieces),
           pieces_(std::size_t(width_) * std::size_t(height_)) {}
 
-    void Add(const FaceTriangle &triangle, bool twoSided) {
+    void Add(const EmittingTriangle &triangle, bool twoSided) {
         LuxelTriangle inPieces;
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t axis = 0; axis < 2; ++axis)
@@ -258,7 +258,7 @@ class LightmapPieces {
 };
 
 /// Appends a patch for each corner of a triangle whose vertex has excess: the part of the triangle nearest to it.
-void AppendVertexPatches(const FaceTriangle &triangle, bool twoSided, const EmitterIndex &emitters,
+void AppendVertexPatches(const EmittingTriangle &triangle, bool twoSided, const EmitterIndex &emitters,
                          std::span<const Vec3f> excess, std::vector<BrightPatch> &patches) {
     constexpr float kOwn = 11.0f / 18, kOther = 7.0f / 36; // barycentric coordinates of the centroid of such a part
     for (std::size_t i = 0; i < 3; ++i) {
@@ -290,7 +290,7 @@ std::vector<BrightPatch> MakeBrightPatches(const SurfaceInputs &in, const Surfac
         for (const int surface : raw.surfaces)
             if (IsInBounceScene(in, std::size_t(surface)))
                 for (const Face &face : FacesOf(in, surfaces, std::size_t(surface)))
-                    ForTriangles(face, [&](const FaceTriangle &triangle) {
+                    ForTriangles(face, [&](const EmittingTriangle &triangle) {
                         pieces.Add(triangle, in.table[std::size_t(surface)].shader->twoSided);
                     });
         pieces.Append(patches);
@@ -301,7 +301,7 @@ std::vector<BrightPatch> MakeBrightPatches(const SurfaceInputs &in, const Surfac
             !anyIn(emitters.Vertex(surface.firstVert), std::size_t(surface.numVerts)))
             continue;
         for (const Face &face : FacesOf(in, surfaces, i))
-            ForTriangles(face, [&](const FaceTriangle &triangle) {
+            ForTriangles(face, [&](const EmittingTriangle &triangle) {
                 AppendVertexPatches(triangle, in.table[i].shader->twoSided, emitters, excess, patches);
             });
     }

@@ -31,7 +31,7 @@ constexpr int kMaxWeight = 5, kMaxSamples = 150;
 /// For form factors, receivers nearer to the plane of a patch than this are moved to this height over it. Game units.
 constexpr float kMinHeight = 8;
 /// The form factor that is compared with the tolerance is not clipped at the receiver's horizon: the part of the patch
-/// behind the receiver counts negative. Up to kMinHeight off the patch's plane, ContributionShare is the unclipped /
+/// behind the receiver counts negative. Up to kMinHeight off the patch's plane, ContributionFraction is the unclipped /
 /// the clipped form factor; from there it rises linearly to 1 at kClipHeight. Game units.
 constexpr float kClipHeight = 16;
 /// Receivers farther than this behind Patch::origin's plane, which is 1 unit in front of the patch, are behind the
@@ -139,7 +139,7 @@ void FaintPatches::PatchBuilder::Begin(std::size_t number) {
 
 void FaintPatches::PatchBuilder::Add(Face first) {
     for (const FaceCorner &corner : first)
-        if (!IsFinite(corner.xyz) || MaxComponent(Max(corner.xyz, -corner.xyz)) > kMaxCoordinate)
+        if (!IsFinite(corner.xyz) || MaxAbsComponent(corner.xyz) > kMaxCoordinate)
             return;
     const Winding<float> whole = WindingOf(first);
     const Boundsf bounds = WindingBounds(whole);
@@ -284,13 +284,13 @@ FaintPatches::FaintPatches(const SurfaceInputs &in, const SurfaceLight &surfaces
     }
 }
 
-float FaintPatches::ContributionShareOf(const Patch &patch, const Vec3f &position, const Vec3f &normal,
-                                        bool twoSided) const {
-    const float over = Dot(position, patch.normal) - patch.dist;
-    if ((!patch.twoSided && over < -kBehindPlane) || (!twoSided && Dot(patch.origin - position, normal) < 0))
+float FaintPatches::PatchContributionFraction(const Patch &patch, const Vec3f &position, const Vec3f &normal,
+                                              bool twoSided) const {
+    const float signedHeight = Dot(position, patch.normal) - patch.dist;
+    if ((!patch.twoSided && signedHeight < -kBehindPlane) || (!twoSided && Dot(patch.origin - position, normal) < 0))
         return 0;
-    const float height = std::abs(over);
-    const Vec3f p = height < kMinHeight ? position + patch.normal * (kMinHeight - over) : position;
+    const float height = std::abs(signedHeight);
+    const Vec3f p = height < kMinHeight ? position + patch.normal * (kMinHeight - signedHeight) : position;
     const Vec3f toCenter = patch.center - p;
     const float distance2 = Dot(toCenter, toCenter), ahead = Dot(normal, toCenter);
     const bool anySide = patch.twoSided || twoSided;

@@ -15,10 +15,10 @@ class FaintPatches {
     FaintPatches(const SurfaceInputs &in, const SurfaceLight &surfaces, const EmitterIndex &emitters,
                  std::span<const Vec3f> emission);
 
-    /// Share of the light of an emitter that counts at a receiver, 0 to 1.
-    float ContributionShare(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided) const {
+    /// Fraction of the light of an emitter that counts at a receiver, 0 to 1.
+    float ContributionFraction(EmitterId emitter, const Vec3f &position, const Vec3f &normal, bool twoSided) const {
         const std::uint32_t patch = patchOf_[emitter];
-        return patch == kNone ? 0 : ContributionShareOf(patches_[patch], position, normal, twoSided);
+        return patch == kNone ? 0 : PatchContributionFraction(patches_[patch], position, normal, twoSided);
     }
 
   private:
@@ -34,7 +34,8 @@ class FaintPatches {
         bool twoSided = false;
     };
     struct PatchBuilder;
-    float ContributionShareOf(const Patch &patch, const Vec3f &position, const Vec3f &normal, bool twoSided) const;
+    float PatchContributionFraction(const Patch &patch, const Vec3f &position, const Vec3f &normal,
+                                    bool twoSided) const;
 
     std::vector<Patch> patches_;
     std::vector<Vec3f> corners_;

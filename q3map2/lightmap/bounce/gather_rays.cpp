@@ -13,8 +13,8 @@ namespace {
 
 /// Ray origins are moved aside if a solid is this near. Game units.
 constexpr float kSolidMargin = 0.25f;
-/// A place is clear if at most kMaxBacks of kTestRays rays from it hit the back of a surface.
-constexpr int kTestRays = 8, kMaxBacks = 2;
+/// A place is clear if at most kMaxBackHits of kTestRays rays from it hit the back of a surface.
+constexpr int kTestRays = 8, kMaxBackHits = 2;
 
 /// Finds the origins of one lightmap.
 class OriginFinder {
@@ -28,10 +28,10 @@ class OriginFinder {
         std::vector<Vec3f> origins(raw_.luxelClusters.size());
         std::vector<std::size_t> batch;
         const auto flush = [&] {
-            const auto backs = Backs(batch);
+            const auto backHits = CountBackHits(batch);
             for (std::size_t i = 0; i < batch.size(); ++i) {
                 const std::size_t luxel = batch[i];
-                const bool clear = backs[i] <= kMaxBacks && !TouchesSolid(raw_.positions[luxel]);
+                const bool clear = backHits[i] <= kMaxBackHits && !TouchesSolid(raw_.positions[luxel]);
                 origins[luxel] = clear ? raw_.positions[luxel] : PlaceAside(luxel);
             }
             batch.clear();
@@ -51,24 +51,24 @@ class OriginFinder {
         return space_.AnySolid(p - kMargin, p + kMargin);
     }
     /// For up to 16 luxels: number of test rays from their positions that hit backs of surfaces.
-    std::array<int, kPacketSize> Backs(std::span<const std::size_t> luxels) const {
+    std::array<int, kPacketSize> CountBackHits(std::span<const std::size_t> luxels) const {
         std::array<int, kPacketSize> backs{};
         RayPacket rays;
         for (const Vec3f &direction : directions_) {
             for (std::size_t i = 0; i < luxels.size(); ++i)
                 rays.Set(i, raw_.positions[luxels[i]], GatherFrame(raw_.normals[luxels[i]]).World(direction),
                          kRayLength);
-            const auto found = scene_.FirstEmitters(rays, true);
+            const auto found = scene_.FirstEmitters(rays, RayCoherence::Coherent);
             for (std::size_t i = 0; i < luxels.size(); ++i)
                 backs[i] += found[i] == kBackOfSurface;
         }
         return backs;
     }
-    int BacksFrom(const Vec3f &origin, const GatherFrame &frame) const {
+    int CountBackHitsFrom(const Vec3f &origin, const GatherFrame &frame) const {
         RayPacket rays;
         for (std::size_t i = 0; i < kTestRays; ++i)
             rays.Set(i, origin, frame.World(directions_[i]), kRayLength);
-        const auto found = scene_.FirstEmitters(rays, false);
+        const auto found = scene_.FirstEmitters(rays, RayCoherence::Incoherent);
         return int(std::count(found.begin(), found.begin() + kTestRays, kBackOfSurface));
     }
     /// The first clear place around the position; if none is clear, the place outside solids that sees the fewest
@@ -79,16 +79,17 @@ class OriginFinder {
         const Vec3f u = raw_.hasVectors ? raw_.step[0] : frame.right * spacing;
         const Vec3f v = raw_.hasVectors ? raw_.step[1] : frame.up * spacing;
         Vec3f best = raw_.positions[luxel];
-        int fewest = TouchesSolid(best) ? kTestRays + 1 : BacksFrom(best, frame);
+        int fewest = TouchesSolid(best) ? kTestRays + 1 : CountBackHitsFrom(best, frame);
         for (const float distance : {0.25f, 0.5f})
             for (const auto &[x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
                 const Vec3f aside = raw_.positions[luxel] + (u * float(x) + v * float(y)) * distance;
-                if (TouchesSolid(aside) || WayBetween(space_, raw_.positions[luxel], aside) == Way::Blocked)
+                if (TouchesSolid(aside) ||
+                    StateOfSegment(space_, raw_.positions[luxel], aside) == SegmentState::Blocked)
                     continue;
-                const int backs = BacksFrom(aside, frame);
+                const int backs = CountBackHitsFrom(aside, frame);
                 if (backs < fewest)
                     fewest = backs, best = aside;
-                if (backs <= kMaxBacks)
+                if (backs <= kMaxBackHits)
                     return aside;
             }
         return best;

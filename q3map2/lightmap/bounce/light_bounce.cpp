@@ -47,9 +47,9 @@ std::size_t ClaimSlot(std::uint8_t style, const StyleEnergy &energy, Styles &sty
 
 namespace {
 
-/// Emitters are bright if their radiosity is above kBright (byte scale) and above the radiosity of kBrightShare of all
-/// emitters with light.
-constexpr float kBright = 16, kBrightShare = 0.9f;
+/// Emitters are bright if their radiosity is above kBright (byte scale) and above the radiosity of kBrightFraction of
+/// all emitters with light.
+constexpr float kBright = 16, kBrightFraction = 0.9f;
 
 /// The radiosity above which emitters are bright.
 float BrightLimit(const Emission &emission) {
@@ -59,7 +59,7 @@ float BrightLimit(const Emission &emission) {
             lit.push_back(most);
     if (lit.empty())
         return kBright;
-    const auto at = lit.begin() + std::ptrdiff_t(kBrightShare * float(lit.size() - 1));
+    const auto at = lit.begin() + std::ptrdiff_t(kBrightFraction * float(lit.size() - 1));
     std::nth_element(lit.begin(), at, lit.end());
     return std::max(kBright, *at);
 }
@@ -128,13 +128,13 @@ std::vector<std::uint8_t> Bounces::UsedStyles(const SurfaceLight &surfaces) {
 }
 
 std::unique_ptr<const FaintPatches> Bounces::MakePatches(const SurfaceLight &surfaces) const {
-    Emission all(emitters_.Count());
+    Emission sumOfStyles(emitters_.Count());
     for (const std::uint8_t style : UsedStyles(surfaces)) {
         const Emission one = FirstBounce(surfaces, style);
-        for (std::size_t i = 0; i < all.size(); ++i)
-            all[i] += one[i];
+        for (std::size_t i = 0; i < sumOfStyles.size(); ++i)
+            sumOfStyles[i] += one[i];
     }
-    return std::make_unique<const FaintPatches>(in_, surfaces, emitters_, all);
+    return std::make_unique<const FaintPatches>(in_, surfaces, emitters_, sumOfStyles);
 }
 
 /// Radiosity summed over bounces. first: radiosity of the first bounce.
@@ -231,9 +231,9 @@ std::vector<Vec3f> Bounces::LightOnVertices(const SurfaceLight &surfaces, const 
     const bspDrawSurface_t &drawn = in_.bsp.drawSurfaces[surface];
     std::vector<Vec3f> light(std::size_t(drawn.numVerts));
     ForVertexReceivers(in_, surfaces, surface, [&](int vertex, const Vec3f &position) {
-        const SurfaceVertex &own = surfaces.verts[std::size_t(vertex)];
-        light[std::size_t(vertex - drawn.firstVert)] =
-            IrradianceOf(radiosity, position, own.normal, in_.table[surface].shader->twoSided, VertexSeed(own.xyz));
+        const SurfaceVertex &receiver = surfaces.verts[std::size_t(vertex)];
+        light[std::size_t(vertex - drawn.firstVert)] = IrradianceOf(
+            radiosity, position, receiver.normal, in_.table[surface].shader->twoSided, VertexSeed(receiver.xyz));
     });
     return light;
 }

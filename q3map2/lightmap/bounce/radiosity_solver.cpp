@@ -16,14 +16,14 @@ namespace {
 
 /// Rays per vertex in the solver.
 constexpr int kSolverVertexRays = 64;
-/// The brightest groups: those whose largest unshot radiosity is above this share of the largest of all groups.
-constexpr float kShootShare = 0.25f;
+/// The brightest groups: those whose largest unshot radiosity is above this fraction of the largest of all groups.
+constexpr float kShootFraction = 0.25f;
 /// The first steps shoot everything, to measure how fast light decays from step to step.
 constexpr int kFirstJacobiSteps = 4;
 
-/// In dim maps the light that may be estimated instead of solved is this share of the mean radiosity of the first
+/// In dim maps the light that may be estimated instead of solved is this fraction of the mean radiosity of the first
 /// bounce.
-constexpr float kLeastShare = 1.0f / 32;
+constexpr float kLeastFraction = 1.0f / 32;
 
 /// Mean over the emitters with light.
 float MeanOfLit(const Emission &emission) {
@@ -69,7 +69,7 @@ RadiositySolver::RadiositySolver(const SurfaceInputs &in, const SurfaceLight &su
 void RadiositySolver::AddGroups() {
     for (std::size_t i = 0; i < surfaces_.lightmaps.size(); ++i) {
         const RawLightmap &raw = surfaces_.lightmaps[i];
-        Group group(emitters_.FirstOf(i), EmitterId(raw.width * raw.height), i, true);
+        Group group(Group::Kind::Texels, emitters_.FirstOf(i), EmitterId(raw.width * raw.height), i);
         group.mapped.resize(group.count);
         for (int y = 0; y < raw.SuperHeight(); ++y)
             for (int x = 0; x < raw.SuperWidth(); ++x)
@@ -81,7 +81,8 @@ void RadiositySolver::AddGroups() {
     for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i)
         if (const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[i];
             surface.numVerts > 0 && IsLitAtVertices(in_, surfaces_, i))
-            groups_.emplace_back(emitters_.Vertex(surface.firstVert), EmitterId(surface.numVerts), i, false);
+            groups_.emplace_back(Group::Kind::Vertices, emitters_.Vertex(surface.firstVert),
+                                 EmitterId(surface.numVerts), i);
 }
 
 /// Traces rays if it is a group of vertices, and finds the groups that the group's rays hit.
@@ -92,7 +93,7 @@ void RadiositySolver::FindRays(Group &group, const std::vector<std::uint32_t> &g
         if (Emits(hit))
             seen[groupOf[hit]] = 1;
     };
-    if (group.isLightmap)
+    if (group.kind == Group::Kind::Texels)
         for (const EmitterId hit : gather_.KeptHits(group.number))
             see(hit);
     else if (const auto emits = group.Of(reflectance_);
@@ -116,8 +117,8 @@ bool RadiositySolver::SeesAny(const Group &group, const GroupMask &shot) const {
 
 /// The groups to shoot: the brightest if they shoot more power per gather ray than all groups together, else all.
 RadiositySolver::GroupMask RadiositySolver::Brightest(const State &state) const {
-    GroupMask bright(groups_.size()), all(groups_.size(), 1);
-    const float least = kShootShare * state.Peak();
+    GroupMask bright(groups_.size()), everyGroup(groups_.size(), 1);
+    const float least = kShootFraction * state.Peak();
     double brightPower = 0, power = 0;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
         bright[i] = state.peak[i] > least;
@@ -127,11 +128,11 @@ RadiositySolver::GroupMask RadiositySolver::Brightest(const State &state) const 
     std::uint64_t rays = 0;
     for (const Group &group : groups_)
         rays += SeesAny(group, bright) ? group.rays : 0;
-    return brightPower * double(rays_) > power * double(rays) ? bright : all;
+    return brightPower * double(rays_) > power * double(rays) ? bright : everyGroup;
 }
 
 void RadiositySolver::GatherGroup(const Group &group, const Emission &shot, std::span<Vec3f> light) const {
-    if (group.isLightmap)
+    if (group.kind == Group::Kind::Texels)
         return gather_.GatherTexels(shot, group.number, surfaces_.lightmaps[group.number], light);
     for (std::size_t v = 0; v < light.size() && !group.vertexHits.empty(); ++v) {
         Vec3f sum;
@@ -144,7 +145,7 @@ void RadiositySolver::GatherGroup(const Group &group, const Emission &shot, std:
 
 /// Fills texels without mapped luxels from their neighbors, as FinishLuxels does, then applies dirt.
 void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) const {
-    if (!group.isLightmap)
+    if (group.kind != Group::Kind::Texels)
         return;
     const RawLightmap &raw = surfaces_.lightmaps[group.number];
     LuxelMask known = group.mapped;
@@ -156,7 +157,8 @@ void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) co
 
 /// Shoots the unshot radiosity of the groups in `shot`.
 void RadiositySolver::Step(const GroupMask &shot, State &state) const {
-    const bool all = std::find(shot.begin(), shot.end(), 0) == shot.end(), nextBounce = all && state.wholeBounce;
+    const bool shootsAll = std::find(shot.begin(), shot.end(), 0) == shot.end(),
+               nextBounce = shootsAll && state.wholeBounce;
     const Vec3f sumBefore = std::accumulate(state.sum.begin(), state.sum.end(), Vec3f{});
     Emission emission(state.unshot.size());
     for (std::size_t i = 0; i < groups_.size(); ++i)
@@ -187,7 +189,7 @@ void RadiositySolver::Step(const GroupMask &shot, State &state) const {
         state.power[i] = Luminance(sum);
         state.sum[i] = sum;
     });
-    state.wholeBounce = all;
+    state.wholeBounce = shootsAll;
     if (const Vec3f after = std::accumulate(state.sum.begin(), state.sum.end(), Vec3f{}); nextBounce)
         for (std::size_t c = 0; c < 3; ++c)
             state.allDecay[c] = sumBefore[c] > 0 ? after[c] / sumBefore[c] : 0;
@@ -215,7 +217,7 @@ void RadiositySolver::AddRest(int bounces, float peakDecay, State &state) const 
 RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &limits) const {
     const auto start = std::chrono::steady_clock::now();
     State state;
-    const float leastLight = std::min(limits.leastLight, kLeastShare * MeanOfLit(first));
+    const float leastLight = std::min(limits.leastLight, kLeastFraction * MeanOfLit(first));
     state.unshot = first;
     state.total = std::move(first);
     state.light.resize(state.total.size());
@@ -226,11 +228,11 @@ RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &
     }
     state.decay.resize(groups_.size());
     RadiositySolution solution;
-    const GroupMask all(groups_.size(), 1);
+    const GroupMask everyGroup(groups_.size(), 1);
     float decay = maxReflectance_; // largest ratio of peak unshot radiosity after to before a step that shoots all
     for (bool shootAll = true; solution.steps + 1 < limits.bounces && !solution.timedOut;) {
-        const GroupMask shot = shootAll ? all : Brightest(state);
-        const bool shotAll = shot == all;
+        const GroupMask shot = shootAll ? everyGroup : Brightest(state);
+        const bool shotAll = shot == everyGroup;
         const float before = state.Peak();
         Step(shot, state);
         ++solution.steps;

@@ -11,7 +11,7 @@ struct RadiosityLimits {
     int bounces = 1;    ///< number of bounces; kEndlessBounces: no limit
     double seconds = 0; ///< wall time; 0: no limit
     /// Stops when all later bounces together give less light than this anywhere, or, in dim maps, less than a small
-    /// share of the mean light. Byte scale.
+    /// fraction of the mean light. Byte scale.
     float leastLight = 0.25;
 };
 
@@ -40,11 +40,12 @@ class RadiositySolver {
   private:
     /// Emitters that are shot and gathered together: the texels of a raw lightmap, or the vertices of a surface.
     struct Group {
-        Group(EmitterId firstEmitter, EmitterId emitters, std::size_t index, bool lightmap)
-            : first(firstEmitter), count(emitters), number(index), isLightmap(lightmap) {}
+        enum class Kind { Texels, Vertices };
+        Group(Kind what, EmitterId firstEmitter, EmitterId emitters, std::size_t index)
+            : kind(what), first(firstEmitter), count(emitters), number(index) {}
+        Kind kind;
         EmitterId first, count;
-        std::size_t number; ///< of the raw lightmap or draw surface
-        bool isLightmap;
+        std::size_t number;                ///< of the raw lightmap or draw surface
         std::vector<EmitterId> vertexHits; ///< kSolverVertexRays for each vertex
         std::vector<float> dirt;           ///< by texel; empty: 1
         LuxelMask mapped;                  ///< by texel: whether it has a mapped luxel

@@ -26,8 +26,8 @@ void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
         for (std::size_t c = 0; c < lightmap.channels.Count(); ++c)
             lightmap.directional[0][c][i] += lightmap.floodChannels[c][i];
         if (deluxe && lightmap.floodDirectionScale > 0) {
-            const float share = std::max(1.0f / 256, Luminance(flood) / 255 * lightmap.floodDirectionScale);
-            lightmap.directions[i] += lightmap.normals[i] * share;
+            const float fraction = std::max(1.0f / 256, Luminance(flood) / 255 * lightmap.floodDirectionScale);
+            lightmap.directions[i] += lightmap.normals[i] * fraction;
         }
     }
 }
@@ -91,19 +91,18 @@ class LuxelFill {
         float colors = 0, directions = 0;
         ChannelImages &channels = lightmap_.directional[slot];
         std::array<Vec3f, kMaxChannels> sums{};
-        for (int oy = std::max(y - 1, 0); oy <= std::min(y + 1, lightmap_.SuperHeight() - 1); ++oy)
-            for (int ox = std::max(x - 1, 0); ox <= std::min(x + 1, lightmap_.SuperWidth() - 1); ++ox) {
-                const std::size_t from = lightmap_.SuperIndex(ox, oy);
-                if (from == at || !lightmap_.Mapped(from) || lightmap_.filled[slot][from] == 0)
-                    continue;
-                if (needsDirection)
-                    direction += lightmap_.directions[from], directions += 1;
-                if (lightmap_.splotchFix && lightmap_.light[slot][from] == ambient_)
-                    continue;
-                color += lightmap_.light[slot][from], colors += 1;
-                for (std::size_t c = 0; c < channels.size(); ++c)
-                    sums[c] += channels[c][from];
-            }
+        ForNeighborhood(x, y, lightmap_.SuperWidth(), lightmap_.SuperHeight(), [&](int nx, int ny) {
+            const std::size_t from = lightmap_.SuperIndex(nx, ny);
+            if (from == at || !lightmap_.Mapped(from) || lightmap_.filled[slot][from] == 0)
+                return;
+            if (needsDirection)
+                direction += lightmap_.directions[from], directions += 1;
+            if (lightmap_.splotchFix && lightmap_.light[slot][from] == ambient_)
+                return;
+            color += lightmap_.light[slot][from], colors += 1;
+            for (std::size_t c = 0; c < channels.size(); ++c)
+                sums[c] += channels[c][from];
+        });
         if (directions > 0)
             lightmap_.directions[at] = direction / directions;
         if (!needsColor || colors == 0)
@@ -286,18 +285,6 @@ class Averager {
     const LightmapOptions &options_;
 };
 
-/// Mean of `values` at the valid luxels among the 8 neighbors; there is at least one.
-Vec3f NeighborMean(const RawLightmap &lightmap, const LuxelMask &valid, const std::vector<Vec3f> &values, int x,
-                   int y) {
-    Vec3f sum;
-    int count = 0;
-    for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, lightmap.height - 1); ++ny)
-        for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, lightmap.width - 1); ++nx)
-            if (const std::size_t at = lightmap.Index(nx, ny); valid[at])
-                sum += values[at], ++count;
-    return sum / float(count);
-}
-
 /// Frees data that only the passes need.
 void EndPasses(RawLightmap &lightmap) {
     lightmap.positions = {}, lightmap.dirt = {}, lightmap.floodlight = {};
@@ -352,21 +339,22 @@ void AccumulateChannels(const Averager &averager, const std::vector<Vec3f> &used
                 if (used[at].x < 0)
                     continue;
                 const Vec3f value = grid.valid[at] ? grid.channel[at]
-                                    : touching[at] ? NeighborMean(lightmap, grid.valid, grid.channel, x, y)
-                                                   : Vec3f{};
+                                    : touching[at]
+                                        ? NeighborMean(x, y, lightmap.width, lightmap.height, grid.valid, grid.channel)
+                                        : Vec3f{};
                 result[c][at] += isSigned ? value : Max(value, Vec3f{});
             }
     }
 }
 
-void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last, LuxelGrid &grid,
+void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, PassData data, LuxelGrid &grid,
                      RawLightmap &lightmap) {
     const bool store = pass.bounce || !in.lightmap.bounceOnly || in.lightmap.bounces == 0;
     for (std::size_t style = 0; style < kStyles; ++style) {
         lightmap.radiosity[style].clear();
         if (lightmap.styles[style] == kNoStyle || lightmap.light[style].empty())
             continue;
-        std::vector<Vec3f> &radiosity = last ? grid.lastPass : lightmap.radiosity[style];
+        std::vector<Vec3f> &radiosity = data == PassData::Free ? grid.lastPass : lightmap.radiosity[style];
         const Averager averager(lightmap, style, in.lightmap);
         const Vec3f ambient = style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{};
         averager.Fill(grid, ambient);
@@ -375,23 +363,25 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, bool last
         std::size_t at = 0;
         for (int y = 0; y < lightmap.height; ++y)
             for (int x = 0; x < lightmap.width; ++x, ++at)
-                radiosity[at] = grid.valid[at] ? Max(grid.colors[at], Vec3f{})
-                                : touching[at] ? Max(NeighborMean(lightmap, grid.valid, grid.colors, x, y), Vec3f{})
-                                               : kUnused;
+                radiosity[at] =
+                    grid.valid[at] ? Max(grid.colors[at], Vec3f{})
+                    : touching[at]
+                        ? Max(NeighborMean(x, y, lightmap.width, lightmap.height, grid.valid, grid.colors), Vec3f{})
+                        : kUnused;
         AccumulateChannels(averager, radiosity, touching, ambient, store, style, grid, lightmap);
         Accumulate(radiosity, store, lightmap.result[style]);
         AddDirections(grid, lightmap.resultDirections);
     }
-    if (last)
+    if (data == PassData::Free)
         EndPasses(lightmap);
 }
 
 } // namespace
 
-void AverageLuxels(const SurfaceInputs &in, const SurfacePass &pass, bool last, SurfaceLight &surfaces) {
+void AverageLuxels(const SurfaceInputs &in, const SurfacePass &pass, PassData data, SurfaceLight &surfaces) {
     std::vector<LuxelGrid> grids(std::size_t(in.jobs.Threads()));
     in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t i, int worker) {
-        AverageLightmap(in, pass, last, grids[std::size_t(worker)], surfaces.lightmaps[std::size_t(i)]);
+        AverageLightmap(in, pass, data, grids[std::size_t(worker)], surfaces.lightmaps[std::size_t(i)]);
     });
 }
 

@@ -9,8 +9,12 @@ namespace q3 {
 /// q3map_splotchFix also luxels not above ambient light in every channel) the mean of their mapped neighbors.
 void FinishLuxels(const SurfaceInputs &in, const SurfacePass &pass, SurfaceLight &surfaces);
 
-/// Averages super luxels, adds the means to `result` (all passes) and sets `radiosity` (this pass). last: no bounce
-/// follows, so `radiosity` is left empty and data that only the passes need is freed.
-void AverageLuxels(const SurfaceInputs &in, const SurfacePass &pass, bool last, SurfaceLight &surfaces);
+/// What happens to data that only the passes need.
+enum class PassData {
+    Keep,
+    Free ///< no bounce follows: it is freed, and `radiosity` stays empty
+};
+/// Averages super luxels, adds the means to `result` (all passes) and sets `radiosity` (this pass).
+void AverageLuxels(const SurfaceInputs &in, const SurfacePass &pass, PassData data, SurfaceLight &surfaces);
 
 } // namespace q3

@@ -262,7 +262,7 @@ bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightSce
     LightContributionToSample(light, pass.settings, scene, receivers.batch, incident, counts);
     if (!incident.live.Any() && !incident.filtered.Any())
         return false;
-    const float scale = pass.deluxe ? DeluxeWeight(light.color) * (pass.bounce ? kDeluxeBounceShare : 1) : 0;
+    const float scale = pass.deluxe ? DeluxeWeight(light.color) * (pass.bounce ? kDeluxeBounceFraction : 1) : 0;
     SetIncidentLight(light, incident, scale, out);
     if (pass.channels.Any())
         SetChannels(light.color, incident, pass.channels, receivers.basis, channels);

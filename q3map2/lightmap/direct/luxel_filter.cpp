@@ -12,9 +12,9 @@ namespace q3 {
 
 namespace {
 
-/// Share of the interpolation kernel of a cell, a tent of width 2, that lies in a box whose rim is `inside` cells
+/// Fraction of the interpolation kernel of a cell, a tent of width 2, that lies in a box whose rim is `inside` cells
 /// beyond its center.
-float ShareInBox(float inside) {
+float FractionInBox(float inside) {
     const float off = std::clamp(1 - std::abs(inside), 0.0f, 1.0f), outer = off * off / 2;
     return inside < 0 ? outer : 1 - outer;
 }
@@ -36,7 +36,7 @@ void ForBox(const LuxelSurroundings &around, std::size_t first, std::size_t stri
     for (int k = 1; k <= most; ++k) {
         if (blocked(at - k) || blocked(at + k))
             continue;
-        const float weight = ShareInBox(radius - float(k));
+        const float weight = FractionInBox(radius - float(k));
         for (const int side : {at - k, at + k})
             if (inside(side))
                 use(cellAt(side), weight);
@@ -104,9 +104,9 @@ float BoxRadius(const SurfaceInputs &in, const RawLightmap &raw, float filterRad
 /// luxels, of another width there, is blur too: variances of box and interpolation add up to the same. Game units; 0:
 /// less than a luxel.
 float MatchingRadius(const SurfaceInputs &in, const RawLightmap &raw, const RawLightmap &other, float filterRadius) {
-    const float radius = BoxRadius(in, other, filterRadius), own = LuxelWidth(raw), width = LuxelWidth(other);
-    const float square = radius * radius + (width * width - own * own) / 2;
-    return radius > 0 && square >= own * own ? std::sqrt(square) : 0;
+    const float radius = BoxRadius(in, other, filterRadius), luxelWidth = LuxelWidth(raw), width = LuxelWidth(other);
+    const float square = radius * radius + (width * width - luxelWidth * luxelWidth) / 2;
+    return radius > 0 && square >= luxelWidth * luxelWidth ? std::sqrt(square) : 0;
 }
 
 /// The largest BoxRadius of the light of a lightmap.
@@ -151,8 +151,8 @@ class LightmapBlur {
   private:
     /// A blur that is wider than the lightmap's own: that of neighbors with larger luxels or a filter radius.
     struct WiderBlur {
-        float radius = 0;          ///< game units
-        std::vector<float> shares; ///< by cell: weight of this blur against the narrower ones
+        float radius = 0;             ///< game units
+        std::vector<float> fractions; ///< by cell: weight of this blur against the narrower ones
     };
     /// Values of a light that are blurred alike: color, direction or a channel.
     struct Values {
@@ -162,8 +162,8 @@ class LightmapBlur {
 
     int CellsWithin(float radius) const { return int(std::min(std::ceil(radius / LuxelWidth(*raw_)), 1e6f)); }
     void Walk();
-    void FindWiderBlurs(float own, float filterRadius);
-    std::vector<float> SharesNear(float radius, float filterRadius) const;
+    void FindWiderBlurs(float ownRadius, float filterRadius);
+    std::vector<float> FractionsNear(float radius, float filterRadius) const;
     void AddLight(int style, float filterRadius);
     bool IsLitAround() const;
     std::size_t NearestLuxel(std::size_t cell) const;
@@ -198,21 +198,21 @@ void LightmapBlur::Walk() {
         around_.Walk(number_, reach(radius));
 }
 
-/// Sets wider_ from the neighbors that blur by more than the radius `own`.
-void LightmapBlur::FindWiderBlurs(float own, float filterRadius) {
+/// Sets wider_ from the neighbors that blur by more than `ownRadius`.
+void LightmapBlur::FindWiderBlurs(float ownRadius, float filterRadius) {
     constexpr float kWider = 1.01f; // factor of radii that differ by more than rounding
     wider_.clear();
     for (const std::uint32_t other : around_.Neighbors())
         if (const float radius = MatchingRadius(in_, *raw_, surfaces_.lightmaps[other], filterRadius);
-            radius > own * kWider &&
+            radius > ownRadius * kWider &&
             std::none_of(wider_.begin(), wider_.end(), [&](const WiderBlur &blur) { return blur.radius == radius; }))
-            wider_.push_back({radius, SharesNear(radius, filterRadius)});
+            wider_.push_back({radius, FractionsNear(radius, filterRadius)});
     std::sort(wider_.begin(), wider_.end(), [](const WiderBlur &a, const WiderBlur &b) { return a.radius < b.radius; });
 }
 
 /// By cell: 1 beside neighbors that blur by `radius`, falling to 0 at that distance from them. Distances are those
 /// along the axes and diagonals, by two passes over the cells (Borgefors' chamfer distance transform).
-std::vector<float> LightmapBlur::SharesNear(float radius, float filterRadius) const {
+std::vector<float> LightmapBlur::FractionsNear(float radius, float filterRadius) const {
     const int width = around_.Width(), height = around_.Height();
     std::vector<float> distance(std::size_t(width) * std::size_t(height), 1e6f);
     for (std::size_t cell = 0; cell < distance.size(); ++cell)
@@ -254,14 +254,14 @@ bool LightmapBlur::IsLitAround() const {
 void LightmapBlur::AddLight(int style, float filterRadius) {
     const float radius = BoxRadius(in_, *raw_, filterRadius);
     FindWiderBlurs(radius, filterRadius);
-    const UnblurredLight *own = FindLight(light_[number_], style, filterRadius);
-    if (!own && radius == 0 && wider_.empty())
+    const UnblurredLight *ownLight = FindLight(light_[number_], style, filterRadius);
+    if (!ownLight && radius == 0 && wider_.empty())
         return;
     for (const std::uint32_t other : around_.Neighbors())
         sources_[other] = FindLight(light_[other], style, filterRadius);
-    sources_[number_] = own;
+    sources_[number_] = ownLight;
     const std::size_t slot = StyleSlotFor(raw_->styles, style);
-    if (slot == kStyles || (!own && !IsLitAround()))
+    if (slot == kStyles || (!ownLight && !IsLitAround()))
         return;
     if (raw_->light[slot].empty())
         ClearStyleSlot(*raw_, slot, {});
@@ -289,27 +289,27 @@ bool LightmapBlur::SameBasis(std::size_t luxel, const LuxelTap &tap) const {
     const auto most = std::max_element(tap.weights.begin(), tap.weights.end()) - tap.weights.begin();
     if (!other.channels.basis)
         return false;
-    const BasisNormals own = raw_->BasisOf(luxel), there = other.BasisOf(tap.luxels[std::size_t(most)]);
-    return Dot(own[0], there[0]) > kSameDirection && Dot(own[1], there[1]) > kSameDirection;
+    const BasisNormals basis = raw_->BasisOf(luxel), otherBasis = other.BasisOf(tap.luxels[std::size_t(most)]);
+    return Dot(basis[0], otherBasis[0]) > kSameDirection && Dot(basis[1], otherBasis[1]) > kSameDirection;
 }
 
 /// The value in a cell of another lightmap. If that has no such channel, or other basis normals, light there is spread
 /// over the channels as in the nearest luxel of the lightmap's own.
 Vec3f LightmapBlur::TappedValue(std::size_t cell, const Values &values) const {
     const LuxelTap &tap = around_.TapOf(cell);
-    const UnblurredLight *from = sources_[tap.lightmap], *own = sources_[number_];
+    const UnblurredLight *from = sources_[tap.lightmap], *ownLight = sources_[number_];
     if (!from)
         return {};
     const std::size_t luxel = NearestLuxel(cell);
     if (const std::vector<Vec3f> *there = values.of(*from); there && (!values.onBasis || SameBasis(luxel, tap)))
         return tap.Of(*there);
-    const std::vector<Vec3f> *here = own ? values.of(*own) : nullptr;
+    const std::vector<Vec3f> *here = ownLight ? values.of(*ownLight) : nullptr;
     if (!here)
         return {};
     const Vec3f light = tap.Of(from->color);
     Vec3f value;
     for (std::size_t i = 0; i < 3; ++i)
-        value[i] = own->color[luxel][i] > 0 ? light[i] * (*here)[luxel][i] / own->color[luxel][i] : 0;
+        value[i] = ownLight->color[luxel][i] > 0 ? light[i] * (*here)[luxel][i] / ownLight->color[luxel][i] : 0;
     return value;
 }
 
@@ -321,21 +321,21 @@ void LightmapBlur::AddValues(float radius, const Values &values, std::vector<Vec
             for (int x = 0; x < raw_->SuperWidth(); ++x)
                 use(around_.CellOf(x, y), raw_->SuperIndex(x, y));
     };
-    if (const UnblurredLight *own = sources_[number_])
-        if (const std::vector<Vec3f> *from = values.of(*own))
+    if (const UnblurredLight *ownLight = sources_[number_])
+        if (const std::vector<Vec3f> *from = values.of(*ownLight))
             forLuxels([&](std::size_t cell, std::size_t luxel) { cells_[cell] = (*from)[luxel]; });
-    const std::vector<Vec3f> unblurred = cells_;
+    const std::vector<Vec3f> ownCells = cells_;
     for (std::size_t cell = 0; cell < cells_.size(); ++cell)
         if (around_.At(cell) == CellState::Tapped)
             cells_[cell] = TappedValue(cell, values);
     if (radius > 0)
         filter_.Apply(around_, radius / LuxelWidth(*raw_), cells_, blurred_);
     else
-        blurred_ = unblurred;
+        blurred_ = ownCells;
     for (const WiderBlur &blur : wider_) {
         filter_.Apply(around_, blur.radius / LuxelWidth(*raw_), cells_, widerBlurred_);
         for (std::size_t cell = 0; cell < cells_.size(); ++cell)
-            blurred_[cell] += (widerBlurred_[cell] - blurred_[cell]) * blur.shares[cell];
+            blurred_[cell] += (widerBlurred_[cell] - blurred_[cell]) * blur.fractions[cell];
     }
     forLuxels([&](std::size_t cell, std::size_t luxel) {
         if (raw_->Mapped(luxel))

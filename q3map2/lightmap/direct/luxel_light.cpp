@@ -37,12 +37,12 @@ bool OnLitSide(const Light &light, const Vec3f &center, const Vec3f &normal) {
 
 } // namespace
 
-void LuxelLightList::Build(const LightsByCluster &all, const RawLightmap &lightmap, bool sunOnly) {
+void LuxelLightList::Build(const LightsByCluster &passLights, const RawLightmap &lightmap, bool sunOnly) {
     list_.clear();
     const Vec3f center = lightmap.bounds.Center();
     const float radius = 0.5f * Length(lightmap.bounds.maxs - lightmap.bounds.mins);
     const auto use = [&](std::size_t number) {
-        const Light &light = all.Lights()[number];
+        const Light &light = passLights.Lights()[number];
         const bool sun = light.type == LightType::Sun;
         if (!light.surfaces || light.envelope <= 0 || (sunOnly && !sun))
             return;
@@ -53,9 +53,9 @@ void LuxelLightList::Build(const LightsByCluster &all, const RawLightmap &lightm
         list_.push_back(&light);
     };
     if (!lightmap.clusters.empty())
-        all.ForEach(lightmap.clusters, use);
+        passLights.ForEach(lightmap.clusters, use);
     else
-        for (std::size_t i = 0; i < all.Lights().size(); ++i)
+        for (std::size_t i = 0; i < passLights.Lights().size(); ++i)
             use(i);
 }
 
@@ -68,11 +68,14 @@ struct NamedLight {
     std::vector<float> arriving, unshadowed;
 };
 
-void AddLight(const Light &light, bool shadows, const SurfaceInputs &in, const RawLightmap &raw, LuxelBlocks &blocks,
+enum class Shadows { Off, On };
+
+/// Adds the luminance that the light gives each super luxel to `sums`.
+void AddLight(const Light &light, Shadows shadows, const SurfaceInputs &in, const RawLightmap &raw, LuxelBlocks &blocks,
               std::vector<float> &sums, ContributionCounts &counts) {
     const SurfaceLightSettings settings{.pointAreas = in.lightmap.faster,
                                         .halfLambert = in.lightmap.halfLambert,
-                                        .occlusion = shadows,
+                                        .occlusion = shadows == Shadows::On,
                                         .receiveShadows = raw.receiveShadows};
     std::vector<std::uint32_t> reached;
     blocks.FindReached(light, settings, reached);
@@ -98,15 +101,15 @@ void FindVisibility(const SurfaceInputs &in, const std::vector<Light> &lights, S
     std::vector<ContributionCounts> work(blocks.size());
     in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int worker) {
         RawLightmap &raw = surfaces.lightmaps[std::size_t(number)];
-        LuxelBlocks &own = blocks[std::size_t(worker)];
-        own.Build(raw);
+        LuxelBlocks &ownBlocks = blocks[std::size_t(worker)];
+        ownBlocks.Build(raw);
         raw.visibility.resize(names.size());
         for (std::size_t n = 0; n < names.size(); ++n) {
             NamedLight sums{std::vector<float>(raw.luxelClusters.size()), std::vector<float>(raw.luxelClusters.size())};
             for (const Light &light : lights)
                 if (light.name == names[n]) {
-                    AddLight(light, true, in, raw, own, sums.arriving, work[std::size_t(worker)]);
-                    AddLight(light, false, in, raw, own, sums.unshadowed, work[std::size_t(worker)]);
+                    AddLight(light, Shadows::On, in, raw, ownBlocks, sums.arriving, work[std::size_t(worker)]);
+                    AddLight(light, Shadows::Off, in, raw, ownBlocks, sums.unshadowed, work[std::size_t(worker)]);
                 }
             raw.visibility[n] = LuxelMeans(raw, -1.0f, [&](std::size_t at) {
                 return sums.unshadowed[at] > 0 ? std::min(1.0f, sums.arriving[at] / sums.unshadowed[at]) : 0;
@@ -229,11 +232,11 @@ class LightmapPass {
                 ClearStyleSlot(lightmap_, slot, slot == 0 ? ambient : Vec3f{});
         if (!pass_.deluxe)
             return;
-        const float share = std::max(1.0f / 256, Luminance(ambient) / 255);
+        const float fraction = std::max(1.0f / 256, Luminance(ambient) / 255);
         lightmap_.directions.assign(count, {});
         for (std::size_t i = 0; i < count; ++i)
             if (lightmap_.Mapped(i))
-                lightmap_.directions[i] = lightmap_.normals[i] * share;
+                lightmap_.directions[i] = lightmap_.normals[i] * fraction;
     }
 
     /// The sum that the light adds to. Claims the slot for a new style.
@@ -345,7 +348,7 @@ class LightmapPass {
 
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts) {
-    const LightsByCluster lists(lights, true);
+    const LightsByCluster lists(lights, SunsSeen::Everywhere);
     // The largest first, so that all workers finish at about the same time.
     std::vector<std::size_t> order(surfaces.lightmaps.size());
     std::iota(order.begin(), order.end(), std::size_t(0));

@@ -12,8 +12,8 @@ namespace q3 {
 /// the front side of a planar one. Reused from lightmap to lightmap.
 class LuxelLightList {
   public:
-    /// all: the lights of the pass, made with sunsEverywhere.
-    void Build(const LightsByCluster &all, const RawLightmap &lightmap, bool sunOnly);
+    /// passLights: the lights of the pass, made with SunsSeen::Everywhere.
+    void Build(const LightsByCluster &passLights, const RawLightmap &lightmap, bool sunOnly);
     const std::vector<const Light *> &Lights() const { return list_; }
 
   private:

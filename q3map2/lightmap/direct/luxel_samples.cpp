@@ -19,8 +19,8 @@ constexpr float kDarkCell = 4;
 constexpr float kSampleMargin = 0.25f;
 /// Offset of the first subsamples from the center of the luxel on each axis; halved at each level. Luxels.
 constexpr float kFirstOffset = 0.25f;
-/// In lit_: the shadow ray of the luxel passed a transparent surface. Makes the sum of its cell differ from the count
-/// of mapped luxels, so the cell is always refined.
+/// In hitFlags_: the shadow ray of the luxel passed a transparent surface. Makes the sum of its cell differ from the
+/// count of mapped luxels, so the cell is always refined.
 constexpr std::uint8_t kTransparentHit = 16;
 constexpr std::uint64_t kSeedSamples = 0x4C7578656Cull;
 
@@ -62,7 +62,7 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
         for (int x = 0; x + 1 < width_; ++x)
             mappedInCell_[lightmap.SuperIndex(x, y)] =
                 std::uint8_t(Mapped(x, y) + Mapped(x + 1, y) + Mapped(x, y + 1) + Mapped(x + 1, y + 1));
-    lit_.assign(luxels, 0), refined_.assign(luxels, 0);
+    hitFlags_.assign(luxels, 0), refined_.assign(luxels, 0);
     refinedList_.clear();
     firstTouched_ = luxels, lastTouched_ = 0;
     incident_.resize(blocks.Count());
@@ -72,8 +72,8 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
 void LuxelSampler::StartLight(const Light &light) {
     light_ = &light;
     if (firstTouched_ <= lastTouched_)
-        std::fill(lit_.data() + firstTouched_, lit_.data() + lastTouched_ + 1, std::uint8_t(0));
-    firstTouched_ = lit_.size(), lastTouched_ = 0;
+        std::fill(hitFlags_.data() + firstTouched_, hitFlags_.data() + lastTouched_ + 1, std::uint8_t(0));
+    firstTouched_ = hitFlags_.size(), lastTouched_ = 0;
     for (const std::uint32_t luxel : refinedList_)
         refined_[luxel] = 0;
     refinedList_.clear();
@@ -87,7 +87,7 @@ void LuxelSampler::SetBlock(std::size_t block, const LuxelIncidentLight &inciden
     const std::size_t count = blocks_->Receivers(block).count;
     for (std::size_t i = 0; i < count; ++i) {
         const int value = (incident.lit[i] != 0 ? 1 : 0) + (incident.filtered[i] != 0 ? kTransparentHit : 0);
-        lit_[luxels[i]] = std::uint8_t(value);
+        hitFlags_[luxels[i]] = std::uint8_t(value);
         Touch(luxels[i]);
     }
 }
@@ -95,7 +95,7 @@ void LuxelSampler::SetBlock(std::size_t block, const LuxelIncidentLight &inciden
 bool LuxelSampler::RowIsPartlyLit(int y) const {
     const std::size_t row = lightmap_->SuperIndex(0, y);
     const std::size_t below = row + std::size_t(width_);
-    return AnyPartlyLit(lit_.data() + row, lit_.data() + below, mappedInCell_.data() + row, width_ - 1);
+    return AnyPartlyLit(hitFlags_.data() + row, hitFlags_.data() + below, mappedInCell_.data() + row, width_ - 1);
 }
 
 void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
@@ -108,7 +108,7 @@ void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
             continue;
         for (int x = 0; x + 1 < width_; ++x) {
             const std::size_t at = lightmap_->SuperIndex(x, y), below = at + std::size_t(width_);
-            const int lit = lit_[at] + lit_[at + 1] + lit_[below] + lit_[below + 1];
+            const int lit = hitFlags_[at] + hitFlags_[at + 1] + hitFlags_[below] + hitFlags_[below + 1];
             if (lit != 0 && lit != mappedInCell_[at])
                 RefineCell(x, y, sum, counts);
         }
@@ -118,7 +118,7 @@ void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
 LuxelSampler::Sample LuxelSampler::ReadLuxel(std::size_t luxel) const {
     Sample sample;
     sample.position = lightmap_->positions[luxel];
-    if (lit_[luxel] == 0)
+    if (hitFlags_[luxel] == 0)
         return sample;
     const auto laneIndex = std::size_t(blocks_->LaneIndexOf(luxel));
     const LuxelIncidentLight &incident = incident_[laneIndex / kPacketSize];
@@ -175,7 +175,7 @@ void LuxelSampler::ReplaceLuxel(std::size_t luxel, const Sample &after, LuxelSum
         total.Set(lane, total[lane] + (after.channels[c] - before.channels[c]) * sign);
     }
     const bool lit = after.color.x + after.color.y + after.color.z > 0;
-    lit_[luxel] = std::uint8_t((lit_[luxel] & kTransparentHit) | (lit ? 1 : 0));
+    hitFlags_[luxel] = std::uint8_t((hitFlags_[luxel] & kTransparentHit) | (lit ? 1 : 0));
 }
 
 /// World step from the luxel to its neighbor at (dx, dy), or where there is none, from its neighbor on the other side;
@@ -203,7 +203,7 @@ Vec3f LuxelSampler::Offset(int x, int y, float across, float down) const {
 bool LuxelSampler::FindOpenCluster(std::size_t luxel, const Vec3f &position, int &cluster) const {
     cluster = allowed_->ClusterIfAllowed(in_->space.ClusterAt(position, kSampleMargin));
     return cluster >= 0 && (cluster == lightmap_->luxelClusters[luxel] ||
-                            WayBetween(in_->space, lightmap_->positions[luxel], position) == Way::Open);
+                            StateOfSegment(in_->space, lightmap_->positions[luxel], position) == SegmentState::Open);
 }
 
 /// Positions of the four subsamples of each sample, sample by sample.

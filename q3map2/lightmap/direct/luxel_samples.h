@@ -3,6 +3,7 @@
 
 #include "q3map2/lightmap/direct/luxel_contribution.h"
 #include "q3map2/lightmap/raw/luxel_position.h"
+
 #include <algorithm>
 #include <optional>
 
@@ -26,7 +27,7 @@ class LuxelSampler {
         Vec3f position;
         Vec3f color, direction;
         std::array<Vec3f, kMaxChannels> channels{};
-        int levels = 1; ///< of subsamples plus one, up to -samples
+        int levels = 1; ///< 1 + levels of subsamples that are averaged into it; at most -samples
         bool lit = false, filtered = false;
     };
     /// A sample of luxel (x, y) that is refined.
@@ -67,10 +68,10 @@ class LuxelSampler {
     float searchBox_ = 1;
     mutable std::optional<VisibleClusters> allowed_; ///< clusters that may hold samples
     std::vector<std::uint8_t> mappedInCell_;         ///< mapped luxels of the cell with this upper left luxel
-    std::vector<std::uint8_t> lit_, refined_;        ///< by luxel; lit_: 1 if lit, plus kTransparentHit
+    std::vector<std::uint8_t> hitFlags_, refined_;   ///< by luxel; hitFlags_: 1 if lit, plus kTransparentHit
     std::vector<std::uint32_t> refinedList_;
     std::size_t firstTouched_ = 0, lastTouched_ = 0; ///< range of luxels that the light has set; first > last: none
-    std::vector<LuxelIncidentLight> incident_;       ///< by block; valid for luxels whose lit_ is not 0
+    std::vector<LuxelIncidentLight> incident_;       ///< by block; valid for luxels whose hitFlags_ are not 0
     std::vector<ChannelLanes> channels_;             ///< of incident_; empty without channels
 };
 

@@ -3,7 +3,7 @@
 #include "q3map2/lightmap/direct/luxel_surroundings.h"
 
 #include "q3map2/light/batch/ray_packet.h"
-#include "q3map2/light/scene/light_embree.h"
+#include "q3map2/lightmap/raw/face_scene.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <algorithm>
@@ -13,52 +13,10 @@ namespace q3 {
 
 // ---- Finds the drawn surface at a place, and its luxels there ----
 
-namespace {
-
-struct FinderTriangle {
-    int surface = 0;
-    std::array<FaceCorner, 3> corners;
-    Vec3f front; // normal on the front side, not normalized
-};
-
-} // namespace
-
-struct SurfaceFinder::State {
-    std::vector<FinderTriangle> triangles;
-    DevicePtr device;
-    ScenePtr scene;
-
-    void Add(int surface, const Face &face) {
-        Vec3f front;
-        for (const FaceCorner &corner : face)
-            front += corner.normal;
-        for (std::size_t i = 2; i < face.size(); ++i) {
-            const FaceCorner &a = face[0], &b = face[i - 1], &c = face[i];
-            const Vec3f normal = Cross(c.xyz - a.xyz, b.xyz - a.xyz);
-            triangles.push_back({surface, {a, b, c}, Dot(normal, front) < 0 ? -normal : normal});
-        }
-    }
-    void Commit() {
-        device = NewDevice();
-        scene = NewScene(device.get());
-        if (triangles.empty())
-            return rtcCommitScene(scene.get());
-        std::vector<float> corners;
-        corners.reserve(9 * triangles.size());
-        for (const FinderTriangle &triangle : triangles)
-            for (const FaceCorner &corner : triangle.corners)
-                corners.insert(corners.end(), {corner.xyz.x, corner.xyz.y, corner.xyz.z});
-        const GeometryPtr geometry = NewTriangles(device.get(), corners);
-        rtcAttachGeometry(scene.get(), geometry.get());
-        rtcCommitScene(scene.get());
-    }
-};
-
 SurfaceFinder::SurfaceFinder(const SurfaceInputs &in, const SurfaceLight &surfaces)
-    : in_(in), surfaces_(surfaces), models_(in.bsp.drawSurfaces.size()) {
+    : in_(in), surfaces_(surfaces), models_(in.bsp.drawSurfaces.size()), opaque_(std::make_unique<FaceScene>()),
+      translucent_(std::make_unique<FaceScene>()) {
     FindModels();
-    for (std::unique_ptr<State> &state : states_)
-        state = std::make_unique<State>();
     for (std::size_t i = 0; i < in.bsp.drawSurfaces.size(); ++i) {
         const bspShader_t &record = in.bsp.shaders[std::size_t(in.bsp.drawSurfaces[i].shaderNum)];
         const ShaderInfo &shader = *in.table[i].shader;
@@ -66,10 +24,10 @@ SurfaceFinder::SurfaceFinder(const SurfaceInputs &in, const SurfaceLight &surfac
             (record.surfaceFlags & in.options.noDrawSurfaceFlags) != 0)
             continue;
         for (const Face &face : FacesOf(in, surfaces, i))
-            states_[IsTranslucent(int(i)) ? 1 : 0]->Add(int(i), face);
+            (KindOf(int(i)) == Kind::Opaque ? opaque_ : translucent_)->Add(int(i), face);
     }
-    for (const std::unique_ptr<State> &state : states_)
-        state->Commit();
+    opaque_->Commit();
+    translucent_->Commit();
 }
 
 SurfaceFinder::~SurfaceFinder() = default;
@@ -83,60 +41,42 @@ void SurfaceFinder::FindModels() {
     }
 }
 
-bool SurfaceFinder::IsTranslucent(int surface) const {
-    return (in_.table[std::size_t(surface)].shader->compileFlags & C_TRANSLUCENT) != 0;
+SurfaceFinder::Kind SurfaceFinder::KindOf(int surface) const {
+    const bool translucent = (in_.table[std::size_t(surface)].shader->compileFlags & C_TRANSLUCENT) != 0;
+    return translucent ? Kind::Translucent : Kind::Opaque;
 }
 
-SurfaceFinder::Places SurfaceFinder::FirstHits(const RayPacket &rays, bool translucent) const {
-    const State &state = *states_[translucent ? 1 : 0];
-    alignas(64) RTCRayHit16 hits;
-    SetRays(rays.origin, rays.direction, rays.distance, rays.live, 0, hits.ray);
-    std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-    EmbreeContext context;
-    InitContext(context);
-    Intersect16(rays.live.data(), state.scene.get(), context, hits);
+SurfaceFinder::Places SurfaceFinder::FirstHits(const RayPacket &rays, Kind kind) const {
+    const FaceScene::Hits hits =
+        (kind == Kind::Opaque ? opaque_ : translucent_)->FirstHits(rays, RayCoherence::Coherent);
     Places places;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        if (rays.live[i] == 0 || hits.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
+        if (!hits.triangle[i] || !hits.InFront(i, rays))
             continue;
-        const FinderTriangle &triangle = state.triangles[hits.hit.primID[i]];
-        if (!(Dot(triangle.front, rays.direction[i]) < 0))
-            continue;
+        const FaceTriangle &triangle = *hits.triangle[i];
         SurfacePlace &place = places[i];
         place.surface = triangle.surface;
         place.lightmap = surfaces_.lightmapOf[std::size_t(triangle.surface)];
-        const std::array<float, 3> weights{1 - hits.hit.u[i] - hits.hit.v[i], hits.hit.u[i], hits.hit.v[i]};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const FaceCorner &corner = triangle.corners[k];
-            place.position += corner.xyz * weights[k];
-            place.normal += corner.normal * weights[k];
-            for (std::size_t axis = 0; axis < 2; ++axis)
-                place.luxel[axis] += corner.luxel[axis] * weights[k];
-        }
-        place.normal = Normalize(place.normal);
+        place.position = triangle.PositionAt(hits.u[i], hits.v[i]);
+        place.luxel = triangle.LuxelAt(hits.u[i], hits.v[i]);
+        place.normal = Normalize(triangle.NormalAt(hits.u[i], hits.v[i]));
         place.facet = Normalize(triangle.front);
     }
     return places;
 }
 
 void SurfaceFinder::TraceOccluded(RayPacket &rays) const {
-    alignas(64) RTCRay16 shadow;
-    SetRays(rays.origin, rays.direction, rays.distance, rays.live, 0, shadow);
-    EmbreeContext context;
-    InitContext(context);
-    Occluded16(rays.live.data(), states_[0]->scene.get(), context, shadow);
-    for (const std::size_t i : kEachLane)
-        rays.live[i] &= shadow.tfar[i] < 0 ? 0 : -1;
+    opaque_->TraceOccluded(rays);
 }
 
 bool SurfaceFinder::FindTap(const SurfacePlace &place, LuxelTap &tap) const {
     const RawLightmap &raw = surfaces_.lightmaps[std::size_t(place.lightmap)];
     tap.lightmap = std::uint32_t(place.lightmap);
-    const auto split = [](float at, int size, std::array<int, 2> &luxels, std::array<float, 2> &shares) {
+    const auto split = [](float at, int size, std::array<int, 2> &luxels, std::array<float, 2> &fractions) {
         const float first = std::isfinite(at) ? std::floor(std::clamp(at - 0.5f, 0.0f, float(size - 1))) : 0;
         luxels = {int(first), std::min(int(first) + 1, size - 1)};
-        shares[1] = std::isfinite(at) ? std::clamp(at - 0.5f - first, 0.0f, 1.0f) : 0;
-        shares[0] = 1 - shares[1];
+        fractions[1] = std::isfinite(at) ? std::clamp(at - 0.5f - first, 0.0f, 1.0f) : 0;
+        fractions[0] = 1 - fractions[1];
     };
     std::array<int, 2> x{}, y{};
     std::array<float, 2> across{}, down{};
@@ -159,14 +99,14 @@ bool SurfaceFinder::FindTap(const SurfacePlace &place, LuxelTap &tap) const {
 namespace {
 
 /// Surfaces continue each other if their normals turn by at most 30 degrees from cell to cell, of which this is the
-/// cosine, and the way between the cells leaves the surface by at most kMaxRise of its length plus kRiseSlack (game
+/// cosine, and the segment between the cells leaves the surface by at most kMaxRise of its length plus kRiseSlack (game
 /// units).
 constexpr float kMostTurnCosine = 0.866f, kMaxRise = 0.15f, kRiseSlack = 0.25f;
-/// A surface is searched this far over and under the tangent plane, plus kHeightShare of the step. Game units.
-constexpr float kHeight = 2, kHeightShare = 0.5f;
-/// The ray that tests whether the way to a cell is free runs this far over the surfaces, plus kLiftShare of the step.
-/// Game units.
-constexpr float kLift = 1, kLiftShare = 0.125f;
+/// A surface is searched this far over and under the tangent plane, plus kHeightFraction of the step. Game units.
+constexpr float kHeight = 2, kHeightFraction = 0.5f;
+/// The ray that tests whether the segment to a cell is free runs this far over the surfaces, plus kLiftFraction of the
+/// step. Game units.
+constexpr float kLift = 1, kLiftFraction = 0.125f;
 /// Where the normal has a smaller component along the axis of the lightmap, steps do not follow the slope of the
 /// surface.
 constexpr float kLeastSlant = 0.1f;
@@ -194,11 +134,11 @@ bool LuxelSurroundings::Faces(const Vec3f &normal, const SurfacePlace &place) co
 bool LuxelSurroundings::Continues(const Footing &from, const SurfacePlace &place) const {
     if (!Faces(from.normal, place))
         return false;
-    // Curves are drawn as facets: the way lies in the plane of one of them, or between both.
-    const Vec3f way = place.position - from.position;
-    const float most = kMaxRise * Length(way) + kRiseSlack;
-    return std::abs(Dot(way, Normalize(from.normal + place.normal))) <= most ||
-           std::abs(Dot(way, from.facet)) <= most || std::abs(Dot(way, place.facet)) <= most;
+    // Curves are drawn as facets: the segment lies in the plane of one of them, or between both.
+    const Vec3f offset = place.position - from.position;
+    const float most = kMaxRise * Length(offset) + kRiseSlack;
+    return std::abs(Dot(offset, Normalize(from.normal + place.normal))) <= most ||
+           std::abs(Dot(offset, from.facet)) <= most || std::abs(Dot(offset, place.facet)) <= most;
 }
 
 /// Makes the cell Tapped.
@@ -257,7 +197,7 @@ void LuxelSurroundings::LookAtBorder(const LuxelMask &outside) {
         std::uint32_t footing;
     };
     auto rays = MakeRayBatcher<Look>([&](RayPacket &packet, std::span<const Look> looks) {
-        const SurfaceFinder::Places places = finder_.FirstHits(packet, translucent_);
+        const SurfaceFinder::Places places = finder_.FirstHits(packet, kind_);
         for (std::size_t i = 0; i < looks.size(); ++i) {
             Footing &at = footings_[looks[i].footing];
             if (!Faces(at.normal, places[i])) { // beside the surface: nothing to walk on
@@ -284,7 +224,7 @@ void LuxelSurroundings::LookAtBorder(const LuxelMask &outside) {
             const Footing at = FootingOf(x, y);
             footingOf_[cell] = std::uint32_t(footings_.size());
             footings_.push_back(at);
-            const float height = kHeight + kHeightShare * std::max(Length(at.across), Length(at.down));
+            const float height = kHeight + kHeightFraction * std::max(Length(at.across), Length(at.down));
             rays.Add({cell, footingOf_[cell]}, at.position + at.normal * height, -at.normal, 2 * height);
         }
     rays.Flush();
@@ -311,14 +251,14 @@ void LuxelSurroundings::FindNextSteps(std::span<const std::size_t> last, std::ve
 /// Sets where the steps lead, if the surface continues there and nothing opaque is in between.
 void LuxelSurroundings::TakeSteps(std::vector<Step> &steps) {
     auto down = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
-        const SurfaceFinder::Places places = finder_.FirstHits(packet, translucent_);
+        const SurfaceFinder::Places places = finder_.FirstHits(packet, kind_);
         for (std::size_t i = 0; i < numbers.size(); ++i)
             if (Step &step = steps[numbers[i]]; Continues(step.from, places[i]))
                 step.found = places[i];
     });
     for (std::size_t i = 0; i < steps.size(); ++i) {
         const Footing &from = steps[i].from;
-        const float height = kHeight + kHeightShare * Length(steps[i].target - from.position);
+        const float height = kHeight + kHeightFraction * Length(steps[i].target - from.position);
         down.Add(i, steps[i].target + from.normal * height, -from.normal, 2 * height);
     }
     down.Flush();
@@ -330,7 +270,7 @@ void LuxelSurroundings::TakeSteps(std::vector<Step> &steps) {
     });
     for (std::size_t i = 0; i < steps.size(); ++i)
         if (const auto &[cell, from, target, found] = steps[i]; found.surface >= 0) {
-            const float lift = kLift + kLiftShare * Length(found.position - from.position);
+            const float lift = kLift + kLiftFraction * Length(found.position - from.position);
             between.Aim(i, from.position + from.normal * lift, found.position + found.normal * lift);
         }
     between.Flush();
@@ -361,7 +301,7 @@ void LuxelSurroundings::Walk(std::size_t lightmap, int reach) {
     raw_ = &surfaces_.lightmaps[lightmap];
     lightmap_ = lightmap, reach_ = reach;
     width_ = raw_->SuperWidth() + 2 * reach, height_ = raw_->SuperHeight() + 2 * reach;
-    translucent_ = finder_.IsTranslucent(raw_->surfaces.front());
+    kind_ = finder_.KindOf(raw_->surfaces.front());
     const std::size_t cells = std::size_t(width_) * std::size_t(height_);
     states_.assign(cells, CellState::Empty);
     visited_.assign(cells, 0);

@@ -12,6 +12,8 @@
 
 namespace q3 {
 
+class FaceScene;
+
 /// Up to four luxels of a raw lightmap that stand for a place between them, with weights that add up to 1.
 struct LuxelTap {
     std::uint32_t lightmap = 0;
@@ -45,25 +47,25 @@ class SurfaceFinder {
     SurfaceFinder(const SurfaceInputs &in, const SurfaceLight &surfaces);
     ~SurfaceFinder();
 
+    enum class Kind { Opaque, Translucent };
     using Places = std::array<SurfacePlace, kPacketSize>;
-    /// First hits of the live rays with surfaces that are as translucent as asked for.
-    Places FirstHits(const RayPacket &rays, bool translucent) const;
+    /// First hits of the live rays with surfaces of a kind.
+    Places FirstHits(const RayPacket &rays, Kind kind) const;
     /// Clears the live lanes of rays that meet an opaque surface, from either side.
     void TraceOccluded(RayPacket &rays) const;
-    bool IsTranslucent(int surface) const;
+    Kind KindOf(int surface) const;
     /// Whether both surfaces belong to the same inline model, or to the world.
     bool MoveTogether(int a, int b) const { return models_[std::size_t(a)] == models_[std::size_t(b)]; }
     /// The luxels around a place, by bilinear weights over those that are mapped. False: none is.
     bool FindTap(const SurfacePlace &place, LuxelTap &tap) const;
 
   private:
-    struct State;
     void FindModels();
 
     const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;
-    std::vector<int> models_;                      // by draw surface
-    std::array<std::unique_ptr<State>, 2> states_; // opaque, translucent
+    std::vector<int> models_; // by draw surface
+    std::unique_ptr<FaceScene> opaque_, translucent_;
 };
 
 /// What a cell of LuxelSurroundings holds.
@@ -126,7 +128,7 @@ class LuxelSurroundings {
     const RawLightmap *raw_ = nullptr;
     std::size_t lightmap_ = 0;
     int reach_ = 0, width_ = 0, height_ = 0;
-    bool translucent_ = false;
+    SurfaceFinder::Kind kind_ = SurfaceFinder::Kind::Opaque; ///< of the surfaces of the raw lightmap
     std::vector<CellState> states_;
     std::vector<std::uint8_t> visited_; // whether the walk has been at the cell
     std::vector<std::uint32_t> tapOf_, footingOf_;

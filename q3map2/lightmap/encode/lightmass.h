@@ -10,15 +10,17 @@
 
 namespace q3::lightmass {
 
-// ours              theirs
-// GatheredLight     FGatheredLightSample        sums over the light of a point
-// GatheredLuxel     FGatheredLightMapSample     the same for both qualities of a luxel
-// LuxelLight        FLightSampleData            coefficients as floats; not additive
-// LuxelBytes        FQuantizedLightSampleData   coefficients as bytes
-// ByteRange         FLightMapDataBase           scale and offset of the bytes, per map; no sizes, since nothing is
-// compressed Lightmap          FLightMapData2DData         bytes and range of a map Visibility        FShadowSampleData
-// visibility of one light from a point VisibilityBytes   FQuantizedShadowSampleData  the same as a byte VisibilityMap
-// FShadowMapData2DData        the same for a map
+// Names here, the same in Lightmass, and what they hold:
+//
+//     GatheredLight    FGatheredLightSample       sums over the light of a point
+//     GatheredLuxel    FGatheredLightMapSample    the same for both qualities of a luxel
+//     LuxelLight       FLightSampleData           coefficients as floats; not additive
+//     LuxelBytes       FQuantizedLightSampleData  coefficients as bytes
+//     ByteRange        FLightMapDataBase          scale and offset of the bytes, per map
+//     Lightmap         FLightMapData2DData        bytes and range of a map
+//     Visibility       FShadowSampleData          visibility of one light from a point
+//     VisibilityBytes  FQuantizedShadowSampleData the same as a byte
+//     VisibilityMap    FShadowMapData2DData       the same for a map
 
 /// Images of a luxel: [kHigh], [kLow] hold color, the image after each of them the direction.
 inline constexpr std::size_t kImages = 4, kHigh = 0, kLow = 2;
@@ -35,7 +37,7 @@ struct GatheredLight {
     Vec3f incident;       ///< lit value at the smooth normal, unit scale
     L1Light l1;           ///< the same light from all directions
     float correction = 0; ///< luminance that `l1` gives at the smooth normal
-    Vec3f skyOcclusion;   ///< mean direction of visible sky; its length is the visible share
+    Vec3f skyOcclusion;   ///< mean direction of visible sky; its length is the visible fraction
     float unoccluded = 0; ///< ambient occlusion: 0 to 1, 1 is open
 
     /// Adds light, given as L1 and as lit value at the normal. Light from behind counts in `light` only.
@@ -89,7 +91,7 @@ struct QuantizeOptions {
 };
 
 struct Visibility {
-    float visibility = 0; ///< share of the light that arrives, 0 to 1
+    float visibility = 0; ///< fraction of the light that arrives, 0 to 1
     bool mapped = false;
 };
 struct VisibilityBytes {
@@ -108,7 +110,7 @@ LuxelLight ToCoefficients(const GatheredLuxel &gathered);
 
 /// Bytes over the smallest and largest coefficients of the luxels on surfaces; a coefficient that is the same in all
 /// has multiply 0. NaN and negative colors count as 0.
-/// Root mean square of relative errors, 4096 luxels of random lamps | a wall of 64 x 64 with two lamps:
+/// Root mean square of relative errors, 4096 luxels of random lights | a wall of 64 x 64 with two lights:
 ///
 ///     high quality                none              foldDirection     foldColor         both
 ///     luminance, smooth normal    2.9e-3 | 8.9e-4   1.9e-3 | 3.8e-4   2.1e-3 | 8.0e-4   2.9e-5 | 1.5e-5

@@ -89,7 +89,7 @@ using Values = SettingValues;
 constexpr int kMaxSuper = 8, kMaxSearchBox = 4, kMaxSamples = 64, kMaxExactSamples = 65536, kMaxBounces = 1000,
               kMaxBounceRays = 16384;
 constexpr int kMaxSampleSize = 16384, kMaxSearchBlock = 1 << 20, kMaxSearchPower = 20;
-constexpr SettingRange kPositive{.low = 0, .aboveLow = true}, kShare{0, 1};
+constexpr SettingRange kPositive{.low = 0, .aboveLow = true}, kFraction{0, 1};
 
 void TakeSamples(LightmapOptions &o, const Values &v) {
     const std::string &word = v.words.front();
@@ -315,7 +315,7 @@ Group Bounces() {
           Do<LightmapOptions>(scale)},
          {{.name = "-bouncecolorratio",
            .values = "F",
-           .range = kShare,
+           .range = kFraction,
            .help = "1: bounced light takes the color of the texture; 0: its gray"},
           &LightmapOptions::bounceColorRatio}}};
 }
@@ -417,9 +417,8 @@ Group Storing() {
 }
 
 Group Encodings() {
-    const auto range = [](bool ldr, bool hdr) {
-        return Do<LightmapOptions>([=](LightmapOptions &o, const Values &) { o.ldr = ldr, o.hdr = hdr; });
-    };
+    const auto hdrOnly = [](LightmapOptions &o, const Values &) { o.ldr = false, o.hdr = true; };
+    const auto both = [](LightmapOptions &o, const Values &) { o.ldr = o.hdr = true; };
     const auto files = [](LightmapOptions &o, const Values &v) {
         constexpr std::array<std::string_view, 4> kForms = {"rend2", "ioquake3", "exr", "pfm"};
         const auto found = std::find(kForms.begin(), kForms.end(), v.words[0]);
@@ -444,8 +443,9 @@ Group Encodings() {
     return {
         "Range and direction of light",
         "[directional.md](directional.md) describes and compares these forms.",
-        {{{.name = "-hdr", .help = "Store HDR lightmaps and vertex light only, in BSPX lumps"}, range(false, true)},
-         {{.name = "-both", .help = "Store 8-bit and HDR lightmaps"}, range(true, true)},
+        {{{.name = "-hdr", .help = "Store HDR lightmaps and vertex light only, in BSPX lumps"},
+          Do<LightmapOptions>(hdrOnly)},
+         {{.name = "-both", .help = "Store 8-bit and HDR lightmaps"}, Do<LightmapOptions>(both)},
          {{.name = "-hdrfiles",
            .values = "rend2|ioquake3|exr|pfm",
            .kind = SettingKind::Choice,

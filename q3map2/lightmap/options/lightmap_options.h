@@ -69,7 +69,7 @@ struct LightmapOptions {
 
     // Vertices.
     float vertexScale = 1;
-    std::optional<float> noVertex; ///< -novertex: constant light, share of 127.5
+    std::optional<float> noVertex; ///< -novertex: constant light, fraction of 127.5
     bool cpma = false, noLightmaps = false;
 
     // Storing.

@@ -65,8 +65,8 @@ std::vector<float> ShadeAngles(const SurfaceInputs &in) {
         const bspDrawSurface_t &surface = in.bsp.drawSurfaces[s];
         if (surface.surfaceType == MST_TRIANGLE_SOUP)
             continue;
-        const float own = in.table[s].shader->lightmap.shadeAngle;
-        const float degrees = own > 0 ? own : in.lightmap.shadeAngle;
+        const float shaderAngle = in.table[s].shader->lightmap.shadeAngle;
+        const float degrees = shaderAngle > 0 ? shaderAngle : in.lightmap.shadeAngle;
         any = any || degrees > 0;
         for (int k = 0; k < surface.numVerts; ++k)
             angles[std::size_t(surface.firstVert + k)] = degrees * std::numbers::pi_v<float> / 180;

@@ -25,9 +25,9 @@ inline float DeluxeWeight(const Vec3f &color) {
     return std::max(0.0f, Luminance(color)) / 255;
 }
 
-/// Bounced light counts by this share of its weight: it comes from the whole hemisphere, so its mean direction
+/// Bounced light counts by this fraction of its weight: it comes from the whole hemisphere, so its mean direction
 /// says little.
-inline constexpr float kDeluxeBounceShare = 0.25f;
+inline constexpr float kDeluxeBounceFraction = 0.25f;
 
 /// RGB values kept per luxel and style, byte scale like the light itself, and linear in it:
 ///
@@ -82,6 +82,25 @@ using LuxelMask = std::vector<std::uint8_t>;
 /// Dilation by 3 x 3: not 0 where the mask is set for the luxel or one of its up to 8 neighbors. `mask` has
 /// width * height bytes.
 LuxelMask Dilate(const LuxelMask &mask, int width, int height);
+
+/// Calls use(nx, ny), row by row, for the up to 3 x 3 cells of a grid of width x height around (x, y) and for (x, y).
+template <typename Use> void ForNeighborhood(int x, int y, int width, int height, const Use &use) {
+    for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, height - 1); ++ny)
+        for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, width - 1); ++nx)
+            use(nx, ny);
+}
+
+/// Mean of `values`, width x height, over the known ones in the neighborhood of (x, y); there is at least one.
+template <typename T>
+T NeighborMean(int x, int y, int width, int height, const LuxelMask &known, const std::vector<T> &values) {
+    T sum{};
+    int count = 0;
+    ForNeighborhood(x, y, width, height, [&](int nx, int ny) {
+        if (const std::size_t at = std::size_t(ny) * std::size_t(width) + std::size_t(nx); known[at] != 0)
+            sum += values[at], ++count;
+    });
+    return sum / float(count);
+}
 
 /// lightmapNum of surfaces that are lit at their vertices.
 inline constexpr int kLightmapByVertex = -3;
@@ -160,7 +179,7 @@ struct RawLightmap {
 
     // width x height, for -lightmass: luxel_occlusion.cpp, luxel_light.cpp. Empty when off.
     std::vector<float> unoccluded;              ///< factor of dirt, 1 in the open
-    std::vector<Vec3f> skyOcclusion;            ///< mean direction of visible sky; its length is the visible share
+    std::vector<Vec3f> skyOcclusion;            ///< mean direction of visible sky; its length is the visible fraction
     std::vector<std::vector<float>> visibility; ///< [LightmapOptions::shadowMaps][luxel], 0 to 1; -1: unknown
 };
 
@@ -217,22 +236,13 @@ template <typename Use> void ForMappedLuxelsByTile(const RawLightmap &raw, int s
 /// known luxel nothing changes. values, known: width x height.
 template <typename T> void FillFromNeighbors(int width, int height, LuxelMask &known, std::vector<T> &values) {
     const auto index = [&](int x, int y) { return std::size_t(y) * std::size_t(width) + std::size_t(x); };
-    const auto mean = [&](int x, int y) {
-        T sum{};
-        int count = 0;
-        for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
-            for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u)
-                if (known[index(u, v)] != 0)
-                    sum += values[index(u, v)], ++count;
-        return sum / float(count);
-    };
     for (bool grown = true; grown;) {
         const LuxelMask ring = Dilate(known, width, height);
         grown = false;
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)
                 if (const std::size_t at = index(x, y); ring[at] != 0 && known[at] == 0)
-                    values[at] = mean(x, y), grown = true;
+                    values[at] = NeighborMean(x, y, width, height, known, values), grown = true;
         for (std::size_t at = 0; at < known.size(); ++at)
             known[at] |= ring[at];
     }

@@ -134,10 +134,10 @@ bool LuxelMapper::HasOneNormal() const {
     for (const int number : raw_.surfaces) {
         const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(number)];
         for (int k = 0; k < surface.numVerts; ++k) {
-            const Vec3f &own = surfaces_.verts[std::size_t(surface.firstVert + k)].normal;
-            if (normal && own != *normal)
+            const Vec3f &vertexNormal = surfaces_.verts[std::size_t(surface.firstVert + k)].normal;
+            if (normal && vertexNormal != *normal)
                 return false;
-            normal = &own;
+            normal = &vertexNormal;
         }
     }
     return true;
@@ -314,10 +314,10 @@ void LuxelMapper::MakeUnitNormals() {
 
 /// Calls luxel(index) for neighbors that a pass before `pass` mapped.
 template <typename Luxel> void LuxelMapper::ForEarlierAround(int x, int y, int pass, const Luxel &luxel) const {
-    for (int v = std::max(0, y - 1); v <= std::min(superHeight_ - 1, y + 1); ++v)
-        for (int u = std::max(0, x - 1); u <= std::min(superWidth_ - 1, x + 1); ++u)
-            if (const std::size_t at = raw_.SuperIndex(u, v); raw_.Mapped(at) && scratch_.passes[at] < pass)
-                luxel(at);
+    ForNeighborhood(x, y, superWidth_, superHeight_, [&](int nx, int ny) {
+        if (const std::size_t at = raw_.SuperIndex(nx, ny); raw_.Mapped(at) && scratch_.passes[at] < pass)
+            luxel(at);
+    });
 }
 
 /// Mean normal of neighbors that an earlier pass mapped; zero if there are none. The mean of equal normals is exactly

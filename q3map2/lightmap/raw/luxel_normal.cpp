@@ -114,12 +114,12 @@ class TangentFinder {
 
     bool TakeMean(std::size_t luxel, int x, int y) {
         bool any = false;
-        for (int v = std::max(0, y - 1); v <= std::min(raw_.SuperHeight() - 1, y + 1); ++v)
-            for (int u = std::max(0, x - 1); u <= std::min(raw_.SuperWidth() - 1, x + 1); ++u)
-                if (const std::size_t near = raw_.SuperIndex(u, v); known_[near]) {
-                    s_[luxel] += Normalize(s_[near]), sides_[luxel] += sides_[near];
-                    any = true;
-                }
+        ForNeighborhood(x, y, raw_.SuperWidth(), raw_.SuperHeight(), [&](int nx, int ny) {
+            if (const std::size_t neighbor = raw_.SuperIndex(nx, ny); known_[neighbor]) {
+                s_[luxel] += Normalize(s_[neighbor]), sides_[luxel] += sides_[neighbor];
+                any = true;
+            }
+        });
         return any;
     }
 

@@ -22,8 +22,8 @@ constexpr float kBrushEpsilon = 0.125f;
 constexpr float kEdgeMargin = 0.125f;
 /// Triangles with less than half this area in the lightmap give no luxel steps. Square luxels.
 constexpr float kLeastTwiceArea = 1e-4f;
-/// Spacing of luxels on a curve, as a share of the nominal luxel size, below which a nudge of half a luxel leaves the
-/// curve.
+/// Spacing of luxels on a curve, as a fraction of the nominal luxel size, below which a nudge of half a luxel leaves
+/// the curve.
 constexpr float kDense = 0.5f;
 /// Distance from an edge of a triangle, in game units, at which a point over it is certainly not on the face of the
 /// wall that the edge may run along.
@@ -117,14 +117,14 @@ std::array<LuxelSteps, 2> LuxelPositionFinder::StepsOfNudges(const LuxelPlane &p
     auto whole = Tangents(plane.normal);
     for (Vec3f &step : whole)
         step *= size;
-    LuxelSteps own = plane.steps;
-    const float spacing = std::min(Length(own[0]), Length(own[1]));
+    LuxelSteps luxelSteps = plane.steps;
+    const float spacing = std::min(Length(luxelSteps[0]), Length(luxelSteps[1]));
     if (spacing == 0 || spacing >= kDense * size)
         return {whole};
-    for (Vec3f &step : own)
+    for (Vec3f &step : luxelSteps)
         if (const float length = Length(step); length > size)
             step *= size / length;
-    return {own, whole};
+    return {luxelSteps, whole};
 }
 
 Vec3f LuxelPositionFinder::Lifted(Vec3f p, const LuxelPlane &plane, float offset) const {
@@ -163,8 +163,8 @@ Vec3f LuxelPositionFinder::Anchor(const Request &luxel) const {
 bool LuxelPositionFinder::IsOnItsSide(const Request &luxel, const Vec3f &p) const {
     if (luxel.IsBeside())
         return std::any_of(luxel.neighbors.begin(), luxel.neighbors.end(),
-                           [&](const Vec3f &from) { return WayBetween(in_.space, from, p) == Way::Open; });
-    return WayBetween(in_.space, Anchor(luxel), p) != Way::Blocked;
+                           [&](const Vec3f &from) { return StateOfSegment(in_.space, from, p) == SegmentState::Open; });
+    return StateOfSegment(in_.space, Anchor(luxel), p) != SegmentState::Blocked;
 }
 
 bool LuxelPositionFinder::IsOverTriangle(const LuxelPlane &plane, const Vec3f &p) const {
@@ -273,7 +273,7 @@ class SideFinder {
         : space_(space), centered_(centered), raw_(raw) {}
 
     /// The sides around a luxel in a wall; none if it has fewer than two. Neighbors next to each other in the ring are
-    /// on one side if the way between them is open.
+    /// on one side if the segment between them is open.
     std::optional<WallLuxel> Find(int x, int y) const {
         const std::size_t self = raw_.SuperIndex(x, y);
         std::array<std::size_t, kRing.size()> around{};
@@ -298,7 +298,7 @@ class SideFinder {
             side[k] = std::uint8_t(k);
         const auto join = [&](std::size_t a, std::size_t b) {
             if (counts[a] && counts[b] && side[a] != side[b] &&
-                WayBetween(space_, position(a), position(b)) == Way::Open)
+                StateOfSegment(space_, position(a), position(b)) == SegmentState::Open)
                 std::replace(side.begin(), side.end(), std::max(side[a], side[b]), std::min(side[a], side[b]));
         };
         for (std::size_t k = 0; k < kRing.size(); ++k)
@@ -309,8 +309,8 @@ class SideFinder {
     }
 
   private:
-    /// False beside an ordinary wall, which spares tests of ways: there all lit neighbors are on one side, in one arc
-    /// of at most three.
+    /// False beside an ordinary wall, which spares tests of segments: there all lit neighbors are on one side, in one
+    /// arc of at most three.
     static bool MayHaveTwoSides(const std::array<bool, kRing.size() + 1> &lit) {
         constexpr int kOneSide = 3;
         int count = 0, arcs = 0;

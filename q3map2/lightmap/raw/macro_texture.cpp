@@ -13,9 +13,9 @@ namespace q3 {
 
 namespace {
 
-/// Index of the texel at a share of a side, 0 to 1.
-int TexelAt(double share, int count) {
-    return int(std::clamp(std::floor(share * count), 0.0, double(count - 1)));
+/// Index of the texel at a fraction of a side, 0 to 1.
+int TexelAt(double fraction, int count) {
+    return int(std::clamp(std::floor(fraction * count), 0.0, double(count - 1)));
 }
 
 Boundsf WorldBox(const SurfaceInputs &in) {

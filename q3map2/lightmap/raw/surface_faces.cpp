@@ -69,12 +69,12 @@ constexpr float kTouching = 0.2f;
 /// A wall is looked for this far in front of the surfaces, where luxels are lit. Game units.
 constexpr float kLift = 1;
 
-/// The shortest way found so far.
-struct ShortestWay {
+/// The shortest segment found so far.
+struct ShortestSegment {
     float distance2 = std::numeric_limits<float>::infinity();
     Vec3f from, to;
 
-    /// Takes the way from p to the nearest point of the edge from a to b, if it is shorter.
+    /// Takes the segment from p to the nearest point of the edge from a to b, if it is shorter.
     void Add(const Vec3f &p, const Vec3f &a, const Vec3f &b) {
         const Vec3f along = b - a;
         const float length2 = Dot(along, along);
@@ -88,17 +88,18 @@ class GapFinder {
   public:
     GapFinder(const SurfaceInputs &in, const SurfaceLight &surfaces) : in_(in), surfaces_(surfaces) {}
 
-    /// Surfaces do not overlap, so one end of the shortest way is a vertex. If two vertices touch, their way will do.
-    ShortestWay Between(int a, int b) const {
-        ShortestWay way;
+    /// Surfaces do not overlap, so one end of the shortest segment is a vertex. If two vertices touch, their segment
+    /// will do.
+    ShortestSegment Between(int a, int b) const {
+        ShortestSegment segment;
         for (const SurfaceVertex &p : Verts(a))
             for (const SurfaceVertex &q : Verts(b))
-                way.Add(p.xyz, q.xyz, q.xyz);
-        if (way.distance2 > kTouching * kTouching) {
-            AddEdges(a, b, way);
-            AddEdges(b, a, way);
+                segment.Add(p.xyz, q.xyz, q.xyz);
+        if (segment.distance2 > kTouching * kTouching) {
+            AddEdges(a, b, segment);
+            AddEdges(b, a, segment);
         }
-        return way;
+        return segment;
     }
 
   private:
@@ -107,14 +108,15 @@ class GapFinder {
         return {surfaces_.verts.data() + record.firstVert, std::size_t(record.numVerts)};
     }
     /// From the vertices of a to the edges of triangles of b.
-    void AddEdges(int a, int b, ShortestWay &way) const {
+    void AddEdges(int a, int b, ShortestSegment &segment) const {
         const bspDrawSurface_t &record = in_.bsp.drawSurfaces[std::size_t(b)];
         const auto corners = Verts(b);
         for (int i = 0; i + 2 < record.numIndexes; i += 3) {
             const int *corner = in_.bsp.drawIndexes.data() + record.firstIndex + i;
             for (std::size_t k = 0; k < 3; ++k)
                 for (const SurfaceVertex &p : Verts(a))
-                    way.Add(p.xyz, corners[std::size_t(corner[k])].xyz, corners[std::size_t(corner[(k + 1) % 3])].xyz);
+                    segment.Add(p.xyz, corners[std::size_t(corner[k])].xyz,
+                                corners[std::size_t(corner[(k + 1) % 3])].xyz);
         }
     }
 
@@ -128,11 +130,12 @@ SurfaceGap GapBetween(const SurfaceInputs &in, const SurfaceLight &surfaces, int
                       float reach) {
     if (!surfaces.bounds[std::size_t(a)].Touches(surfaces.bounds[std::size_t(b)], reach))
         return SurfaceGap::NoWall;
-    const ShortestWay way = GapFinder(in, surfaces).Between(a, b);
-    if (way.distance2 <= kTouching * kTouching)
+    const ShortestSegment segment = GapFinder(in, surfaces).Between(a, b);
+    if (segment.distance2 <= kTouching * kTouching)
         return SurfaceGap::Touching;
     const Vec3f up = normal * kLift;
-    return way.distance2 <= reach * reach && WayBetween(in.space, way.from + up, way.to + up) == Way::Blocked
+    return segment.distance2 <= reach * reach &&
+                   StateOfSegment(in.space, segment.from + up, segment.to + up) == SegmentState::Blocked
                ? SurfaceGap::Wall
                : SurfaceGap::NoWall;
 }
@@ -140,18 +143,15 @@ SurfaceGap GapBetween(const SurfaceInputs &in, const SurfaceLight &surfaces, int
 // ---- Clusters that see a surface ----
 
 int VisibleClusters::ClusterIfAllowed(int cluster) {
-    if (cluster < 0 || known_.empty())
+    if (cluster < 0 || isVisible_.empty())
         return cluster;
-    Known &known = known_[std::size_t(cluster)];
-    if (known == Unknown) {
-        known = No;
-        for (const int own : clusters_)
-            if (space_.Visible(own, cluster)) {
-                known = Yes;
-                break;
-            }
+    IsVisible &visible = isVisible_[std::size_t(cluster)];
+    if (visible == IsVisible::Unknown) {
+        const bool any = std::any_of(clusters_.begin(), clusters_.end(),
+                                     [&](int ofSurface) { return space_.Visible(ofSurface, cluster); });
+        visible = any ? IsVisible::Yes : IsVisible::No;
     }
-    return known == Yes ? cluster : kSolidCluster;
+    return visible == IsVisible::Yes ? cluster : kSolidCluster;
 }
 
 } // namespace q3

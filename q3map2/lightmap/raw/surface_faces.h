@@ -26,7 +26,7 @@ std::vector<Face> FacesOf(const SurfaceInputs &in, const SurfaceLight &surfaces,
 enum class SurfaceGap {
     Touching, ///< no gap
     NoWall,   ///< farther apart than `reach`, or with only open space in between
-    Wall      ///< a solid is on the shortest way from one to the other
+    Wall      ///< a solid is on the shortest segment from one to the other
 };
 
 /// What is between draw surfaces a and b, which lie in one plane with that normal. reach: game units.
@@ -39,15 +39,15 @@ class VisibleClusters {
   public:
     /// `clusters`: of the surface; empty: all are allowed. Keeps references to both.
     VisibleClusters(const BspSpace &space, const std::vector<int> &clusters)
-        : space_(space), clusters_(clusters), known_(clusters.empty() ? 0 : std::size_t(space.ClusterCount())) {}
+        : space_(space), clusters_(clusters), isVisible_(clusters.empty() ? 0 : std::size_t(space.ClusterCount())) {}
     /// The cluster, or kSolidCluster if it is not allowed.
     int ClusterIfAllowed(int cluster);
 
   private:
-    enum Known : std::uint8_t { Unknown, No, Yes };
+    enum class IsVisible : std::uint8_t { Unknown, No, Yes };
     const BspSpace &space_;
     const std::vector<int> &clusters_;
-    std::vector<Known> known_; ///< by cluster
+    std::vector<IsVisible> isVisible_; ///< by cluster
 };
 
 } // namespace q3

@@ -31,29 +31,32 @@ float MaxDifference(const Vec3f &a, const Vec3f &b) {
     return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
 }
 
-// ---- seams of closed patches -----------------------------------------------------------------------------------
+// ---- Seams of closed patches ----
 
-/// Averages the two texels. `colors`: red below 0 marks an unused texel, which takes the other's value.
-void JoinTexels(Vec3f &a, Vec3f &b, bool colors) {
-    if (colors && (a.x < 0 || b.x < 0)) {
+/// Whether red below 0 marks an unused texel.
+enum class UnusedTexels { None, RedBelowZero };
+
+/// Averages the two texels; an unused one takes the other's value.
+void JoinTexels(Vec3f &a, Vec3f &b, UnusedTexels unused) {
+    if (unused == UnusedTexels::RedBelowZero && (a.x < 0 || b.x < 0)) {
         (a.x < 0 ? a : b) = a.x < 0 ? b : a;
         return;
     }
     a = b = (a + b) * 0.5f;
 }
 
-void JoinSeams(const RawLightmap &lightmap, std::vector<Vec3f> &texels, bool colors) {
+void JoinSeams(const RawLightmap &lightmap, std::vector<Vec3f> &texels, UnusedTexels unused) {
     if (texels.empty())
         return;
     if (lightmap.wrapS)
         for (int y = 0; y < lightmap.height; ++y)
-            JoinTexels(texels[lightmap.Index(0, y)], texels[lightmap.Index(lightmap.width - 1, y)], colors);
+            JoinTexels(texels[lightmap.Index(0, y)], texels[lightmap.Index(lightmap.width - 1, y)], unused);
     if (lightmap.wrapT)
         for (int x = 0; x < lightmap.width; ++x)
-            JoinTexels(texels[lightmap.Index(x, 0)], texels[lightmap.Index(x, lightmap.height - 1)], colors);
+            JoinTexels(texels[lightmap.Index(x, 0)], texels[lightmap.Index(x, lightmap.height - 1)], unused);
 }
 
-// ---- directions ------------------------------------------------------------------------------------------------
+// ---- Directions of the mean light ----
 
 /// Components of d along the tangent, the bitangent and the normal n.
 Vec3f InTangentSpace(const Vec3f &d, const Vec3f &n) {
@@ -79,7 +82,7 @@ void FinishDirections(const RawLightmap &lightmap, bool tangentSpace, std::vecto
         }
 }
 
-// ---- solid lightmaps -------------------------------------------------------------------------------------------
+// ---- Solid lightmaps: of one color ----
 
 bool DirectionsAgree(const LightmapLayer &layer) {
     return std::all_of(layer.directions.begin(), layer.directions.end(),
@@ -101,7 +104,7 @@ void FindSolid(LightmapLayer &layer) {
     layer.direction = Normalize(layer.direction);
 }
 
-// ---- twins -----------------------------------------------------------------------------------------------------
+// ---- Twins: lightmaps whose texels are nearly equal ----
 
 /// A few texels of a layer: most pairs of layers already differ in one of them.
 struct TwinKey {
@@ -146,13 +149,13 @@ bool Alike(const LightmapLayer &a, const LightmapLayer &b) {
 
 /// Adds b to the running mean a of `count` layers, b included.
 void Join(LightmapLayer &a, const LightmapLayer &b, int count) {
-    const float share = 1 / float(count);
-    a.color += (b.color - a.color) * share;
+    const float fraction = 1 / float(count);
+    a.color += (b.color - a.color) * fraction;
     for (std::size_t i = 0; i < a.texels.size() && !a.solid; ++i)
         if (!a.Used(i))
             a.texels[i] = b.texels[i];
         else if (b.Used(i))
-            a.texels[i] += (b.texels[i] - a.texels[i]) * share;
+            a.texels[i] += (b.texels[i] - a.texels[i]) * fraction;
 }
 
 /// Finds twins among layers of one size, in order.
@@ -211,10 +214,10 @@ LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces) {
         layer.texels = lightmap.result[layer.style];
         layer.channels = std::move(lightmap.resultChannels[layer.style]);
         layer.directions = lightmap.resultDirections;
-        JoinSeams(lightmap, layer.texels, true);
-        JoinSeams(lightmap, layer.directions, false);
+        JoinSeams(lightmap, layer.texels, UnusedTexels::RedBelowZero);
+        JoinSeams(lightmap, layer.directions, UnusedTexels::None);
         for (std::vector<Vec3f> &channel : layer.channels)
-            JoinSeams(lightmap, channel, false);
+            JoinSeams(lightmap, channel, UnusedTexels::None);
         FinishDirections(lightmap, in.lightmap.deluxeTangent, layer.directions);
         if (collapse && layer.channels.empty())
             FindSolid(layer);
@@ -289,11 +292,11 @@ struct SurfaceSample {
     Vec3f color;                  ///< as stored, and blended as engines do; byte scale
 };
 
-SurfaceSample Blend(const SurfaceSample &a, const SurfaceSample &b, float share) {
+SurfaceSample Blend(const SurfaceSample &a, const SurfaceSample &b, float fraction) {
     SurfaceSample result;
     for (std::size_t i = 0; i < 2; ++i)
-        result.luxel[i] = a.luxel[i] + (b.luxel[i] - a.luxel[i]) * share;
-    result.color = a.color + (b.color - a.color) * share;
+        result.luxel[i] = a.luxel[i] + (b.luxel[i] - a.luxel[i]) * fraction;
+    result.color = a.color + (b.color - a.color) * fraction;
     return result;
 }
 

@@ -164,8 +164,8 @@ class Packer {
         layer.page = int(page), layer.x = at[0], layer.y = at[1];
     }
 
-    /// Packs at the coordinates of the lightmap's first style, on any page, or half a page aside: surfaces that share a
-    /// shader then share the offset of its stages, so few generated shaders are needed.
+    /// Packs at the coordinates of the lightmap's first style, on any page, or half a page aside: surfaces that
+    /// share a shader then share the offset of its stages, so few generated shaders are needed.
     bool PackAlignedWithFirst(const LightmapLayer &first, const Stamp &stamp, LightmapLayer &layer) {
         for (const bool shifted : {false, true})
             for (std::size_t page = 0; page < pages_.size(); ++page) {

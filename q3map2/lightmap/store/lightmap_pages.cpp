@@ -77,14 +77,14 @@ std::vector<std::byte> EncodeExp32Json(const FloatImage &image) {
 }
 
 FloatImage DecodeExp32Json(std::span<const std::byte> file, std::string_view name) {
-    const json all = json::parse(AsText(file), nullptr, false);
-    if (all.is_discarded())
+    const json document = json::parse(AsText(file), nullptr, false);
+    if (document.is_discarded())
         throw Error("{}: not valid JSON", name);
     constexpr int kMaxSide = 16384;
     FloatImage image;
-    image.width = IntegerOf(MemberOf(all, "width", name), 1, kMaxSide, "width", name);
-    image.height = IntegerOf(MemberOf(all, "height", name), 1, kMaxSide, "height", name);
-    const json &texels = MemberOf(all, "texels", name);
+    image.width = IntegerOf(MemberOf(document, "width", name), 1, kMaxSide, "width", name);
+    image.height = IntegerOf(MemberOf(document, "height", name), 1, kMaxSide, "height", name);
+    const json &texels = MemberOf(document, "texels", name);
     const std::size_t count = std::size_t(image.width) * std::size_t(image.height);
     if (!texels.is_array() || texels.size() != count)
         throw Error("{}: texels: expected an array of {} x {}", name, image.width, image.height);

@@ -2,6 +2,7 @@
 #include "q3map2/lightmap/store/lightmap_scripts.h"
 
 #include "common/text/text.h"
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/light/sources/light_styles.h"
 
@@ -15,7 +16,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxShaderName = 63;
 constexpr std::size_t kChecksumDigits = 32;
 /// Largest numbers of images in an animMap and of stages in a shader that engines take.
 constexpr std::size_t kFrames = 8, kStages = 8;
@@ -65,7 +65,7 @@ std::string RgbGenOf(int style, const Entity &world) {
     if (const std::string key = fmt::format("_style{}rgbgen", style); world.Has(key))
         return std::string(world.Value(key));
     if (world.Has(PatternKey(style)))
-        return FitWave(world.Value(PatternKey(style))).Words();
+        return FitWave(world.Value(PatternKey(style))).ShaderText();
     if (!world.Has(SwitchKey(style)))
         return std::string(kDefaultWave);
     return world.Flag(DarkKey(style)) ? "const ( 0 0 0 )" : "const ( 1 1 1 )";
@@ -131,10 +131,10 @@ std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> sta
     }
     if (at == std::string::npos)
         return {};
-    std::string all;
+    std::string stageTexts;
     for (const StyleStage &stage : stages)
-        all += (all.empty() ? "" : "\n\t") + StageText(stage, second, world, mapName);
-    return Replaced(text, at, marker.size(), all);
+        stageTexts += (stageTexts.empty() ? "" : "\n\t") + StageText(stage, second, world, mapName);
+    return Replaced(text, at, marker.size(), stageTexts);
 }
 
 std::string ImageText(const ShaderInfo &shader, std::string text, int file, std::string_view mapName) {

@@ -111,7 +111,7 @@ std::string ImageName(int page, std::string_view what) {
 }
 
 /// Calls image(name, channels, bytes) for the images of a page.
-template <typename Image> void ForImages(const LightmassPages &all, const LightmassPage &page, const Image &image) {
+template <typename Image> void ForImages(const LightmassPages &pages, const LightmassPage &page, const Image &image) {
     for (std::size_t i = 0; i < page.coefficients.size(); ++i)
         image(std::string(kCoefficientNames[i]), 4, page.coefficients[i]);
     if (!page.skyOcclusion.empty())
@@ -120,7 +120,7 @@ template <typename Image> void ForImages(const LightmassPages &all, const Lightm
         image("ao", 1, page.unoccluded);
     image("coverage", 1, page.coverage);
     for (std::size_t i = 0; i < page.shadows.size(); ++i)
-        image("shadow_" + all.shadowLights[i], 1, page.shadows[i]);
+        image("shadow_" + pages.shadowLights[i], 1, page.shadows[i]);
 }
 
 Json PlaceAsJson(const LightmassPlace &place) {
@@ -162,9 +162,9 @@ void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, cons
                 [&](std::int64_t i, int) { out.places[std::size_t(i)] = encoder.Encode(*layers[std::size_t(i)]); });
 }
 
-void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &all,
+void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &stored,
                     Log &log) {
-    if (std::error_code ignored; all.pages.empty()) {
+    if (std::error_code ignored; stored.pages.empty()) {
         if (std::filesystem::exists(folder / kDescription, ignored))
             log.Warn("old directional light", "{}: left by an earlier run; this map was lit without -lightmass",
                      (folder / kDescription).string());
@@ -173,9 +173,9 @@ void WriteLightmass(const std::filesystem::path &folder, std::string_view mapNam
     MakeFolder(folder);
     Json pages = Json::array(), places = Json::array();
     std::size_t written = 0;
-    for (const LightmassPage &page : all.pages) {
+    for (const LightmassPage &page : stored.pages) {
         Json images = Json::object();
-        ForImages(all, page, [&](const std::string &what, int channels, const std::vector<std::uint8_t> &texels) {
+        ForImages(stored, page, [&](const std::string &what, int channels, const std::vector<std::uint8_t> &texels) {
             const std::string file = ImageName(page.file, what);
             ReplaceFile(folder / file, EncodeTga(texels, page.width, page.height, channels, TgaRows::TopFirst));
             images[what] = fmt::format("maps/{}/{}", mapName, file);
@@ -184,11 +184,11 @@ void WriteLightmass(const std::filesystem::path &folder, std::string_view mapNam
         pages.push_back(
             {{"lightmapNum", page.number}, {"width", page.width}, {"height", page.height}, {"images", images}});
     }
-    for (const LightmassPlace &place : all.places)
+    for (const LightmassPlace &place : stored.places)
         places.push_back(PlaceAsJson(place));
     const Json json = {{"version", 1},
                        {"coefficients", kCoefficientNames},
-                       {"shadowLights", all.shadowLights},
+                       {"shadowLights", stored.shadowLights},
                        {"pages", pages},
                        {"lightmaps", places}};
     ReplaceTextFile(folder / kDescription, json.dump(1) + "\n");

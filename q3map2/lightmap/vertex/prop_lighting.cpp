@@ -109,6 +109,9 @@ struct PropReceiver {
     bool twoSided;
 };
 
+/// Which points of props are lit: those in the open, or those in solids, from where FindOpenPlaces put them.
+enum class PropPass { Open, Buried };
+
 /// Points of a prop that are lit together.
 struct PropJob {
     std::size_t prop;                ///< in StaticProps::props
@@ -130,11 +133,11 @@ class PropLighter {
   private:
     std::vector<PropJob> AllJobs() const;
     std::vector<PropJob> BuriedJobs() const;
-    void RunJobs(const std::vector<PropJob> &jobs, bool buried, ContributionCounts &counts);
-    void LightPoints(const PropJob &job, bool buried, ContributionCounts &counts);
-    std::vector<PropReceiver> Receivers(const PropJob &job, bool buried);
+    void RunJobs(const std::vector<PropJob> &jobs, PropPass pass, ContributionCounts &counts);
+    void LightPoints(const PropJob &job, PropPass pass, ContributionCounts &counts);
+    std::vector<PropReceiver> Receivers(const PropJob &job, PropPass pass);
     /// All receivers are one-sided, or all are two-sided.
-    void AddDirect(const PropJob &job, std::span<const PropReceiver> receivers, bool buried, std::vector<Vec3f> &sums,
+    void AddDirect(const PropJob &job, std::span<const PropReceiver> receivers, PropPass pass, std::vector<Vec3f> &sums,
                    ContributionCounts &counts) const;
     void AddLight(const Light &light, const StaticProp &prop, const SurfaceLightSettings &settings,
                   std::span<SurfaceReceiverBatch> batches, std::span<const PropReceiver> receivers,
@@ -142,7 +145,7 @@ class PropLighter {
     void AddOcclusion(const PropJob &job, std::vector<Vec3f> &light, ContributionCounts &counts) const;
     Vec3f Bounced(const StaticProp &prop, std::size_t point) const;
     bool TwoSided(const StaticProp &prop, std::size_t point) const;
-    void FindWaysOut(std::size_t prop);
+    void FindOpenPlaces(std::size_t prop);
     std::optional<Vec3f> OpenPlace(const StaticProp &prop, const PropSampler &sampler) const;
     PropVertexLight Result(std::size_t prop) const;
 
@@ -169,10 +172,10 @@ std::vector<PropVertexLight> PropLighter::Run(ContributionCounts &counts) {
         const std::size_t count = props_.props[i].vertexLight ? props_.props[i].model->points.size() : 0;
         points_[i].light.resize(count), points_[i].open.resize(count), points_[i].isOpen.resize(count);
     }
-    RunJobs(AllJobs(), false, counts);
-    in_.jobs.For(std::int64_t(points_.size()), [&](std::int64_t prop, int) { FindWaysOut(std::size_t(prop)); });
+    RunJobs(AllJobs(), PropPass::Open, counts);
+    in_.jobs.For(std::int64_t(points_.size()), [&](std::int64_t prop, int) { FindOpenPlaces(std::size_t(prop)); });
     const std::vector<PropJob> buried = BuriedJobs();
-    RunJobs(buried, true, counts);
+    RunJobs(buried, PropPass::Buried, counts);
     std::vector<PropVertexLight> results;
     long long vertices = 0, moved = 0;
     for (const PropJob &job : buried)
@@ -216,10 +219,10 @@ std::vector<PropJob> PropLighter::BuriedJobs() const {
     return jobs;
 }
 
-void PropLighter::RunJobs(const std::vector<PropJob> &jobs, bool buried, ContributionCounts &counts) {
+void PropLighter::RunJobs(const std::vector<PropJob> &jobs, PropPass pass, ContributionCounts &counts) {
     std::vector<ContributionCounts> work(std::size_t(in_.jobs.Threads()));
     in_.jobs.For(std::int64_t(jobs.size()), [&](std::int64_t job, int worker) {
-        LightPoints(jobs[std::size_t(job)], buried, work[std::size_t(worker)]);
+        LightPoints(jobs[std::size_t(job)], pass, work[std::size_t(worker)]);
     });
     for (const ContributionCounts &one : work)
         counts += one;
@@ -230,8 +233,8 @@ bool PropLighter::TwoSided(const StaticProp &prop, std::size_t point) const {
     return shader != nullptr && shader->twoSided;
 }
 
-/// The receivers of all points, those of a point one after another. Not buried: notes which points are open.
-std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, bool buried) {
+/// The receivers of all points, those of a point one after another. PropPass::Open: notes which points are open.
+std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, PropPass pass) {
     const StaticProp &prop = props_.props[job.prop];
     PropPoints &points = points_[job.prop];
     const PropSampler sampler(prop, in_.space);
@@ -240,7 +243,7 @@ std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, bool buried
     for (std::size_t i = 0; i < job.points.size(); ++i) {
         const std::size_t point = job.points[i];
         const PlacedPoint placed = sampler.Place(point);
-        if (buried)
+        if (pass == PropPass::Buried)
             samples.assign(1, {points.open[point], 1});
         else
             sampler.Samples(point, samples);
@@ -251,7 +254,7 @@ std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, bool buried
             total += sample.weight;
         for (const PropSample &sample : samples)
             receivers.push_back({i, sample.position, placed.normal, sample.weight / total, TwoSided(prop, point)});
-        if (!buried) {
+        if (pass == PropPass::Open) {
             points.open[point] = sampler.IsOpen(placed.position) ? placed.position : samples.front().position;
             points.isOpen[point] = 1;
         }
@@ -259,27 +262,27 @@ std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, bool buried
     return receivers;
 }
 
-void PropLighter::LightPoints(const PropJob &job, bool buried, ContributionCounts &counts) {
+void PropLighter::LightPoints(const PropJob &job, PropPass pass, ContributionCounts &counts) {
     const StaticProp &prop = props_.props[job.prop];
     PropPoints &points = points_[job.prop];
-    std::vector<PropReceiver> receivers = Receivers(job, buried);
+    std::vector<PropReceiver> receivers = Receivers(job, pass);
     const auto twoSided = std::stable_partition(receivers.begin(), receivers.end(),
                                                 [](const PropReceiver &one) { return !one.twoSided; });
     const Vec3f ambient = direct_ ? in_.world.ambient : Vec3f{};
     std::vector<Vec3f> light(job.points.size(), ambient);
     if (direct_) {
-        AddDirect(job, {receivers.begin(), twoSided}, buried, light, counts);
-        AddDirect(job, {twoSided, receivers.end()}, buried, light, counts);
+        AddDirect(job, {receivers.begin(), twoSided}, pass, light, counts);
+        AddDirect(job, {twoSided, receivers.end()}, pass, light, counts);
         AddOcclusion(job, light, counts);
     }
     for (std::size_t i = 0; i < job.points.size(); ++i) {
         const std::size_t point = job.points[i];
-        const bool isLit = buried || points.isOpen[point] != 0;
+        const bool isLit = pass == PropPass::Buried || points.isOpen[point] != 0;
         points.light[point] = isLit ? light[i] + Bounced(prop, point) : ambient;
     }
 }
 
-void PropLighter::AddDirect(const PropJob &job, std::span<const PropReceiver> receivers, bool buried,
+void PropLighter::AddDirect(const PropJob &job, std::span<const PropReceiver> receivers, PropPass pass,
                             std::vector<Vec3f> &sums, ContributionCounts &counts) const {
     const StaticProp &prop = props_.props[job.prop];
     std::vector<SurfaceReceiverBatch> batches;
@@ -300,7 +303,7 @@ void PropLighter::AddDirect(const PropJob &job, std::span<const PropReceiver> re
     settings.halfLambert = in_.lightmap.halfLambert;
     settings.receiveShadows = prop.receiveShadows;
     // A box is not the shape of the prop, and what is moved out of a wall may be inside of it.
-    if (!prop.selfShadows || !in_.options.staticPropPolys || buried)
+    if (!prop.selfShadows || !in_.options.staticPropPolys || pass == PropPass::Buried)
         settings.ignoredProp = int(job.prop);
     const Vec3f center = bounds.Center();
     const float radius = Length(bounds.maxs - center);
@@ -406,7 +409,7 @@ std::optional<Vec3f> PropLighter::OpenPlace(const StaticProp &prop, const PropSa
 }
 
 /// Sets from where buried points are lit; those that cannot be count as open.
-void PropLighter::FindWaysOut(std::size_t number) {
+void PropLighter::FindOpenPlaces(std::size_t number) {
     PropPoints &points = points_[number];
     if (std::find(points.isOpen.begin(), points.isOpen.end(), 0) == points.isOpen.end())
         return;
@@ -426,7 +429,7 @@ void PropLighter::FindWaysOut(std::size_t number) {
             points.isOpen[i] = 1;
         else
             points.open[i] =
-                sampler.WayOut(placed.position, place ? *place : nearest.Find(placed.position, placed.normal));
+                sampler.OpenPlaceToward(placed.position, place ? *place : nearest.Find(placed.position, placed.normal));
     }
 }
 

@@ -70,7 +70,7 @@ void PropSampler::Samples(std::size_t number, std::vector<PropSample> &samples) 
             for (int y = 0; y < grid[1]; ++y) {
                 const Vec3f p = area.At((float(x) + 0.5f) / float(grid[0]), (float(y) + 0.5f) / float(grid[1]));
                 if (const Vec3f lifted = p + (placed.position - at);
-                    IsOpen(lifted) && WayBetween(space_, placed.position, lifted) != Way::Blocked)
+                    IsOpen(lifted) && StateOfSegment(space_, placed.position, lifted) != SegmentState::Blocked)
                     samples.push_back({lifted, area.area / float(grid[0] * grid[1])});
             }
     }
@@ -82,7 +82,7 @@ bool PropSampler::IsOpen(const Vec3f &p) const {
     return space_.ClusterAt(p, -kPropSolidDepth) >= 0;
 }
 
-Vec3f PropSampler::WayOut(const Vec3f &buried, const Vec3f &open) const {
+Vec3f PropSampler::OpenPlaceToward(const Vec3f &buried, const Vec3f &open) const {
     Vec3f inside = buried, outside = open;
     for (int step = 0; step < kBisections; ++step) {
         const Vec3f middle = (inside + outside) * 0.5f;

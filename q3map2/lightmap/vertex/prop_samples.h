@@ -33,9 +33,9 @@ class PropSampler {
 
     /// Whether light can be there.
     bool IsOpen(const Vec3f &p) const;
-    /// The place nearest to `buried`, up to a precision of 2^-20, on the way to `open` that is open itself; a little
-    /// farther on if that is open too.
-    Vec3f WayOut(const Vec3f &buried, const Vec3f &open) const;
+    /// The place nearest to `buried`, up to a precision of 2^-20, on the segment to `open` that is open itself; a
+    /// little farther on if that is open too.
+    Vec3f OpenPlaceToward(const Vec3f &buried, const Vec3f &open) const;
 
   private:
     const StaticProp &prop_;

@@ -25,7 +25,7 @@ namespace {
 constexpr float kLift = 1.0f / 8, kInset = 1.0f / 4;
 /// A vertex counts as inside a solid from this depth on. Game units.
 constexpr float kSolidDepth = 0.125f;
-/// Bisections that find where a way leaves a solid.
+/// Bisections that find where a segment leaves a solid.
 constexpr int kPlaceBisections = 12;
 
 } // namespace
@@ -82,11 +82,13 @@ int VertexPlaces::ClusterAt(std::size_t vertex, const Vec3f &offset) {
     }
     const Vec3f aside = rayOrigins_[vertex] + offset;
     const int cluster = twoSided_ || Dot(offset, verts_[vertex].normal) >= 0 ? OpenCluster(aside) : kSolidCluster;
-    return cluster >= 0 && WayBetween(in_.space, WayOut(vertex), aside) != Way::Blocked ? cluster : kSolidCluster;
+    return cluster >= 0 && StateOfSegment(in_.space, OpenOrigin(vertex), aside) != SegmentState::Blocked
+               ? cluster
+               : kSolidCluster;
 }
 
-/// Where the way from a vertex in a solid towards its neighbors comes out; the ray origin if it does not.
-Vec3f VertexPlaces::WayOut(std::size_t vertex) {
+/// Where the segment from a vertex in a solid towards its neighbors comes out; the ray origin if it does not.
+Vec3f VertexPlaces::OpenOrigin(std::size_t vertex) {
     Vec3f inside = rayOrigins_[vertex], outside = middles_[vertex];
     if (OpenCluster(outside) < 0)
         return inside;
@@ -232,9 +234,9 @@ std::vector<SurfaceReceiverBatch> VertexLighter::OpenVertices(const VertexIndice
 
 /// Leaves out lights of styles that find no slot.
 void VertexLighter::ChooseStyles() {
-    VertexIndices all(verts_.size()), open;
-    std::iota(all.begin(), all.end(), std::size_t(0));
-    std::vector<SurfaceReceiverBatch> blocks = OpenVertices(all, {}, open);
+    VertexIndices every(verts_.size()), open;
+    std::iota(every.begin(), every.end(), std::size_t(0));
+    std::vector<SurfaceReceiverBatch> blocks = OpenVertices(every, {}, open);
     StyleChoice choice;
     SurfaceIncidentLight incident;
     for (const Light *light : lights_) {

@@ -31,7 +31,7 @@ class VertexPlaces {
   private:
     void FindEdges(const bspDrawSurface_t &surface);
     int OpenCluster(const Vec3f &p);
-    Vec3f WayOut(std::size_t vertex);
+    Vec3f OpenOrigin(std::size_t vertex);
 
     const SurfaceInputs &in_;
     std::span<const SurfaceVertex> verts_;

@@ -78,19 +78,20 @@ TEST(LightsByClusterTest, GivesTheLightsThatAnyOfTheClustersSees) {
     }
     lights[5].seenFrom.clear(); // everywhere
     lights[66].type = LightType::Sun;
-    const auto seen = [&](bool sunsEverywhere, std::vector<int> clusters) {
+    const auto seen = [&](SunsSeen suns, std::vector<int> clusters) {
         std::set<std::size_t> numbers;
-        const std::size_t left = LightsByCluster(lights, sunsEverywhere).ForEach(clusters, [&](std::size_t i) {
+        const std::size_t left = LightsByCluster(lights, suns).ForEach(clusters, [&](std::size_t i) {
             EXPECT_TRUE(numbers.empty() || *numbers.rbegin() < i) << "in order";
             numbers.insert(i);
         });
         EXPECT_EQ(left + numbers.size(), lights.size());
         return numbers;
     };
-    for (const bool sunsEverywhere : {false, true}) {
-        const auto found = seen(sunsEverywhere, {1, -1, 3, 99});
+    for (const SunsSeen suns : {SunsSeen::ByVisibility, SunsSeen::Everywhere}) {
+        const auto found = seen(suns, {1, -1, 3, 99});
         for (std::size_t i = 0; i < lights.size(); ++i)
-            EXPECT_EQ(found.count(i), std::size_t(i % 3 == 1 || i == 5 || (i == 66 && sunsEverywhere))) << i;
+            EXPECT_EQ(found.count(i), std::size_t(i % 3 == 1 || i == 5 || (i == 66 && suns == SunsSeen::Everywhere)))
+                << i;
     }
 }
 

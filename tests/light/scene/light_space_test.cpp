@@ -97,14 +97,14 @@ TEST_F(SpaceTest, WaysAreAsOpenAsTheirPoints) {
             entered += deep && !inside;
             inside = deep;
         }
-        const Way way = WayBetween(space, a, b);
-        ++seen[std::size_t(way)];
+        const SegmentState state = StateOfSegment(space, a, b);
+        ++seen[std::size_t(state)];
         if (entered > 0 || inside) {
-            EXPECT_EQ(way, Way::Blocked) << i;
+            EXPECT_EQ(state, SegmentState::Blocked) << i;
         } else if (startsInside) {
-            EXPECT_NE(way, Way::Open) << i;
+            EXPECT_NE(state, SegmentState::Open) << i;
         } else if (sure) {
-            EXPECT_EQ(way, Way::Open) << i;
+            EXPECT_EQ(state, SegmentState::Open) << i;
         }
     }
     for (const int count : seen)
@@ -120,14 +120,15 @@ TEST(Ways, ThinWallsBlockAndFacesDoNot) {
         scene.AddBox({0, -128, 0}, {2, 64, 128}, TestShader("textures/test/wall"), kind);
         const Bsp bsp = CompiledScene(scene, vfs);
         const BspSpace space(bsp, std::vector<bool>(bsp.brushes.size(), true));
-        EXPECT_EQ(WayBetween(space, {-5, 0, 1}, {5, 0, 1}), Way::Blocked);
-        EXPECT_EQ(WayBetween(space, {0, 0, 1}, {5, 0, 1}), Way::Blocked) << "from its face";
-        EXPECT_EQ(WayBetween(space, {1, 0, 1}, {5, 0, 1}), Way::LeavesSolid);
-        EXPECT_EQ(WayBetween(space, {1, 0, 1}, {2, 0, 1}), Way::LeavesSolid) << "to its face";
-        EXPECT_EQ(WayBetween(space, {5, 0, 1}, {1, 0, 1}), Way::Blocked) << "into it";
-        EXPECT_EQ(WayBetween(space, {0, -50, 1}, {0, 50, 1}), Way::Open) << "along its face";
-        EXPECT_EQ(WayBetween(space, {2, -50, 0}, {2, 50, 0}), Way::Open) << "along the edge of wall and floor";
-        EXPECT_EQ(WayBetween(space, {-5, 70, 1}, {5, 70, 1}), Way::Open) << "beside it";
+        EXPECT_EQ(StateOfSegment(space, {-5, 0, 1}, {5, 0, 1}), SegmentState::Blocked);
+        EXPECT_EQ(StateOfSegment(space, {0, 0, 1}, {5, 0, 1}), SegmentState::Blocked) << "from its face";
+        EXPECT_EQ(StateOfSegment(space, {1, 0, 1}, {5, 0, 1}), SegmentState::LeavesSolid);
+        EXPECT_EQ(StateOfSegment(space, {1, 0, 1}, {2, 0, 1}), SegmentState::LeavesSolid) << "to its face";
+        EXPECT_EQ(StateOfSegment(space, {5, 0, 1}, {1, 0, 1}), SegmentState::Blocked) << "into it";
+        EXPECT_EQ(StateOfSegment(space, {0, -50, 1}, {0, 50, 1}), SegmentState::Open) << "along its face";
+        EXPECT_EQ(StateOfSegment(space, {2, -50, 0}, {2, 50, 0}), SegmentState::Open)
+            << "along the edge of wall and floor";
+        EXPECT_EQ(StateOfSegment(space, {-5, 70, 1}, {5, 70, 1}), SegmentState::Open) << "beside it";
     }
 }
 
@@ -140,9 +141,9 @@ TEST(Ways, AWallOfTwoBrushesIsOne) {
     scene.AddBox({4, -128, 0}, {8, 64, 128}, TestShader("textures/test/wall"), BoxKind::Detail);
     const Bsp bsp = CompiledScene(scene, vfs);
     const BspSpace space(bsp, std::vector<bool>(bsp.brushes.size(), true));
-    EXPECT_EQ(WayBetween(space, {2, 0, 1}, {10, 0, 1}), Way::LeavesSolid);
-    EXPECT_EQ(WayBetween(space, {2, 0, 1}, {10, 6, 1}), Way::LeavesSolid) << "oblique";
-    EXPECT_EQ(WayBetween(space, {-2, 0, 1}, {10, 0, 1}), Way::Blocked);
+    EXPECT_EQ(StateOfSegment(space, {2, 0, 1}, {10, 0, 1}), SegmentState::LeavesSolid);
+    EXPECT_EQ(StateOfSegment(space, {2, 0, 1}, {10, 6, 1}), SegmentState::LeavesSolid) << "oblique";
+    EXPECT_EQ(StateOfSegment(space, {-2, 0, 1}, {10, 0, 1}), SegmentState::Blocked);
 }
 
 TEST(Ways, APillarInWaterBlocks) {
@@ -159,8 +160,8 @@ TEST(Ways, APillarInWaterBlocks) {
         opaque.push_back(FieldName(bsp.shaders[std::size_t(brush.shaderNum)].shader) != "textures/test/water");
     ASSERT_EQ(std::count(opaque.begin(), opaque.end(), false), 1);
     const BspSpace space(bsp, opaque);
-    EXPECT_EQ(WayBetween(space, {0, 40, 64}, {70, 40, 64}), Way::LeavesSolid) << "through the water";
-    EXPECT_EQ(WayBetween(space, {0, 0, 64}, {70, 0, 64}), Way::Blocked);
+    EXPECT_EQ(StateOfSegment(space, {0, 40, 64}, {70, 40, 64}), SegmentState::LeavesSolid) << "through the water";
+    EXPECT_EQ(StateOfSegment(space, {0, 0, 64}, {70, 0, 64}), SegmentState::Blocked);
 }
 
 TEST_F(SpaceTest, PiecesInLeafsMakeUpThePolygon) {

@@ -153,9 +153,9 @@ TEST(StyleWave, LettersAreTwelfths) {
 }
 
 TEST(StyleWave, OnAndOffIsASquare) {
-    EXPECT_EQ(FitWave("mmmaaa").Words(), "wave square 0.5 0.5 0 1.66667");
-    EXPECT_EQ(FitWave("aammmmaa").Words(), "wave square 0.5 0.5 0.75 1.25");
-    EXPECT_EQ(FitWave("ma").Words(), "wave square 0.5 0.5 0 5");
+    EXPECT_EQ(FitWave("mmmaaa").ShaderText(), "wave square 0.5 0.5 0 1.66667");
+    EXPECT_EQ(FitWave("aammmmaa").ShaderText(), "wave square 0.5 0.5 0.75 1.25");
+    EXPECT_EQ(FitWave("ma").ShaderText(), "wave square 0.5 0.5 0 5");
     for (const std::string_view pattern : {"mmmaaa", "aaammm", "yayayaya", "gggmmmgggmmm"})
         EXPECT_NEAR(WaveDifference(FitWave(pattern), pattern), 0, 1e-6) << pattern;
 }
@@ -183,9 +183,9 @@ TEST(StyleWave, UpAndDownIsATriangleOrASine) {
 }
 
 TEST(StyleWave, ConstantPatternsAreConstant) {
-    EXPECT_EQ(FitWave("m").Words(), "const ( 1 1 1 )");
-    EXPECT_EQ(FitWave("gggg").Words(), "const ( 0.5 0.5 0.5 )");
-    EXPECT_EQ(FitWave("z").Words(), "const ( 1 1 1 )") << "engines limit it";
+    EXPECT_EQ(FitWave("m").ShaderText(), "const ( 1 1 1 )");
+    EXPECT_EQ(FitWave("gggg").ShaderText(), "const ( 0.5 0.5 0.5 )");
+    EXPECT_EQ(FitWave("z").ShaderText(), "const ( 1 1 1 )") << "engines limit it";
 }
 
 /// No wave of a grid of others is nearer.
@@ -201,7 +201,8 @@ TEST(StyleWave, IsTheNearest) {
                         for (const double base : {0.2, 0.5, 0.8}) {
                             const StyleWave other{StyleWave::Form(form), base, amplitude, i / 8.0,
                                                   10.0 * periods / double(pattern.size())};
-                            EXPECT_GE(WaveDifference(other, pattern), least - 2e-3) << pattern << ' ' << other.Words();
+                            EXPECT_GE(WaveDifference(other, pattern), least - 2e-3)
+                                << pattern << ' ' << other.ShaderText();
                         }
     }
 }

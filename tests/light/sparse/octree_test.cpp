@@ -167,7 +167,7 @@ TEST(PruneOctree, CellsThatLampsNeedAreNotJoined) {
         tree.Split(0);
         const std::size_t child = tree[0].child;
         tree.Split(child);
-        tree[child].lamp = lamp;
+        tree[child].nearLightError = lamp;
         PruneOctree(tree, 1e9f, 4);
         EXPECT_EQ(tree[child].child != 0, lamp > 4) << lamp;
     }

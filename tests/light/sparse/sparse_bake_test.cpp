@@ -186,7 +186,7 @@ TEST_F(SparseBakeTest, AStripOfLightBetweenPointsIsNotMissed) {
     const auto smallest = [&](const Vec3d &p) { return Interpolated(p, 8, fromTheStrip); };
     EXPECT_LT(ScreenErrorAt(before, sample, fromTheStrip), ScreenErrorAt(before, smallest, fromTheStrip))
         << "cells of 8 units are the smallest";
-    EXPECT_TRUE(Printed("positions before lamps"));
+    EXPECT_TRUE(Printed("positions near lights"));
 }
 
 TEST_F(SparseBakeTest, AGridOfJoinedCellsSaysWhyItIsNotFiner) {

@@ -288,7 +288,7 @@ TEST_F(DirectionalTest, BouncedLightReachesAllChannels) {
     Lit({light});
     const SurfaceInputs in = case_->Inputs();
     surfaces_.vertex.styles.assign(in.bsp.drawSurfaces.size(), kOnlyStyle0);
-    AverageLuxels(in, {}, false, surfaces_);
+    AverageLuxels(in, {}, PassData::Keep, surfaces_);
     Bounces bounces(in, surfaces_);
     ASSERT_TRUE(bounces.Solve(surfaces_));
     ContributionCounts counts;

@@ -11,7 +11,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxShaderName = 63;
 constexpr int kMinPatchSide = 3, kMaxPatchSide = 31;
 
 void CheckShader(const SceneShader &shader) {

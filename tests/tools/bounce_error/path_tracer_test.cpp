@@ -221,7 +221,7 @@ TEST_F(PathTest, ReflectanceIsThatOfTheTexel) {
 TEST_F(PathTest, LightNeverGrows) {
     const auto scene = Make(Room(), 5);
     scene->Prepare();
-    EXPECT_EQ(scene->tracer->Scene().ReflectanceAt(0, {0, 0}).x, bounce::kMaxReflectance);
+    EXPECT_EQ(scene->tracer->Scene().ReflectanceAt(0, {0, 0}).x, kMaxReflectance);
 }
 
 } // namespace

@@ -9,9 +9,6 @@
 
 namespace q3::bounce {
 
-/// Limit on reflectance: BounceScale may be above 1, and the sum over bounces would diverge.
-inline constexpr float kMaxReflectance = 0.99f;
-
 /// The point where a path meets a reflecting surface.
 struct PathHit {
     int surface = -1;

@@ -52,7 +52,7 @@ double ShownChange(const TruthPoint &point, const Change &change) {
 /// Lights with any effect, strongest first, without the faintest.
 std::vector<Candidate> LightsThatMatter(const BenchMap &map, const CellSight &sight, const Vec3f &cell,
                                         double gridError) {
-    const double scale = (map.options.gridScale > 0 ? double(map.options.gridScale) : 1) / 255;
+    const double scale = double(map.options.PositiveGridScale()) / 255;
     const Vec3f &position = sight.Receivers()[CellSight::kSelf];
     std::vector<Candidate> all;
     for (const Light &light : map.lights) {

@@ -38,7 +38,7 @@ bspGridPointSH_t LightPoint(const BenchMap &map, const Vec3f &position, std::uin
     }
     rays.Flush();
     rayCount += rays.Count();
-    const double scale = (map.options.gridScale > 0 ? double(map.options.gridScale) : 1) / 255;
+    const double scale = double(map.options.PositiveGridScale()) / 255;
     bspGridPointSH_t stored{};
     for (std::size_t channel = 0; channel < 3; ++channel)
         for (std::size_t k = 0; k < 9; ++k) {

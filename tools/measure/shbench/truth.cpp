@@ -56,7 +56,7 @@ void AddFloodlight(const BenchMap &map, const Vec3f &position, DirectionSum &sum
     RayCounts counts;
     const std::vector<Vec3f> directions = FloodDirections(map.options.lowQuality);
     for (const float up : {1.0f, -1.0f}) {
-        const double share = FloodShare(map.scene, position, up, map.world.floodDistance, directions, counts);
+        const double share = FloodFraction(map.scene, position, up, map.world.floodDistance, directions, counts);
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const double light = double(map.world.floodColor[channel]) * double(map.world.floodIntensity) * share;
             for (std::size_t i = 0; i < kNormals; ++i)
@@ -72,7 +72,7 @@ void AddFloodlight(const BenchMap &map, const Vec3f &position, DirectionSum &sum
 TruthPoint Finish(const BenchMap &map, const Vec3f &position, const DirectionSum &sum) {
     TruthPoint point;
     point.position = position;
-    const double scale = (map.options.gridScale > 0 ? double(map.options.gridScale) : 1) / 255;
+    const double scale = double(map.options.PositiveGridScale()) / 255;
     for (std::size_t channel = 0; channel < 3; ++channel) {
         const double mean = sum.projection[channel][0] * kSHC0 + double(map.world.ambient[channel]);
         const double keep = mean < 0 ? 0 : 1; // negative lights cannot make the mean negative

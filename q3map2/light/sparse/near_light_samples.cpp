@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Positions before lamps.
-#include "q3map2/light/sparse/lamp_samples.h"
+// GPL-2.0-or-later. Positions near lights.
+#include "q3map2/light/sparse/near_light_samples.h"
 
 #include "libs/math/sampling.h"
 #include "libs/sh/polygon_moments.h"
@@ -23,29 +23,29 @@ constexpr float kNearSurface = 8, kFarFromSurface = 34;
 constexpr float kBeside = 4;
 /// A position is this clear of solids on all sides. Game units.
 constexpr float kSampleClearance = 6;
-/// Distance between neighboring positions, game units: at least kLeastStep and at most kMostStep; before a surface
+/// Distance between neighboring positions, game units: at least kLeastStep and at most kMostStep; near a surface
 /// light in between kStepPerRadius times its radius.
 constexpr float kLeastStep = 8, kMostStep = 32, kStepPerRadius = 1.0f / 16;
 /// Point lights and spotlights that give less than this at distance kNearPoint are passed over. Byte scale.
 constexpr float kLeastLight = 0.5f;
 /// Samples of a brick, which share a list of lights.
 constexpr std::size_t kBrickSamples = 256;
-/// The lamps of a sample are hidden from it if their mean light without shadows is more than this times the mean of all
-/// traced light.
+/// The lights of a sample are hidden from it if their mean light without shadows is more than this times the mean of
+/// all traced light.
 constexpr float kHiddenRatio = 1.25f;
 /// Factor of the variance of noise in the squared error at a sample: that of its own light plus that of the corners.
 constexpr float kNoiseOfSample = 1.3f;
 
-/// A position before a lamp.
-struct LampPlace {
+/// A position near a light.
+struct NearLightPosition {
     std::uint64_t key = 0; ///< of its cell in a lattice of cells of edge kLeastStep; it has one position at most
     Vec3f position;
     int cluster = 0;
-    std::uint32_t lamp = 0; ///< index of the light
+    std::uint32_t light = 0; ///< index of the light
 };
 
-/// Whether a position is before a surface light: at the right distance from its plane, and not far beside it.
-bool IsBefore(const Light &light, const Vec3f &p) {
+/// Whether a position is in front of a surface light: at the right distance from its plane, and not far beside it.
+bool IsInFront(const Light &light, const Vec3f &p) {
     double distance = Dot(light.shape.normal, Vec3d(p)) - light.shape.dist;
     if (light.twoSided)
         distance = std::abs(distance);
@@ -64,10 +64,10 @@ bool IsBefore(const Light &light, const Vec3f &p) {
     return true;
 }
 
-/// Whether a position is at the right distance from a lamp, and in front of it unless it is a point light.
+/// Whether a position is at the right distance from a light, and in front of it unless it is a point light.
 bool IsNear(const Light &light, const Vec3f &p) {
     if (light.type == LightType::Area)
-        return IsBefore(light, p);
+        return IsInFront(light, p);
     const Vec3f away = p - light.origin;
     const float distance = Length(away);
     return distance >= kNearPoint && distance <= kFarFromPoint &&
@@ -75,16 +75,16 @@ bool IsNear(const Light &light, const Vec3f &p) {
 }
 
 /// Whether cells in front of the light are measured: not for suns, lights without intensity, and faint ones.
-bool IsLamp(const Light &light) {
+bool HasNearPositions(const Light &light) {
     if (light.type == LightType::Sun || light.photons <= 0)
         return false;
     return light.type == LightType::Area || Falloff(light).At(kNearPoint) * MaxComponent(light.color) > kLeastLight;
 }
 
-/// Appends the positions before lamp number `lamp`: jittered ones, a step apart, that are in the open and see its
+/// Appends the positions near light `number`: jittered ones, a step apart, that are in the open and see its
 /// clusters. origin: from which the steps count, so that a map that is moved has the same positions.
-void AddPlaces(const BspSpace &space, const Vec3f &origin, const Light &light, std::uint32_t lamp,
-               std::vector<LampPlace> &places) {
+void AddPlaces(const BspSpace &space, const Vec3f &origin, const Light &light, std::uint32_t number,
+               std::vector<NearLightPosition> &places) {
     constexpr std::int32_t kKeyMask = (1 << 21) - 1; // KeyOf takes 21 bits of each coordinate
     const bool area = light.type == LightType::Area;
     const float radius = area ? light.shape.radius : 0;
@@ -115,35 +115,36 @@ void AddPlaces(const BspSpace &space, const Vec3f &origin, const Light &light, s
                     continue;
                 const int cluster = space.ClusterAt(p, kClearance);
                 if (light.SeenFrom(cluster))
-                    places.push_back({key, p, cluster, lamp});
+                    places.push_back({key, p, cluster, number});
             }
 }
 
-/// The positions before all lamps, in the order of their keys; one that is before several lamps occurs once for each.
+/// The positions near all lights, in the order of their keys; one that is near several lights occurs once for each.
 /// most: random positions are left out so that about this many are left.
-std::vector<LampPlace> FindPlaces(const GridInputs &in, const Vec3f &origin, const std::vector<Light> &lights,
-                                  std::size_t most) {
-    std::vector<std::vector<LampPlace>> found(lights.size());
+std::vector<NearLightPosition> FindPlaces(const GridInputs &in, const Vec3f &origin, const std::vector<Light> &lights,
+                                          std::size_t most) {
+    std::vector<std::vector<NearLightPosition>> found(lights.size());
     in.jobs.For(std::int64_t(lights.size()), [&](std::int64_t i, int) {
-        if (const Light &light = lights[std::size_t(i)]; IsLamp(light))
+        if (const Light &light = lights[std::size_t(i)]; HasNearPositions(light))
             AddPlaces(in.space, origin, light, std::uint32_t(i), found[std::size_t(i)]);
     });
-    std::vector<LampPlace> places;
-    for (const std::vector<LampPlace> &some : found)
+    std::vector<NearLightPosition> places;
+    for (const std::vector<NearLightPosition> &some : found)
         places.insert(places.end(), some.begin(), some.end());
     std::stable_sort(places.begin(), places.end(),
-                     [](const LampPlace &a, const LampPlace &b) { return a.key < b.key; });
+                     [](const NearLightPosition &a, const NearLightPosition &b) { return a.key < b.key; });
     std::size_t count = 0;
     for (std::size_t i = 0; i < places.size(); ++i)
         count += i == 0 || places[i].key != places[i - 1].key;
     if (count > most) {
-        const double share = double(most) / double(count);
-        std::erase_if(places, [&](const LampPlace &place) { return UnitFromHash(HashIndex(place.key)) > share; });
+        const double fraction = double(most) / double(count);
+        std::erase_if(places,
+                      [&](const NearLightPosition &place) { return UnitFromHash(HashIndex(place.key)) > fraction; });
     }
     return places;
 }
 
-/// Light of a lamp as if nothing cast shadows, convolved with the cosine; spotlights count as point lights.
+/// Light of a light as if nothing cast shadows, convolved with the cosine; spotlights count as point lights.
 SHFloats UnshadowedLight(const Light &light, const Vec3f &position) {
     SHVector projection{};
     double scale = light.negative ? -1.0 / 255 : 1.0 / 255;
@@ -171,13 +172,13 @@ struct SampledCell {
 };
 
 /// Hands the samples of an inner node to its children.
-void Distribute(const Octree &tree, std::span<const LampSample> all, const SampledCell &from,
+void Distribute(const Octree &tree, std::span<const NearLightSample> samples, const SampledCell &from,
                 std::vector<SampledCell> &to) {
     const OctreeCell &cell = tree[from.cell];
     std::array<SampledCell, 8> children;
     const Vec3f middle = LatticePosition(cell.origin) + Vec3f{1, 1, 1} * (0.5f * float(cell.Edge()));
     for (const std::uint32_t i : from.samples) {
-        const Vec3f &at = all[i].at;
+        const Vec3f &at = samples[i].at;
         const std::size_t child =
             std::size_t(at.x >= middle.x) | std::size_t(at.y >= middle.y) << 1 | std::size_t(at.z >= middle.z) << 2;
         children[child].samples.push_back(i);
@@ -191,25 +192,25 @@ void Distribute(const Octree &tree, std::span<const LampSample> all, const Sampl
 
 } // namespace
 
-LampSamples::LampSamples(const GridInputs &in, const std::vector<Light> &lights, const SmoothLight &light,
-                         const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats)
+NearLightSet::NearLightSet(const GridInputs &in, const std::vector<Light> &lights, const LightAtPositions &light,
+                           const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats)
     : lights_(lights), lattice_(lattice) {
-    std::vector<std::pair<std::uint64_t, LampPlace>> order;
-    for (const LampPlace &place : FindPlaces(in, lattice.UniformMins(), lights, mostSamples))
+    std::vector<std::pair<std::uint64_t, NearLightPosition>> order;
+    for (const NearLightPosition &place : FindPlaces(in, lattice.UniformMins(), lights, mostSamples))
         order.push_back({MortonOf(CellAt(lattice.InCells(place.position))), place});
     std::stable_sort(order.begin(), order.end(), [](const auto &a, const auto &b) {
         return a.first != b.first ? a.first < b.first : a.second.key < b.second.key;
     });
     std::vector<ProbeReceiver> receivers;
     for (std::size_t i = 0; i < order.size(); ++i) {
-        const LampPlace &place = order[i].second;
+        const NearLightPosition &place = order[i].second;
         if (i == 0 || place.key != order[i - 1].second.key) {
             receivers.push_back({place.position, place.cluster, std::uint32_t(HashIndex(~place.key))});
             samples_.push_back({.at = lattice.InCells(place.position)});
-            lampsEnd_.push_back(std::uint32_t(lamps_.size()));
+            lightNumbersEnd_.push_back(std::uint32_t(lightNumbers_.size()));
         }
-        lamps_.push_back(place.lamp);
-        ++lampsEnd_.back();
+        lightNumbers_.push_back(place.light);
+        ++lightNumbersEnd_.back();
     }
     std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
     const std::size_t bricks = (receivers.size() + kBrickSamples - 1) / kBrickSamples;
@@ -224,16 +225,16 @@ LampSamples::LampSamples(const GridInputs &in, const std::vector<Light> &lights,
         stats.Add(part);
 }
 
-/// Light of the lamps of a sample at any position, without shadows.
-SHFloats LampSamples::LampsAt(std::uint32_t sample, const Vec3f &position) const {
+/// Light of the lights near a sample at any position, without shadows.
+SHFloats NearLightSet::NearLightsAt(std::uint32_t sample, const Vec3f &position) const {
     SHFloats sum{};
-    for (std::size_t i = sample > 0 ? lampsEnd_[sample - 1] : 0; i < lampsEnd_[sample]; ++i)
-        AddScaled(1, UnshadowedLight(lights_[lamps_[i]], position), sum);
+    for (std::size_t i = sample > 0 ? lightNumbersEnd_[sample - 1] : 0; i < lightNumbersEnd_[sample]; ++i)
+        AddScaled(1, UnshadowedLight(lights_[lightNumbers_[i]], position), sum);
     return sum;
 }
 
-float LampSamples::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &light,
-                           const BounceNoise &noise) const {
+float NearLightSet::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &light,
+                            const BounceNoise &noise) const {
     const CornerLight corners = CornersOf(light, cell);
     if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
         return std::numeric_limits<float>::infinity();
@@ -242,11 +243,11 @@ float LampSamples::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t
         traced += screen_.Squared(InterpolatedLight(cell, corners, samples_[i].at), samples_[i].light);
     for (const std::uint32_t i : samples) {
         SHFloats shown = samples_[i].light;
-        const SHFloats exact = LampsAt(i, lattice_.PositionOf(samples_[i].at));
+        const SHFloats exact = NearLightsAt(i, lattice_.PositionOf(samples_[i].at));
         if (MeanLight(exact) > kHiddenRatio * MeanLight(shown))
             continue; // hidden: it would give more than all light there
         for (std::size_t c = 0; c < 8; ++c)
-            AddScaled(cell.Weight(c, samples_[i].at), LampsAt(i, lattice_.PositionOf(cell.Corner(c))), shown);
+            AddScaled(cell.Weight(c, samples_[i].at), NearLightsAt(i, lattice_.PositionOf(cell.Corner(c))), shown);
         AddScaled(-1, exact, shown);
         unshadowed += screen_.Squared(shown, samples_[i].light);
     }
@@ -254,10 +255,10 @@ float LampSamples::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t
     return std::min(unshadowed / count, std::max(0.0f, traced / count - kNoiseOfSample * noise.At(cell.origin)));
 }
 
-void SplitAtLamps(const LampSamples &samples, float maxError, const BounceNoise &noise, const JobPool &jobs,
-                  Octree &tree, const LatticePoints &light, OctreeRefiner &refiner, const LatticeTracer &tracer,
-                  GridStats &stats) {
-    const std::span<const LampSample> all = samples.All();
+void SplitNearLights(const NearLightSet &samples, float maxError, const BounceNoise &noise, const JobPool &jobs,
+                     Octree &tree, const LatticePoints &light, OctreeRefiner &refiner, const LatticeTracer &tracer,
+                     GridStats &stats) {
+    const std::span<const NearLightSample> all = samples.All();
     std::vector<SampledCell> cells, next;
     std::vector<std::vector<std::uint32_t>> byRoot(tree.RootCount());
     for (std::size_t i = 0; i < all.size(); ++i)
@@ -269,11 +270,11 @@ void SplitAtLamps(const LampSamples &samples, float maxError, const BounceNoise 
     for (; !cells.empty(); cells = std::move(next), next.clear()) {
         jobs.For(std::int64_t(cells.size()), [&](std::int64_t i, int) {
             const SampledCell &at = cells[std::size_t(i)];
-            tree[at.cell].lamp = samples.ErrorIn(tree[at.cell], at.samples, light, noise);
+            tree[at.cell].nearLightError = samples.ErrorIn(tree[at.cell], at.samples, light, noise);
         });
         std::vector<std::size_t> split;
         for (const SampledCell &at : cells)
-            if (tree[at.cell].child == 0 && tree[at.cell].level > 0 && tree[at.cell].lamp > maxError)
+            if (tree[at.cell].child == 0 && tree[at.cell].level > 0 && tree[at.cell].nearLightError > maxError)
                 split.push_back(at.cell);
         if (!split.empty())
             refiner.Split(split, tracer, stats);
