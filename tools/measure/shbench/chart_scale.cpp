@@ -26,7 +26,7 @@ ChartScale::ChartScale(const std::vector<double> &values, AxisScale scale, doubl
         any = true;
     }
     if (!any)
-        low_ = log ? 0.1 : 0, high_ = 1;
+        low_ = log_ ? 0.1 : 0, high_ = 1;
     if (log_) {
         low_ /= kLogMargin, high_ *= kLogMargin;
         return;
