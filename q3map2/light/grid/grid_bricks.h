@@ -168,15 +168,19 @@ class BrickLighting {
     /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance. split: lights have a weak and
     /// a strong part, which can be traced apart.
     BrickLighting(const GridInputs &in, const std::vector<Light> &lights, bool radiance, bool split)
-        : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
-                                              .sunOnly = in.options.sunOnly,
-                                              .radiance = radiance,
-                                              .samples = in.options.shSamples,
-                                              .skip = in.options.skip},
+        : in_(in), lights_(lights), settings_(SettingsOf(in.options, radiance)),
           faint_(kFaint / in.options.shSamples) {
         if (split)
             settings_.weakBelow =
                 std::max(kWeakBelow / (in.options.gridScale > 0 ? in.options.gridScale : 1), 2 * faint_);
+    }
+    /// Settings of the pass for lights that are traced as a whole.
+    static LightSettings SettingsOf(const LightOptions &options, bool radiance) {
+        return {.pass = LightPass::GridSH,
+                .sunOnly = options.sunOnly,
+                .radiance = radiance,
+                .samples = options.shSamples,
+                .skip = options.skip};
     }
     /// Calls use(light, incident) for each light that may reach the blocks of a brick. incident: its light at the
     /// receivers, by block. seed: of the random choice among faint lights, which is the same for all blocks. part:

@@ -187,6 +187,7 @@ struct Side {
     double weight = 0;
     std::array<double, kSHFloats> sum{};
     double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kSHC0); }
+    double BlendWeight() const { return weight / (Mean() + kDarkest); }
 };
 
 /// Batches rays that test whether two positions see each other.
@@ -243,14 +244,27 @@ class Filler {
         const Around lit = AroundPoint(x, y, z, false);
         if (lit.count == 0)
             return std::nullopt;
-        std::vector<Side> sums(split ? split->groupCount : 1);
+        return Blend(SidesAround(lit, split, grid));
+    }
+
+    /// The neighbors that Fill blends, with their shares.
+    std::vector<FillSource> Sources(int x, int y, int z, const VisibilityGroups::PointGroups *split,
+                                    const LightGridSH &grid) const {
+        std::vector<FillSource> sources;
+        if (!split && states_[IndexOf(x, y, z)] != PointState::Solid)
+            return sources;
+        const Around lit = AroundPoint(x, y, z, true);
+        const std::vector<Side> sides = SidesAround(lit, split, grid);
+        double total = 0;
+        for (const Side &side : sides)
+            total += side.BlendWeight();
         for (std::size_t i = 0; i < lit.count; ++i) {
-            Side &side = sums[split ? split->groups[i] : 0];
-            const Neighbor &neighbor = lit.neighbors[i];
-            side.weight += neighbor.weight;
-            AddWeighted(neighbor.weight, grid.points[neighbor.index].coeffs[0].data(), side.sum.data());
+            const int group = split ? split->groups[i] : 0;
+            const Side &side = sides[std::size_t(group)];
+            sources.push_back({std::uint32_t(lit.neighbors[i].index), lit.neighbors[i].position, group,
+                               lit.neighbors[i].weight / side.weight * side.BlendWeight() / total});
         }
-        return Blend(sums);
+        return sources;
     }
 
     /// Appends the sides of the points that have several. points: grid coordinates x y z.
@@ -297,6 +311,18 @@ class Filler {
         const auto found = std::lower_bound(displaced_.begin(), displaced_.end(), index,
                                             [](const DisplacedPoint &d, std::size_t i) { return d.index < i; });
         return found->position;
+    }
+
+    static std::vector<Side> SidesAround(const Around &lit, const VisibilityGroups::PointGroups *split,
+                                         const LightGridSH &grid) {
+        std::vector<Side> sums(split ? split->groupCount : 1);
+        for (std::size_t i = 0; i < lit.count; ++i) {
+            Side &side = sums[split ? split->groups[i] : 0];
+            const Neighbor &neighbor = lit.neighbors[i];
+            side.weight += neighbor.weight;
+            AddWeighted(neighbor.weight, grid.points[neighbor.index].coeffs[0].data(), side.sum.data());
+        }
+        return sums;
     }
 
     /// positions: also sets Neighbor::position, else zero.
@@ -346,7 +372,7 @@ class Filler {
         std::array<double, kSHFloats> sum{};
         double total = 0;
         for (const Side &side : sides) {
-            const double weight = side.weight / (side.Mean() + kDarkest);
+            const double weight = side.BlendWeight();
             total += weight;
             for (std::size_t i = 0; i < kSHFloats; ++i)
                 sum[i] += side.sum[i] / side.weight * weight;
@@ -423,6 +449,19 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
         groups.points.insert(groups.points.end(), row.begin(), row.end());
     }
     return groups;
+}
+
+std::vector<FillSource> FillSources(const GridInputs &in, const GridLayout &layout,
+                                    const std::vector<DisplacedPoint> &displaced, const VisibilityGroups &groups,
+                                    const std::vector<PointState> &states, const LightGridSH &grid,
+                                    std::uint32_t index) {
+    if (states[index] != PointState::Solid && states[index] != PointState::Beside)
+        return {};
+    const auto found = std::find_if(groups.points.begin(), groups.points.end(),
+                                    [&](const VisibilityGroups::PointGroups &p) { return p.index == index; });
+    const auto [x, y, z] = layout.Coordinates(index);
+    return Filler(in, layout, displaced, states)
+        .Sources(x, y, z, found == groups.points.end() ? nullptr : &*found, grid);
 }
 
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,

@@ -180,6 +180,8 @@ class SingleRayLight {
                strongest * MaxComponent(Max(light_.color, -light_.color)) * settings_.samples < kDim;
     }
     void Cast(RayPacket &rays) const {
+        if (!settings_.shadows)
+            return;
         const ShadowRules rules = exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid;
         if (light_.type == LightType::Sun)
             scene_.TraceToSky(rays, light_.skyIndex, rules, counts_);
