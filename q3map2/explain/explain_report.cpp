@@ -57,7 +57,7 @@ std::string KindOf(const LightAccount &light) {
     case LightType::Sun:
         break;
     }
-    return light.parts > 1 ? "sky light" : "sun";
+    return light.parts > 1 ? "sun or sky" : "sun";
 }
 
 class Report {
@@ -110,11 +110,12 @@ void Report::AddPlace() {
         return Line("{}: in the open, {}", At(place.point), where);
     Line("{}: in a solid, {}, {}", At(place.point), TextOf(*place.solid), where);
     if (!place.litFrom)
-        Line("No open space is beside it, so no lights are asked for at the point itself");
+        Line("No open space is within 2 units of it, so no lights are asked for at the point itself");
 }
 
 void Report::AddLights(const std::vector<LightAccount> &lights) {
     std::size_t shown = 0, rest = 0;
+    Vec3f restLight;
     std::vector<const LightAccount *> nothing;
     for (const LightAccount &light : lights) {
         if (light.fate != LightFate::Arrives && light.fate != LightFate::Blocked) {
@@ -123,6 +124,7 @@ void Report::AddLights(const std::vector<LightAccount> &lights) {
         }
         if (shown >= limits_.lights || MaxComponent(light.unshadowed) < kLeastShown) {
             ++rest;
+            restLight += light.arriving * (light.negative ? -1.0f : 1.0f);
             continue;
         }
         ++shown;
@@ -135,7 +137,7 @@ void Report::AddLights(const std::vector<LightAccount> &lights) {
     if (shown == 0)
         Line("  none");
     if (rest > 0)
-        Line("  {} more, weaker", rest);
+        Line("  {} more, weaker, of which {} arrives", rest, Bytes(restLight));
     AddNothing(nothing);
 }
 
