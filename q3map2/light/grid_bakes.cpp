@@ -13,19 +13,6 @@ namespace q3 {
 
 namespace {
 
-/// Lights prepared for SH grid and ambient cubes. Lights of styles other than 0 are left out: the formats cannot hold
-/// them.
-std::vector<Light> LightsForSH(const LightSetup &setup, Log &log) {
-    int culled = 0;
-    auto lights =
-        SetupEnvelopes(setup.lights, LightPass::GridSH, setup.options, setup.space, setup.skySeenFrom, culled);
-    if (const auto styled = std::erase_if(lights, [](const Light &light) { return light.style != 0; }); styled > 0)
-        log.Count(styled, "lights of other styles than 0 left out: they change while the game runs");
-    log.Count(lights.size(), "lights");
-    log.Count(culled, "lights culled");
-    return lights;
-}
-
 /// Factor of the number of rays at points of the sparse grid that the uniform one does not have: there the error of
 /// interpolation is larger than noise.
 constexpr float kSparseSamples = 0.5f;
@@ -55,6 +42,17 @@ SparseGridSH BakeSparse(const GridInputs &from, const std::vector<Light> &lights
 }
 
 } // namespace
+
+std::vector<Light> LightsForSH(const LightSetup &setup, Log &log) {
+    int culled = 0;
+    auto lights =
+        SetupEnvelopes(setup.lights, LightPass::GridSH, setup.options, setup.space, setup.skySeenFrom, culled);
+    if (const auto styled = std::erase_if(lights, [](const Light &light) { return light.style != 0; }); styled > 0)
+        log.Count(styled, "lights of other styles than 0 left out: they change while the game runs");
+    log.Count(lights.size(), "lights");
+    log.Count(culled, "lights culled");
+    return lights;
+}
 
 std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
                                             Log &log, GridStats &stats) {

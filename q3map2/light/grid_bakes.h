@@ -8,6 +8,10 @@
 
 namespace q3 {
 
+/// Lights prepared for SH grid and ambient cubes. Lights of styles other than 0 are left out: the formats cannot hold
+/// them.
+std::vector<Light> LightsForSH(const LightSetup &setup, Log &log);
+
 /// The legacy grid, with bounced light unless that is null.
 std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
                                             Log &log, GridStats &stats);

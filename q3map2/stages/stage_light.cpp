@@ -1,10 +1,13 @@
 // GPL-2.0-or-later. q3map2 -light: files in, LightWorld, file out.
 #include "common/error.h"
+#include "common/files/files.h"
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/edit/edit_lumps.h"
+#include "q3map2/lightmap/explain/explain.h"
+#include "q3map2/lightmap/explain/explain_report.h"
 #include "q3map2/lightmap/light_stage.h"
 #include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
@@ -39,6 +42,8 @@ FileGuard GuardLight(const std::filesystem::path &bspPath, const LightOptions &o
         guard.Reads(Beside(bspPath, extension));
     for (const std::string &file : options.texLightFiles)
         guard.Reads(file);
+    if (!options.explain.empty())
+        return guard;
     guard.Writes(bspPath);
     if (!lightmap.externalFolder.empty())
         guard.WritesInto(lightmap.externalFolder);
@@ -63,6 +68,22 @@ std::uint64_t EstimateGridSH(const Bsp &bsp, const LightOptions &options) {
     } catch (const Error &) { // the light stage says what is wrong
         return 0;
     }
+}
+
+/// -explain: prints the reports. The map and all files stay as they are.
+void ExplainPoints(const Bsp &bsp, const std::filesystem::path &bspPath, const LightInputs &inputs,
+                   const LightOptions &options, const LightmapOptions &lightmap, ShaderLibrary &library,
+                   const StageContext &context) {
+    const auto mapPath = Beside(bspPath, ".map");
+    const std::string mapText = inputs.mapEntities ? ReadTextFile(mapPath) : std::string();
+    const JobPool jobs(context.options.threads);
+    const Explainer explainer(bsp, inputs, mapText, mapPath.filename().string(), options, lightmap, library,
+                              *context.options.game, jobs, context.log);
+    for (const Vec3f &p : options.explain) {
+        context.log.Section("Explanation");
+        context.log.Print("{}", ReportOf(explainer.Explain(p)));
+    }
+    context.log.Print("Only explained: {} stays as it is\n", bspPath.string());
 }
 
 void PrintWorldKeys(const Entity &world, Log &log) {
@@ -94,8 +115,11 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
     WarnIfSourceIsNewer(bspPath, log);
-    WarnOfDroppedLight(bsp, options, lightmap, gridFormats, log);
-    guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
+    const bool isExplained = !options.explain.empty();
+    if (!isExplained) {
+        WarnOfDroppedLight(bsp, options, lightmap, gridFormats, log);
+        guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
+    }
     inputs.vfs = &vfs;
     inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();
@@ -107,6 +131,10 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Count(library.DefinedCount(), "shaders defined");
     for (const bspShader_t &shader : bsp.shaders)
         library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
+    if (isExplained) {
+        ExplainPoints(bsp, bspPath, inputs, options, lightmap, library, context);
+        return 0;
+    }
     const JobPool jobs(context.options.threads);
     log.Count(jobs.Threads(), "threads");
     const LostLightCheck lostLight(bsp);

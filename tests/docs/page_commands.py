@@ -22,7 +22,7 @@ from pathlib import Path
 PAGES = ["README.md"] + [f"docs/{name}.md" for name in (
     "first_bake", "lights", "relight", "final_build", "bots", "troubleshooting", "moving", "presets", "ship_sh", "package",
     "tools_for_maps", "shader_directives", "grid_formats", "convert", "report", "vis", "lightmaps", "light_grid_sh", "bsp_stage", "ssbump", "hdr",
-    "directional")]
+    "directional", "explain")]
 # Pages that are for editors and other systems, if they are there: their options are checked.
 OTHER_PAGES = ["docs/editors.md", "docs/windows.md"]
 COMMAND = re.compile(r"^(?: {4,}|\t)?((?:build/bin/)?q3map2(?: .*)?)$")

@@ -173,14 +173,17 @@ class IncidentLightTracer {
   public:
     /// lights: from SetupEnvelopes for the SH grid.
     IncidentLightTracer(const GridInputs &in, const std::vector<Light> &lights, SHQuantity quantity, LightSplit split)
-        : in_(in), lights_(lights), settings_{.pass = LightPass::GridSH,
-                                              .sunOnly = in.options.sunOnly,
-                                              .radiance = quantity == SHQuantity::Radiance,
-                                              .samples = in.options.shSamples,
-                                              .skip = in.options.skip},
-          faint_(kFaint / in.options.shSamples) {
+        : in_(in), lights_(lights), settings_(SettingsOf(in.options, quantity)), faint_(kFaint / in.options.shSamples) {
         if (split == LightSplit::WeakAndStrong)
             settings_.weakBelow = std::max(kWeakBelow / in.options.PositiveGridScale(), 2 * faint_);
+    }
+    /// Settings of the pass for lights that are traced as a whole.
+    static LightSettings SettingsOf(const LightOptions &options, SHQuantity quantity) {
+        return {.pass = LightPass::GridSH,
+                .sunOnly = options.sunOnly,
+                .radiance = quantity == SHQuantity::Radiance,
+                .samples = options.shSamples,
+                .skip = options.skip};
     }
     /// Calls use(light, incident) for each light that may reach the blocks of a brick. incident: its light at the
     /// receivers, by block. seed: of the random choice among faint lights, which is the same for all blocks. part:

@@ -192,6 +192,8 @@ struct GroupSum {
     double weight = 0;
     std::array<double, kSHFloats> sum{};
     double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kSHC0); }
+    /// Weight of the group in the blend.
+    double BlendWeight() const { return weight / (Mean() + kDarkest); }
 };
 
 /// Batches rays that test whether two positions see each other.
@@ -342,7 +344,7 @@ bspGridPointSH_t Blend(const std::vector<GroupSum> &groups) {
     std::array<double, kSHFloats> sum{};
     double total = 0;
     for (const GroupSum &group : groups) {
-        const double weight = group.weight / (group.Mean() + kDarkest);
+        const double weight = group.BlendWeight();
         total += weight;
         for (std::size_t i = 0; i < kSHFloats; ++i)
             sum[i] += group.sum[i] / group.weight * weight;
@@ -351,6 +353,19 @@ bspGridPointSH_t Blend(const std::vector<GroupSum> &groups) {
     for (std::size_t i = 0; i < kSHFloats; ++i)
         filled[i] = float(sum[i] / total);
     return std::bit_cast<bspGridPointSH_t>(filled);
+}
+
+/// Sums of the neighbors' lights by group. groups: null if they are in one group.
+std::vector<GroupSum> SumByGroup(const LitNeighborhood::Neighbors &lit, const VisibilityGroups::PointGroups *groups,
+                                 const LightGridSH &grid) {
+    std::vector<GroupSum> sums(groups ? groups->groupCount : 1);
+    for (std::size_t i = 0; i < lit.count; ++i) {
+        GroupSum &group = sums[groups ? groups->groups[i] : 0];
+        const LitNeighborhood::Neighbor &neighbor = lit.list[i];
+        group.weight += neighbor.weight;
+        AddWeighted(neighbor.weight, grid.points[neighbor.index].coeffs[0].data(), group.sum.data());
+    }
+    return sums;
 }
 
 /// The value of a Solid or Beside point; nothing if it has no lit neighbor, or is Beside and all its neighbors are in
@@ -362,14 +377,7 @@ std::optional<bspGridPointSH_t> FilledValue(const LitNeighborhood &neighborhood,
     const auto lit = neighborhood.Around(x, y, z, LitNeighborhood::Positions::LeaveOut);
     if (lit.count == 0)
         return std::nullopt;
-    std::vector<GroupSum> sums(groups ? groups->groupCount : 1);
-    for (std::size_t i = 0; i < lit.count; ++i) {
-        GroupSum &group = sums[groups ? groups->groups[i] : 0];
-        const LitNeighborhood::Neighbor &neighbor = lit.list[i];
-        group.weight += neighbor.weight;
-        AddWeighted(neighbor.weight, grid.points[neighbor.index].coeffs[0].data(), group.sum.data());
-    }
-    return Blend(sums);
+    return Blend(SumByGroup(lit, groups, grid));
 }
 
 } // namespace
@@ -431,6 +439,32 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
         groups.points.insert(groups.points.end(), row.begin(), row.end());
     }
     return groups;
+}
+
+std::vector<FillSource> FillSources(const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
+                                    const VisibilityGroups &groups, const std::vector<PointState> &states,
+                                    const LightGridSH &grid, std::uint32_t index) {
+    const auto found = std::ranges::find(groups.points, index, &VisibilityGroups::PointGroups::index);
+    const VisibilityGroups::PointGroups *split = found == groups.points.end() ? nullptr : &*found;
+    const PointState state = states[index];
+    if (state != PointState::Solid && (state != PointState::Beside || !split))
+        return {};
+    const auto [x, y, z] = layout.Coordinates(index);
+    const LitNeighborhood neighborhood(layout, displaced, states);
+    const auto lit = neighborhood.Around(x, y, z, LitNeighborhood::Positions::Find);
+    const std::vector<GroupSum> sums = SumByGroup(lit, split, grid);
+    double total = 0;
+    for (const GroupSum &sum : sums)
+        total += sum.BlendWeight();
+    std::vector<FillSource> sources;
+    for (std::size_t i = 0; i < lit.count; ++i) {
+        const LitNeighborhood::Neighbor &neighbor = lit.list[i];
+        const int group = split ? split->groups[i] : 0;
+        const GroupSum &sum = sums[std::size_t(group)];
+        sources.push_back({std::uint32_t(neighbor.index), neighbor.position, group,
+                           neighbor.weight / sum.weight * sum.BlendWeight() / total});
+    }
+    return sources;
 }
 
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,

@@ -75,6 +75,18 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
                 const VisibilityGroups &groups, std::vector<PointState> &states, LightGridSH &grid);
 
+/// A lit point that gives its light to a point that FillGridSH fills.
+struct FillSource {
+    std::uint32_t index = 0; ///< of the lit point
+    Vec3f position;          ///< that it is lit from
+    int group = 0;           ///< visibility group around the filled point
+    double weight = 0;       ///< in the value; the weights of all sources add up to 1
+};
+/// The sources of a point by FillGridSH; none if it is not filled. states and grid: before it.
+std::vector<FillSource> FillSources(const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
+                                    const VisibilityGroups &groups, const std::vector<PointState> &states,
+                                    const LightGridSH &grid, std::uint32_t index);
+
 /// The state of each point of a grid, and the position that it is lit from. Keeps a reference to the layout.
 class LitGridPoints {
   public:

@@ -233,13 +233,11 @@ std::vector<ReceiverBatch> PlaceBrick(const BspSpace &space, const GridLayout &l
                                       std::span<const BrickPoint> points, GridStats &work) {
     std::vector<ReceiverBatch> blocks;
     blocks.reserve(BatchCount(points.size()));
-    const Vec3f half = Vec3f(layout.size) * 0.5f;
     for (const BrickPoint &at : points) {
-        Vec3f position = at.position;
-        int cluster = kSolidCluster;
-        if (!PlacePoint(space, half, position, cluster))
+        const LegacyPlace place = PlaceLegacyPoint(space, layout, at.position);
+        if (place.cluster < 0)
             continue;
-        BatchWithRoom(blocks).Add(position, ClearOfSolids(space, position), cluster, at.index);
+        BatchWithRoom(blocks).Add(place.position, place.rayOrigin, place.cluster, at.index);
         ++work.open;
     }
     return blocks;
@@ -352,6 +350,16 @@ void GridBlocks::AddFloodAndBounced(std::size_t block, GridStats &work) {
 }
 
 } // namespace
+
+LegacyPlace PlaceLegacyPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &point) {
+    LegacyPlace place{point, point};
+    int cluster = kSolidCluster;
+    if (!PlacePoint(space, Vec3f(layout.size) * 0.5f, place.position, cluster))
+        return {point, point};
+    place.rayOrigin = ClearOfSolids(space, place.position);
+    place.cluster = cluster;
+    return place;
+}
 
 GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
     const Vec3f wanted = keys::kGridSize.Vector(world).value_or(Vec3f(kDefaultGridSize));

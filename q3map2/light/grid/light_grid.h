@@ -10,6 +10,13 @@ namespace q3 {
 /// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until there are at most 1048576
 /// points. Writes a changed size back to `world`.
 GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log);
+/// Where a point of the legacy grid is lit from.
+struct LegacyPlace {
+    Vec3f position, rayOrigin;
+    int cluster = kSolidCluster; ///< kSolidCluster: it is not lit
+};
+LegacyPlace PlaceLegacyPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &point);
+
 /// The legacy light grid.
 std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                                       GridStats &stats);

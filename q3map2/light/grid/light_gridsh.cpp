@@ -110,7 +110,7 @@ GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const
     lit_.FindOnEmitters(lights);
 }
 
-LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
+LightGridSH GridSHTracer::TraceGridSH(GridStats &stats, GridSHSteps *steps) {
     LightGridSH grid;
     grid.header = {layout_.mins, layout_.size, layout_.bounds, std::int32_t(layout_.Count())};
     grid.points.assign(std::size_t(layout_.Count()), bspGridPointSH_t{});
@@ -126,7 +126,11 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats) {
         TracePoints(points, brick, grid, work);
         fit.AddSamples(brick, fit.SampleCells(points, light, work));
     });
+    if (steps)
+        *steps = {lit_.States(), {}, lit_.Displaced(), groups, grid, {}};
     FillGridSH(in_, layout_, lit_.Displaced(), groups, lit_.States(), grid);
+    if (steps)
+        steps->states = lit_.States(), steps->filled = grid;
     fit.Solve(grid, in_.jobs);
     const auto &states = lit_.States();
     for (const PointState state : {PointState::Open, PointState::OnEmitter, PointState::Beside})

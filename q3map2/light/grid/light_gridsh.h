@@ -34,6 +34,15 @@ GridLayout LayoutGridSH(const Bsp &bsp, Float3 size);
 /// least kMinCell. Warns if it is enlarged.
 GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log);
 
+/// What TraceGridSH finds on its way, for explanations.
+struct GridSHSteps {
+    std::vector<PointState> placed, states; ///< by point: before and after points in solids are filled
+    std::vector<DisplacedPoint> displaced;
+    VisibilityGroups groups;
+    LightGridSH traced; ///< light of the points that are lit; others are zero
+    LightGridSH filled; ///< before the fit
+};
+
 /// Bakes the uniform SH grid, and keeps what is needed to light positions between its points. Keeps references.
 class GridSHTracer {
   public:
@@ -42,8 +51,8 @@ class GridSHTracer {
     GridSHTracer &operator=(const GridSHTracer &) = delete;
 
     /// The SH light grid: points in the open are lit, points in solids next to the open filled and fitted, others zero.
-    /// Call it once.
-    LightGridSH TraceGridSH(GridStats &stats);
+    /// Call it once. steps: set unless null.
+    LightGridSH TraceGridSH(GridStats &stats, GridSHSteps *steps = nullptr);
     /// After TraceGridSH: weak light for LightAtPositions; null if it is not smooth enough, if tracing all of it takes
     /// little, or with -noskipsmooth.
     const WeakField *Weak() const { return usesWeak_ ? &weak_ : nullptr; }

@@ -552,6 +552,25 @@ Group BotFiles() {
           &LightOptions::fixBotFiles}}};
 }
 
+Group Explanations() {
+    const auto point = [](LightOptions &o, const Values &v) {
+        o.explain.push_back({float(v.numbers[0]), float(v.numbers[1]), float(v.numbers[2])});
+    };
+    return {
+        "Explanations",
+        "Why a place is lit as it is: [explain.md](explain.md). Nothing is baked and no file changes.",
+        {{{.name = "-explain",
+           .values = "X Y Z",
+           .kind = SettingKind::Number,
+           .unit = "game units",
+           .initial = "none",
+           .help = "Say which lights reach this point of a lit map, and what is in the way of the others",
+           .details = "Give the options that the map was lit with. Also printed: the points of both light grids around "
+                      "the point, where they take their light from, and the nearest luxel. More points if it is "
+                      "repeated."},
+          Do<LightOptions>(point)}}};
+}
+
 Group Ignored() {
     const auto nothing = [](std::string_view name, std::string_view help) {
         return WithoutEffect(&LightOptions::withoutEffect, name, help);
@@ -569,7 +588,7 @@ Group Ignored() {
 
 std::vector<SettingGroup<LightOptions>> LightOptionSettings() {
     return {GridSH(), SparseGridSH(), QualityOfGridSH(), AmbientCubes(), Skips(),       Intensities(), Falloff(),
-            Tone(),   ColorSpaces(),  Speed(),           Rays(),         StaticProps(), BotFiles(),    Ignored()};
+            Tone(),   ColorSpaces(),  Speed(),           Rays(),         StaticProps(), BotFiles(),    Explanations(), Ignored()};
 }
 
 } // namespace q3

@@ -501,7 +501,12 @@ std::vector<Light> SurfaceLights(const BspSpace &space, SurfaceTable &table, con
     const Bsp &bsp = space.Map();
     std::vector<Light> lights;
     SkyLights skies(options, world, library, lights, counts, log);
-    for (std::size_t i = 0; i < table.size(); ++i) {
+    std::size_t named = 0; // lights whose surface is set
+    const auto nameSurface = [&](std::size_t surface) {
+        for (; named < lights.size(); ++named)
+            lights[named].surface = int(surface);
+    };
+    for (std::size_t i = 0; i < table.size(); nameSurface(i), ++i) {
         SurfaceEntry &entry = table[i];
         const ShaderInfo &shader = *entry.shader;
         if (!shader.suns.empty() || !shader.skyLights.empty())

@@ -242,7 +242,9 @@ void AreaContribution::AddTint(const RayPacket &rays) {
 }
 
 void AreaContribution::TraceProbes(int probes) {
-    arrived_.fill(0);
+    arrived_.fill(settings_.shadows ? 0 : float(probes));
+    if (!settings_.shadows)
+        return;
     RayPacket rays;
     for (int probe = 0; probe < probes; ++probe) {
         AimAll(ProbeTarget(probe), rays);

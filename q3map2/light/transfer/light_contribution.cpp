@@ -179,6 +179,8 @@ class SingleRayLight {
         return exact_ && settings_.skip.coarse && strongest * MaxAbsComponent(light_.color) * settings_.samples < kDim;
     }
     void Cast(RayPacket &rays) const {
+        if (!settings_.shadows)
+            return;
         const ShadowRules rules = exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid;
         if (light_.type == LightType::Sun)
             scene_.TraceToSky(rays, light_.skyIndex, rules, counts_);

@@ -46,6 +46,7 @@ struct LightSettings {
     bool sunOnly = false;
     bool pointAreas = false; ///< -faster: area lights of the legacy grid by distance alone
     bool radiance = false;   ///< GridSH: plain projection, not convolved with the cosine
+    bool shadows = true;     ///< false: no rays are cast, everything that faces the receiver arrives
     float samples = 1;       ///< factor of the number of rays to partly hidden area lights
     SkipOptions skip;
     float faint =

@@ -184,15 +184,7 @@ class LightmapPass {
     LightmapPass(const SurfaceInputs &in, const LightsByCluster &lights, const SurfacePass &pass, bool blurAll,
                  RawLightmap &lightmap, std::vector<UnblurredLight> &unblurred, Worker &worker)
         : in_(in), lights_(lights), lightmap_(lightmap), worker_(worker), blurAll_(blurAll), unblurred_(unblurred) {
-        pass_.bounce = pass.bounce;
-        pass_.deluxe = in.lightmap.deluxe;
-        pass_.channels = lightmap.channels;
-        pass_.settings = {.sunOnly = in.options.sunOnly,
-                          .pointAreas = in.lightmap.faster,
-                          .halfLambert = in.lightmap.halfLambert,
-                          .receiveShadows = lightmap.receiveShadows,
-                          .faint = in.options.skip.faint ? kFaint : 0,
-                          .directional = lightmap.channels.Any()};
+        pass_ = LuxelPassOf(in, pass, lightmap);
         sampling_ = in.lightmap.samples > 1 || in.lightmap.randomSamples;
     }
 
@@ -345,6 +337,20 @@ class LightmapPass {
 };
 
 } // namespace
+
+LuxelPass LuxelPassOf(const SurfaceInputs &in, const SurfacePass &pass, const RawLightmap &lightmap) {
+    LuxelPass result;
+    result.bounce = pass.bounce;
+    result.deluxe = in.lightmap.deluxe;
+    result.channels = lightmap.channels;
+    result.settings = {.sunOnly = in.options.sunOnly,
+                       .pointAreas = in.lightmap.faster,
+                       .halfLambert = in.lightmap.halfLambert,
+                       .receiveShadows = lightmap.receiveShadows,
+                       .faint = in.options.skip.faint ? kFaint : 0,
+                       .directional = lightmap.channels.Any()};
+    return result;
+}
 
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts) {

@@ -2,11 +2,15 @@
 #pragma once
 
 #include "q3map2/light/sources/light_sources.h"
+#include "q3map2/lightmap/direct/luxel_contribution.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <vector>
 
 namespace q3 {
+
+/// How a pass lights one raw lightmap.
+LuxelPass LuxelPassOf(const SurfaceInputs &in, const SurfacePass &pass, const RawLightmap &lightmap);
 
 /// The lights that may reach a raw lightmap: seen from one of its clusters, with the lightmap in their envelope, and on
 /// the front side of a planar one. Reused from lightmap to lightmap.

@@ -218,6 +218,24 @@ LuxelSampler::SubsamplePositions LuxelSampler::PositionsOfSubsamples(std::span<c
     return receivers;
 }
 
+std::vector<LuxelSampler::SamplePlace> LuxelSampler::FirstSamples(int x, int y) const {
+    std::vector<SamplePlace> places;
+    const std::size_t luxel = lightmap_->SuperIndex(x, y);
+    if (maxSamples_ <= 1 || randomSamples_ > 0 || !lightmap_->Mapped(luxel))
+        return places;
+    Sample center;
+    center.position = lightmap_->positions[luxel];
+    const Refinement one{x, y, &center};
+    const SubsamplePositions at = PositionsOfSubsamples({&one, 1}, kFirstOffset * searchBox_);
+    for (std::size_t i = 0; i < kSubsamples; ++i) {
+        SamplePlace place{at[i]};
+        if (int cluster = 0; FindOpenCluster(luxel, at[i], cluster))
+            place.cluster = cluster;
+        places.push_back(place);
+    }
+    return places;
+}
+
 /// Sets `samples` to the light of the source at the receivers. luxels: of each receiver. False: no light arrives.
 bool LuxelSampler::Contribution(SurfaceReceiverBatch &receivers, std::span<const std::size_t> luxels,
                                 std::span<Sample> samples, ContributionCounts &counts) const {

@@ -22,6 +22,15 @@ class LuxelSampler {
     /// Supersamples the cells that are partly lit, and adds the change of their luxels to `sum`.
     void Refine(LuxelSum &sum, ContributionCounts &counts);
 
+    /// A place at which a luxel takes a sample, if the samples around it differ.
+    struct SamplePlace {
+        Vec3f position;
+        int cluster = kSolidCluster; ///< kSolidCluster: in a solid, or on the other side of a wall; not used
+    };
+    static constexpr std::size_t kSubsamples = 4;
+    /// The first samples of a mapped super luxel beside that at its position; none without -samples. After Start.
+    std::vector<SamplePlace> FirstSamples(int x, int y) const;
+
   private:
     struct Sample {
         Vec3f position;
@@ -36,7 +45,7 @@ class LuxelSampler {
         Sample *sample = nullptr;
     };
     /// Subsamples of a sample. The four luxels of a cell are refined together: their subsamples fill a packet of rays.
-    static constexpr std::size_t kSubsamples = 4, kMaxRefinements = kPacketSize / kSubsamples;
+    static constexpr std::size_t kMaxRefinements = kPacketSize / kSubsamples;
     using SubsamplePositions = std::array<Vec3f, kPacketSize>;
     bool Mapped(int x, int y) const;
     Vec3f NeighborStep(int x, int y, int dx, int dy) const;
