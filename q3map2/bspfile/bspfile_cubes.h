@@ -3,7 +3,7 @@
 
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bsp.h"
-#include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 
 #include <array>
 #include <cstdint>

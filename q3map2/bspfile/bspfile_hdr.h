@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/bspfile/bsp.h"
-#include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 
 #include <cstdint>
 #include <string>

@@ -5,7 +5,7 @@
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/bsp_codec.h"
 #include "q3map2/bspfile/bsp_records.h"
-#include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 
 #include <array>
 #include <cstddef>

@@ -4,7 +4,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/bsp.h"
-#include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 
 #include <algorithm>
 #include <bit>

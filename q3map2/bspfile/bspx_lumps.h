@@ -1,10 +1,10 @@
-// GPL-2.0-or-later. The table of the BSPX lumps that Bsp has members for: how each is read, written and checked.
+// GPL-2.0-or-later. The BSPX directory, and the table of the lumps that Bsp has members for: how each is read, written
+// and checked.
 #pragma once
 
 #include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/bsp_codec.h"
-#include "q3map2/bspfile/bspx.h"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +17,37 @@
 #include <vector>
 
 namespace q3 {
+
+/// Lumps with light grids for other engines, which gridformats writes.
+inline constexpr std::string_view kBspxGridOctree = "LIGHTGRID_OCTREE", kBspxGrids = "LIGHTGRIDS";
+
+inline constexpr std::size_t kBspxNameBytes = 24;
+inline constexpr std::size_t kBspxHeadBytes = 8;
+inline constexpr std::size_t kBspxEntryBytes = 32;
+
+/// An entry of a BSPX directory.
+struct BspxPart {
+    std::string name;
+    FilePart part;
+};
+
+/// The BSPX directory at `start`, if there is one. A malformed directory causes a warning and gives no lumps; of two
+/// lumps with one name the first is kept.
+std::vector<BspxPart> ReadBspx(const ByteSource &file, std::uint64_t start, std::string_view name, Log &log);
+/// The bytes of a directory; empty without lumps.
+std::vector<std::byte> BspxDirectory(const std::vector<BspxPart> &lumps);
+
+/// A lump of a file that is being read.
+struct BspxSource {
+    const ByteSource &file;
+    FilePart part;
+    std::string_view lump, fileName; ///< for messages
+    Log &log;
+
+    /// Throws Error with the names and the text.
+    [[noreturn]] void Fail(std::string_view text) const;
+    std::vector<std::byte> Bytes() const;
+};
 
 /// The lumps, in the order in which they are written. Lumps of other programs, which stay bytes, follow the first.
 enum class BspxId { PropLight, LightGridSH, LightmapsE5bgr9, VertexE5bgr9, Rnm, SparseGridSH, AmbientCubes, Count };

@@ -9,7 +9,7 @@
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/cli/presets.h"
-#include "q3map2/cli/stage.h"
+#include "q3map2/cli/program.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/editors/editor_files.h"
 #include "q3map2/report/version.h"

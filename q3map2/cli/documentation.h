@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/settings.h"
-#include "q3map2/cli/stage.h"
+#include "q3map2/cli/program.h"
 
 #include <string>
 #include <string_view>

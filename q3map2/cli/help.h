@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. q3map2 -help, and completion of the command line in shells.
 #pragma once
 
-#include "q3map2/cli/stage.h"
+#include "q3map2/cli/program.h"
 
 #include <string>
 #include <string_view>

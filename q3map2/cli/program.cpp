@@ -1,20 +1,238 @@
-// GPL-2.0-or-later. From the command line to a stage.
+// GPL-2.0-or-later. From the command line to a stage: what a stage is and gets, which one is meant, and its run.
 #include "q3map2/cli/program.h"
 
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/text/text.h"
 #include "q3map2/cli/help.h"
 #include "q3map2/cli/presets.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/editors/editor_feedback.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/report/version.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <memory>
 #include <new>
 
 namespace q3 {
+
+// ---- What a stage is, what it gets, and the words of a command line that choose it and that it takes ----
+
+namespace {
+
+/// Stages that other compilers have.
+constexpr std::string_view kForeignStages[] = {"-vlight", "-ent"};
+
+const Stage *FindStage(StageList stages, std::string_view word) {
+    const auto found = std::ranges::find_if(stages, [&](const Stage &s) { return EqualNoCase(s.word, word); });
+    return found == stages.end() ? nullptr : &*found;
+}
+
+/// Position of the stage word. A word other than the first is not one if another stage on the line has an option of
+/// that name, such as -export with -light.
+std::optional<std::size_t> FindStageWord(StageList stages, const std::vector<std::string> &words) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < words.size(); ++i)
+        if (FindStage(stages, words[i]))
+            found.push_back(i);
+    const auto isOptionOfAnother = [&](std::size_t i) {
+        return std::ranges::any_of(found, [&](std::size_t other) {
+            return other != i && FindStage(stages, words[other])->HasOption(words[i]);
+        });
+    };
+    std::erase_if(found, [&](std::size_t i) { return i > 0 && isOptionOfAnother(i); });
+    for (const std::size_t i : found)
+        if (!EqualNoCase(words[i], words[found.front()]))
+            throw Error("{} and {} on one line: run one stage after the other", words[found.front()], words[i]);
+    return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
+constexpr std::string_view kMapExtensions[] = {".map", ".bsp", ".reg", ".ent", ".prt", ".srf"};
+
+bool IsOption(std::string_view word) {
+    return word.size() > 1 && word.front() == '-';
+}
+
+bool HasMapExtension(std::string_view word) {
+    const std::string extension = LowerCase(std::filesystem::path(word).extension().string());
+    return std::ranges::find(kMapExtensions, extension) != std::end(kMapExtensions);
+}
+
+/// Whether the word names a map: by its extension, or because a map of that name is there.
+bool IsMap(std::string_view word) {
+    std::error_code absent;
+    return HasMapExtension(word) || std::ranges::any_of(kMapExtensions, [&](std::string_view extension) {
+               return std::filesystem::exists(WithExtension(std::filesystem::path(word), extension), absent);
+           });
+}
+
+/// Whether the word may be the value of the unknown option before it: the first word after it, and numbers after that.
+bool MayBeValue(const std::vector<std::string> &words, std::size_t at) {
+    if (at == 0 || IsOption(words[at]))
+        return false;
+    return IsOption(words[at - 1]) || (WholeNumber(words[at]) && MayBeValue(words, at - 1));
+}
+
+/// Position of the word that is the file: the last map, else the last word that no unknown option can claim.
+std::size_t FindFile(const StageContext &context, const std::vector<std::string> &words) {
+    std::optional<std::size_t> last, lastFree, map;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (IsOption(words[i]))
+            continue;
+        last = i;
+        if (!MayBeValue(words, i))
+            lastFree = i;
+        if (!IsMap(words[i]))
+            continue;
+        if (map && words[*map] != words[i])
+            throw Error("{} and {}: a line is for one map; run the program once for each", words[*map], words[i]);
+        map = i;
+    }
+    if (!last)
+        throw Error("usage: q3map2 [global options] {}", context.stage.usage);
+    if (map && lastFree && *lastFree > *map)
+        throw Error("{} or {}: which is the map? It may stand anywhere, but every other word must belong to an option",
+                    words[*map], words[*lastFree]);
+    return map.value_or(lastFree.value_or(*last));
+}
+
+/// The names that an unknown word is compared with, to propose the nearest.
+std::vector<std::string> KnownNames(const StageContext &context) {
+    std::vector<std::string> names = context.stage.OptionNames();
+    if (!context.stageIsNamed)
+        for (const Stage &stage : context.stages)
+            names.emplace_back(stage.word);
+    return names;
+}
+
+/// "; it is an option of -light", for an option of other stages.
+std::string OwnerHint(const StageContext &context, std::string_view word) {
+    std::vector<std::string_view> owners;
+    for (const Stage &stage : context.stages)
+        if (stage.HasOption(word))
+            owners.push_back(stage.word);
+    return owners.empty() ? "" : fmt::format("; it is an option of {}", fmt::join(owners, " and "));
+}
+
+/// What an unknown word may have been meant to be: an option of another stage, one written with =, or a near name.
+std::string HintFor(const StageContext &context, const std::string &word, bool &isOfOtherStage) {
+    const std::string owners = OwnerHint(context, word);
+    isOfOtherStage = !owners.empty();
+    if (isOfOtherStage)
+        return owners;
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    if (equals != std::string::npos && context.stage.HasOption(name))
+        return fmt::format("; write {} {}", name, word.substr(equals + 1));
+    return DidYouMean(name, KnownNames(context));
+}
+
+/// "; its value 8 is ignored too", for the words after an unknown option that seem to be its values.
+std::string ValuesAfter(const std::vector<std::string> &words, std::size_t at) {
+    std::vector<std::string> values;
+    while (++at < words.size() && MayBeValue(words, at))
+        values.push_back(words[at]);
+    return values.empty() ? ""
+                          : fmt::format("; its value{} {} {} ignored too", values.size() == 1 ? "" : "s",
+                                        fmt::join(values, " "), values.size() == 1 ? "is" : "are");
+}
+
+/// Which of the words left over are reported: all, or those with a dash.
+enum class Checked { AllWords, Options };
+
+/// Warns about each word that no option took; an option and its values share a warning. Errors: no stage was named, or
+/// the word stands before the stage word.
+void ReportUnknown(const StageContext &context, const Arguments &arguments, Checked checked = Checked::AllWords) {
+    const bool saysOption = context.stage.word == "-bsp" || context.stage.word == "-vis";
+    const std::vector<std::string> &words = arguments.Rest();
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string &word = words[i];
+        if (!IsOption(word) && (checked == Checked::Options || MayBeValue(words, i)))
+            continue;
+        bool isOfOtherStage = false;
+        const std::string hint = HintFor(context, word, isOfOtherStage);
+        if (!context.stageIsNamed)
+            throw Error("{}: unknown{}{}", word, hint, isOfOtherStage ? ", which the line does not name" : "");
+        if (arguments.IsBeforeStage(i))
+            throw Error("{}: {} has no such option{}", word, context.stage.word, hint);
+        const std::string text =
+            fmt::format("Unknown {} \"{}\"{}{}", saysOption ? "option" : "argument", word, hint, ValuesAfter(words, i));
+        context.log.Warn("unknown option", "{}", text);
+        context.log.AddToSummary(text);
+    }
+}
+
+} // namespace
+
+std::vector<std::string> Stage::OptionNames() const {
+    std::vector<SettingSection> sections = GlobalSections();
+    if (settings)
+        for (SettingSection &section : settings())
+            sections.push_back(std::move(section));
+    std::vector<std::string> names;
+    for (const SettingSection &section : sections)
+        for (const SettingEntry &entry : section.entries) {
+            names.emplace_back(entry.info.name);
+            for (const std::string_view alias : entry.info.aliases)
+                if (!alias.empty())
+                    names.emplace_back(alias);
+        }
+    return names;
+}
+
+bool Stage::HasOption(std::string_view option) const {
+    return std::ranges::any_of(OptionNames(), [&](const std::string &name) { return EqualNoCase(name, option); });
+}
+
+StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vector<std::string> given) {
+    if (!context.stageIsNamed)
+        ReportUnknown(context, arguments,
+                      Checked::Options); // first, as the value of an unknown option could be taken for the file
+    StageFile result;
+    result.file = arguments.TakeAt(FindFile(context, arguments.Rest()));
+    ReportUnknown(context, arguments);
+    const auto last = std::ranges::find(given.rbegin(), given.rend(), result.file);
+    if (last != given.rend())
+        given.erase(std::next(last).base());
+    result.wordsToRecord = std::move(given);
+    return result;
+}
+
+std::vector<std::string> TakeFiles(const StageContext &context, Arguments &arguments) {
+    std::vector<std::string> files;
+    for (std::size_t i = 0; i < arguments.Rest().size();)
+        if (IsOption(arguments.Rest()[i]) || (WholeNumber(arguments.Rest()[i]) && MayBeValue(arguments.Rest(), i)))
+            ++i;
+        else
+            files.push_back(arguments.TakeAt(i));
+    ReportUnknown(context, arguments);
+    return files;
+}
+
+ChosenStage TakeStage(StageList stages, Arguments &arguments) {
+    if (arguments.Empty())
+        throw Error("no arguments; q3map2 -help lists what there is");
+    if (const auto at = FindStageWord(stages, arguments.Rest())) {
+        const Stage stage = *FindStage(stages, arguments.TakeAt(*at));
+        arguments.SetBeforeStage(*at);
+        return {.stage = stage, .isNamed = true};
+    }
+    for (const std::string_view name : kForeignStages)
+        if (EqualNoCase(arguments.Rest().front(), name)) {
+            std::vector<std::string_view> words;
+            for (const Stage &stage : stages)
+                words.push_back(stage.word);
+            throw Error("{} is not a stage of this version; it has {}", name, fmt::join(words, ", "));
+        }
+    return {.stage = stages.front(), .isNamed = false};
+}
+
+// ---- From the command line to a stage ----
 
 namespace {
 

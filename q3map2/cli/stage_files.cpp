@@ -4,7 +4,7 @@
 
 #include "common/error.h"
 #include "common/text/text.h"
-#include "q3map2/cli/stage.h"
+#include "q3map2/cli/program.h"
 
 #include <fmt/ranges.h>
 

@@ -2,7 +2,6 @@
 #include "q3map2/edit/edit_lumps.h"
 
 #include "common/error.h"
-#include "q3map2/bspfile/bspx.h"
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/edit/edit_bspx.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/bspfile/bspfile_grid.h"
-#include "q3map2/bspfile/bspx.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/gridformats/grid_source.h"
 
 #include <cstddef>

@@ -7,7 +7,7 @@
 #include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/map/planes.h"
-#include "q3map2/shader/shader_info.h"
+#include "q3map2/shader/shader_table.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Directives of shader scripts that shape surfaces and do more than set a field.
 #pragma once
 
-#include "q3map2/shader/shader_info.h"
+#include "q3map2/shader/shader_table.h"
 
 #include <span>
 #include <string_view>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/files/vfs.h"
-#include "q3map2/shader/shader_info.h"
+#include "q3map2/shader/shader_table.h"
 
 #include <cstddef>
 #include <memory>

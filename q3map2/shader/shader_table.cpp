@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. All shaders by name.
+// GPL-2.0-or-later. Parsed shaders: their properties, by name.
 #include "q3map2/shader/shader_table.h"
 
 #include "common/error.h"

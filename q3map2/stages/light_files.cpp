@@ -5,7 +5,6 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/text/text.h"
-#include "q3map2/bspfile/bspx.h"
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/prop_light.h"
 #include "q3map2/cli/stage_files.h"

@@ -9,7 +9,7 @@
 #include "q3map2/convert/preview/tone_picture.h"
 #include "q3map2/minimap/minimap.h"
 #include "q3map2/report/run_report.h"
-#include "q3map2/ssbump/ssbump_files.h"
+#include "q3map2/ssbump/ssbump.h"
 #include "q3map2/stages/stages.h"
 
 namespace q3 {

@@ -6,8 +6,7 @@
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/pk3/package_plan.h"
 #include "q3map2/report/run_report.h"
-#include "q3map2/shreport/report_package.h"
-#include "q3map2/shreport/viewer_page.h"
+#include "q3map2/shreport/report_page.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 

@@ -11,10 +11,10 @@
 #include "q3map2/lightmap/options/lightmap_options.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
 #include "q3map2/map/bsp_options.h"
-#include "q3map2/minimap/minimap_options.h"
+#include "q3map2/minimap/minimap.h"
 #include "q3map2/pk3/package_plan.h"
-#include "q3map2/shreport/viewer_page.h"
-#include "q3map2/ssbump/ssbump_files.h"
+#include "q3map2/shreport/report_page.h"
+#include "q3map2/ssbump/ssbump.h"
 #include "q3map2/vis/vis.h"
 
 #include <algorithm>

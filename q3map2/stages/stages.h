@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The stages that the command line can name.
 #pragma once
 
-#include "q3map2/cli/stage.h"
+#include "q3map2/cli/program.h"
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 #include "common/files/archive.h"
 #include "common/image/image.h"
 #include "common/text/text.h"
-#include "q3map2/shreport/report_package.h"
+#include "q3map2/shreport/report_page.h"
 #include "tests/support/game_folder.h"
 #include "tests/support/small_bsp.h"
 

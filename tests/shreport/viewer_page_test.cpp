@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. The page of a report: where the archive goes, and under which name.
 #include "common/error.h"
-#include "q3map2/shreport/viewer_page.h"
+#include "q3map2/shreport/report_page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

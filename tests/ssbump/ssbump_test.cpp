@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Self-shadowed bump maps against closed forms and slow code of their own.
-#include "q3map2/ssbump/ssbump_files.h"
+#include "q3map2/ssbump/ssbump.h"
 
 #include <cmath>
 #include <functional>

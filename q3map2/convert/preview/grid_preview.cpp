@@ -4,7 +4,6 @@
 #include "common/error.h"
 #include "common/image/image.h"
 #include "common/text/text.h"
-#include "q3map2/convert/preview/grid_preview_light.h"
 #include "q3map2/convert/preview/grid_preview_map.h"
 
 #include <algorithm>

@@ -7,7 +7,6 @@
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/convert/source/source_writer.h"
 #include "q3map2/convert/source/texture_form.h"
-#include "q3map2/convert/source/texture_samples.h"
 #include "q3map2/map/map_texture.h"
 
 #include <fmt/format.h>

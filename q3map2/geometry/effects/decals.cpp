@@ -2,7 +2,7 @@
 #include "q3map2/geometry/effects/decals.h"
 
 #include "q3map2/bspfile/map_keys.h"
-#include "q3map2/geometry/faces/patch_surfaces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 #include "q3map2/map/map_parse.h"
 #include "q3map2/map/map_patch.h"
 

@@ -3,7 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/map_keys.h"
-#include "q3map2/geometry/faces/brush_faces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 
 #include <algorithm>
 #include <array>

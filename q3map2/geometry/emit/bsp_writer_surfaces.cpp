@@ -7,7 +7,7 @@
 #include "q3map2/geometry/effects/fog.h"
 #include "q3map2/geometry/effects/surface_effects.h"
 #include "q3map2/geometry/emit/emit_surfaces.h"
-#include "q3map2/geometry/faces/brush_faces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. The meta step: triangles of faces with smoothed normals, merged into draw surfaces.
 #include "q3map2/geometry/faces/meta.h"
 
-#include "q3map2/geometry/faces/brush_faces.h"
 #include "q3map2/geometry/faces/draw_surface.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 
 #include <algorithm>
 #include <array>

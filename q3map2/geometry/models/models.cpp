@@ -3,12 +3,11 @@
 
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/geometry/faces/draw_surface.h"
-#include "q3map2/geometry/faces/patch_surfaces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 #include "q3map2/geometry/models/model_clip.h"
 #include "q3map2/map/map_parse.h"
 #include "q3map2/map/map_patch.h"
 #include "q3map2/model/model_load.h"
-#include "q3map2/model/model_skin.h"
 
 #include <algorithm>
 #include <cmath>

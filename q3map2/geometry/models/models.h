@@ -5,7 +5,6 @@
 #include "q3map2/map/bsp_options.h"
 #include "q3map2/map/map.h"
 #include "q3map2/model/model_load.h"
-#include "q3map2/model/model_skin.h"
 
 #include <array>
 #include <cstddef>

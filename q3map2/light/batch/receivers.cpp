@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Neighboring receivers that are lit together, and the light that arrives at them.
+// GPL-2.0-or-later. What is lit together: neighboring receivers, the light that arrives at them, and packets of their
+// rays.
 #include "q3map2/light/batch/receivers.h"
 
 namespace q3 {

@@ -4,7 +4,7 @@
 #include "common/log.h"
 #include "libs/math/sampling.h"
 #include "q3map2/light/batch/form_factor.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/light/transfer/light_contribution.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "q3map2/light/grid/gridsh_fill.h"
 
 #include "libs/sh/sh.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 
 #include "libs/math/sampling.h"
 #include "libs/sh/sh.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 
 #include <algorithm>
 #include <bit>

@@ -7,7 +7,6 @@
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/bspfile/prop_light.h"
 #include "q3map2/model/model_load.h"
-#include "q3map2/model/model_skin.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #endif
 
 #include "q3map2/light/batch/lanes.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 
 #include <algorithm>
 #include <iterator>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/log.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/scene/shadow_casters.h"
 #include "q3map2/light/scene/surface_table.h"

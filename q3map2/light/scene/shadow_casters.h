@@ -8,7 +8,7 @@
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/scene/open_parts.h"
 #include "q3map2/light/scene/surface_table.h"
-#include "q3map2/shader/shader_info.h"
+#include "q3map2/shader/shader_table.h"
 
 #include <array>
 #include <span>

@@ -3,7 +3,7 @@
 
 #include "libs/sh/sh.h"
 #include "q3map2/light/batch/form_factor.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/light/sources/falloff.h"
 #include "q3map2/light/transfer/light_area.h"
 #include "q3map2/light/transfer/light_kernel.h"

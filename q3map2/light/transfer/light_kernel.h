@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Steps from a light to receivers that grids, luxels and vertices share, and counts of that work.
 #pragma once
 
-#include "q3map2/light/batch/ray_packet.h"
 #include "q3map2/light/batch/receivers.h"
 #include "q3map2/light/sources/light_sources.h"
 

@@ -3,7 +3,7 @@
 
 #include "libs/math/sampling.h"
 #include "libs/math/vec.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/lightmap/bounce/gather_rays.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 

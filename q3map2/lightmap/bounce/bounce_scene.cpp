@@ -2,7 +2,7 @@
 #include "q3map2/lightmap/bounce/bounce_scene.h"
 
 #include "common/error.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/lightmap/raw/face_scene.h"
 #include "q3map2/shader/image_formats.h"
 

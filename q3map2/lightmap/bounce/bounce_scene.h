@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. The surfaces that reflect bounced light, as a scene for gather rays.
 #pragma once
 
-#include "q3map2/light/batch/ray_packet.h"
-#include "q3map2/lightmap/raw/surface_faces.h"
+#include "q3map2/light/batch/receivers.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <memory>
 

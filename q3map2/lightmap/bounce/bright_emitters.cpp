@@ -1,11 +1,11 @@
-// GPL-2.0-or-later. Next event estimation of the brightest emitters of a bounce.
+// GPL-2.0-or-later. Next event estimation of the brightest emitters of a bounce: small patches in a light tree.
 #include "q3map2/lightmap/bounce/bright_emitters.h"
 
 #include "libs/math/sampling.h"
 #include "libs/math/vec.h"
-#include "q3map2/light/batch/ray_packet.h"
-#include "q3map2/lightmap/bounce/bright_tree.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <algorithm>
 #include <bit>
@@ -13,6 +13,308 @@
 #include <numbers>
 
 namespace q3 {
+
+// ---- The brightest emitters as small patches in a light tree ----
+
+// ---- A light tree over small patches ----
+
+namespace {
+
+/// A node is opened if its radius is above kMaxOpening times its distance, or the cosine between its axis and one of
+/// its normals is below kMinNodeCosine.
+constexpr float kMaxOpening = 0.25f, kMinNodeCosine = 0.8f;
+
+/// Patches with the same facing share a root. Facing: the axis nearest to the normal, and its sign or two-sidedness.
+int FacingOf(const BrightPatch &patch) {
+    const Vec3f size = Max(patch.normal, -patch.normal);
+    const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    return int(axis) + (patch.twoSided ? 6 : patch.normal[axis] < 0 ? 3 : 0);
+}
+
+/// Whether no receiver of the view can get light from the node.
+bool IsHidden(const BrightTree::Node &node, const TreeView &view, const BspSpace &space) {
+    const Vec3f offset = node.center - view.center;
+    const float reach = node.radius + view.radius;
+    if (view.normal != Vec3f{} && Dot(view.normal, offset) < -reach)
+        return true;
+    if (!node.twoSided && node.minCosine > 0.999f && Dot(node.axis, offset) > reach)
+        return true;
+    return node.cluster != BrightPatch::kNoCluster && !view.clusters.empty() &&
+           std::none_of(view.clusters.begin(), view.clusters.end(),
+                        [&](int cluster) { return space.Visible(cluster, node.cluster); });
+}
+
+} // namespace
+
+BrightTree::BrightTree(std::vector<BrightPatch> patches) : patches_(std::move(patches)) {
+    std::stable_sort(patches_.begin(), patches_.end(),
+                     [](const BrightPatch &a, const BrightPatch &b) { return FacingOf(a) < FacingOf(b); });
+    nodes_.reserve(2 * patches_.size());
+    for (std::size_t first = 0; first < patches_.size();) {
+        std::size_t end = first;
+        while (end < patches_.size() && FacingOf(patches_[end]) == FacingOf(patches_[first]))
+            ++end;
+        roots_.push_back(Build(std::uint32_t(first), std::uint32_t(end - first)));
+        first = end;
+    }
+    powerBefore_.push_back(0);
+    for (const BrightPatch &patch : patches_)
+        powerBefore_.push_back(powerBefore_.back() + double(Luminance(patch.radiosity)) * double(patch.area));
+}
+
+BrightTree::Node BrightTree::Sum(std::uint32_t first, std::uint32_t count) const {
+    const std::span<const BrightPatch> patches(patches_.data() + first, count);
+    Node node;
+    node.first = first, node.count = count;
+    node.cluster = patches[0].cluster, node.twoSided = patches[0].twoSided;
+    float weights = 0;
+    for (const BrightPatch &patch : patches) {
+        const float weight = Luminance(patch.radiosity) * patch.area;
+        node.center += patch.center * weight;
+        node.axis += patch.normal * weight;
+        node.power += patch.radiosity * patch.area;
+        node.area += patch.area;
+        weights += weight;
+        if (patch.cluster != node.cluster)
+            node.cluster = BrightPatch::kNoCluster;
+    }
+    node.center = node.center / weights;
+    node.axis = Normalize(node.axis);
+    for (const BrightPatch &patch : patches) {
+        node.radius = std::max(node.radius, Length(patch.center - node.center) + std::sqrt(patch.area) / 2);
+        node.minCosine = std::min(node.minCosine, Dot(patch.normal, node.axis));
+    }
+    return node;
+}
+
+std::uint32_t BrightTree::Build(std::uint32_t first, std::uint32_t count) {
+    const auto number = std::uint32_t(nodes_.size());
+    nodes_.push_back(Sum(first, count));
+    if (count == 1)
+        return number;
+    Boundsf bounds;
+    const auto begin = patches_.begin() + first;
+    for (auto patch = begin; patch != begin + count; ++patch)
+        bounds.Add(patch->center);
+    const Vec3f size = bounds.maxs - bounds.mins;
+    const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::uint32_t half = count / 2;
+    std::nth_element(begin, begin + half, begin + count, [&](const BrightPatch &a, const BrightPatch &b) {
+        return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.emitter < b.emitter;
+    });
+    Build(first, half);
+    nodes_[number].right = Build(first + half, count - half);
+    return number;
+}
+
+void BrightTree::Cut(const TreeView &view, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const {
+    std::vector<std::uint32_t> open(roots_.rbegin(), roots_.rend());
+    while (!open.empty()) {
+        const std::uint32_t number = open.back();
+        open.pop_back();
+        const Node &node = nodes_[number];
+        if (IsHidden(node, view, space))
+            continue;
+        const float distance = Length(node.center - view.center) - view.radius;
+        if (node.right == 0 || MostLight(node, view) < faint ||
+            (node.radius < kMaxOpening * distance && node.minCosine > kMinNodeCosine))
+            cut.push_back(number);
+        else
+            open.push_back(node.right), open.push_back(number + 1);
+    }
+}
+
+float BrightTree::MostLight(const Node &node, const TreeView &view) {
+    const float nearest = std::max(Length(node.center - view.center) - view.radius - node.radius, 1.0f);
+    return Luminance(node.power) / (std::numbers::pi_v<float> * nearest * nearest);
+}
+
+const BrightPatch &BrightTree::PatchAt(const Node &node, float u) const {
+    const auto first = powerBefore_.begin() + node.first + 1, end = first + (node.count - 1);
+    const double from = powerBefore_[node.first], to = powerBefore_[node.first + node.count];
+    return patches_[std::size_t(std::upper_bound(first, end, from + double(u) * (to - from)) - first) + node.first];
+}
+
+// ---- The brightest emitters as patches of a light tree ----
+
+namespace {
+
+/// Texels are cut into this many pieces on each axis.
+constexpr int kPieces = 2;
+/// Triangles with less than half this area in their lightmap make no patches. Square pieces.
+constexpr float kMinLuxelArea = 1e-6f;
+
+float TwiceArea(const LuxelTriangle &t) {
+    return (t[1][0] - t[0][0]) * (t[2][1] - t[0][1]) - (t[2][0] - t[0][0]) * (t[1][1] - t[0][1]);
+}
+
+/// The part of a triangle inside the square piece (x, y); in units of pieces.
+Winding<float> ClippedToPiece(const LuxelTriangle &triangle, int x, int y) {
+    Winding<float> clipped, rest;
+    for (const auto &corner : triangle)
+        clipped.push_back({corner[0], corner[1], 0});
+    WindingCutter<float> cutter;
+    const auto cut = [&](const Vec3f &normal, float dist) {
+        if (clipped.empty())
+            return;
+        cutter.Classify(clipped, normal, dist, 0);
+        cutter.Back(clipped, rest);
+        clipped.swap(rest);
+    };
+    cut({1, 0, 0}, float(x + 1)), cut({-1, 0, 0}, float(-x));
+    cut({0, 1, 0}, float(y + 1)), cut({0, -1, 0}, float(-y));
+    return clipped;
+}
+
+/// Area and centroid of a polygon in the plane z = 0.
+std::pair<float, Vec3f> AreaAndCentroid(const Winding<float> &w) {
+    float area = 0;
+    Vec3f sum;
+    for (std::size_t i = 2; i < w.size(); ++i) {
+        const float part = std::abs(Cross(w[i - 1] - w[0], w[i] - w[0]).z) / 2;
+        area += part;
+        sum += (w[0] + w[i - 1] + w[i]) * (part / 3);
+    }
+    return {area, area > 0 ? sum / area : sum};
+}
+
+/// A triangle of a face; `normal` points to the front.
+struct EmittingTriangle {
+    std::array<FaceCorner, 3> corners;
+    Vec3f normal;   ///< unit
+    float area = 0; ///< square game units
+    Vec3f At(float u, float v) const { return corners[0].xyz * (1 - u - v) + corners[1].xyz * u + corners[2].xyz * v; }
+};
+
+template <typename Use> void ForTriangles(const Face &face, const Use &use) {
+    Vec3f front;
+    for (const FaceCorner &corner : face)
+        front += corner.normal;
+    for (std::size_t i = 2; i < face.size(); ++i) {
+        EmittingTriangle triangle{{face[0], face[i - 1], face[i]}, {}, 0};
+        const Vec3f cross = Cross(face[i].xyz - face[0].xyz, face[i - 1].xyz - face[0].xyz);
+        triangle.area = Length(cross) / 2;
+        if (!(triangle.area > 0))
+            continue;
+        triangle.normal = Normalize(Dot(cross, front) < 0 ? -cross : cross);
+        use(triangle);
+    }
+}
+
+/// Collects the pieces of the texels of a raw lightmap.
+class LightmapPieces {
+  public:
+    LightmapPieces(const RawLightmap &raw, EmitterId first, std::span<const Vec3f> excess)
+        : raw_(raw), first_(first), excess_(excess), width_(raw.width * kPieces), height_(raw.height * kPieces),
+          pieces_(std::size_t(width_) * std::size_t(height_)) {}
+
+    void Add(const EmittingTriangle &triangle, bool twoSided) {
+        LuxelTriangle inPieces;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t axis = 0; axis < 2; ++axis)
+                inPieces[i][axis] = triangle.corners[i].luxel[axis] * float(kPieces) / float(raw_.super);
+        const float twice = TwiceArea(inPieces);
+        if (std::abs(twice) < kMinLuxelArea)
+            return;
+        ForCoveredLuxels(inPieces, width_, height_, [&](int x, int y) {
+            if (Excess(x, y) == Vec3f{})
+                return;
+            const auto [area, center] = AreaAndCentroid(ClippedToPiece(inPieces, x, y));
+            if (!(area > 0))
+                return;
+            const std::array<float, 2> at{center.x, center.y};
+            const float u = TwiceArea({inPieces[0], at, inPieces[2]}) / twice,
+                        v = TwiceArea({inPieces[0], inPieces[1], at}) / twice;
+            Piece &piece = pieces_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
+            const float world = area * triangle.area / (std::abs(twice) / 2);
+            piece.area += world;
+            piece.center += triangle.At(u, v) * world;
+            piece.normal += triangle.normal * world;
+            piece.twoSided = piece.twoSided || twoSided;
+        });
+    }
+    void Append(std::vector<BrightPatch> &patches) const {
+        for (int y = 0; y < height_; ++y)
+            for (int x = 0; x < width_; ++x) {
+                const Piece &piece = pieces_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
+                const Vec3f normal = Normalize(piece.normal);
+                if (!(piece.area > 0) || normal == Vec3f{})
+                    continue;
+                const int half = raw_.super / 2, tx = x / kPieces, ty = y / kPieces;
+                const int code = raw_.luxelClusters[raw_.SuperIndex(tx * raw_.super + half, ty * raw_.super + half)];
+                patches.push_back({piece.center / piece.area, normal, piece.area, Excess(x, y),
+                                   first_ + EmitterId(raw_.Index(tx, ty)), code >= 0 ? code : BrightPatch::kNoCluster,
+                                   piece.twoSided});
+            }
+    }
+
+  private:
+    struct Piece {
+        Vec3f center, normal; // times area
+        float area = 0;
+        bool twoSided = false;
+    };
+    const Vec3f &Excess(int x, int y) const { return excess_[first_ + raw_.Index(x / kPieces, y / kPieces)]; }
+
+    const RawLightmap &raw_;
+    EmitterId first_;
+    std::span<const Vec3f> excess_;
+    int width_, height_;
+    std::vector<Piece> pieces_;
+};
+
+/// Appends a patch for each corner of a triangle whose vertex has excess: the part of the triangle nearest to it.
+void AppendVertexPatches(const EmittingTriangle &triangle, bool twoSided, const EmitterIndex &emitters,
+                         std::span<const Vec3f> excess, std::vector<BrightPatch> &patches) {
+    constexpr float kOwn = 11.0f / 18, kOther = 7.0f / 36; // barycentric coordinates of the centroid of such a part
+    for (std::size_t i = 0; i < 3; ++i) {
+        const EmitterId emitter = emitters.Vertex(triangle.corners[i].vertex);
+        if (excess[emitter] == Vec3f{})
+            continue;
+        const Vec3f center = triangle.corners[i].xyz * kOwn + triangle.corners[(i + 1) % 3].xyz * kOther +
+                             triangle.corners[(i + 2) % 3].xyz * kOther;
+        patches.push_back(
+            {center, triangle.normal, triangle.area / 3, excess[emitter], emitter, BrightPatch::kNoCluster, twoSided});
+    }
+}
+
+} // namespace
+
+std::vector<BrightPatch> MakeBrightPatches(const SurfaceInputs &in, const SurfaceLight &surfaces,
+                                           const EmitterIndex &emitters, std::span<const Vec3f> excess) {
+    const auto anyIn = [&](EmitterId first, std::size_t count) {
+        return std::any_of(excess.begin() + first, excess.begin() + first + std::ptrdiff_t(count),
+                           [](const Vec3f &one) { return one != Vec3f{}; });
+    };
+    std::vector<BrightPatch> patches;
+    for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i) {
+        const RawLightmap &raw = surfaces.lightmaps[i];
+        const EmitterId first = emitters.FirstOf(i);
+        if (!anyIn(first, std::size_t(raw.width) * std::size_t(raw.height)))
+            continue;
+        LightmapPieces pieces(raw, first, excess);
+        for (const int surface : raw.surfaces)
+            if (IsInBounceScene(in, std::size_t(surface)))
+                for (const Face &face : FacesOf(in, surfaces, std::size_t(surface)))
+                    ForTriangles(face, [&](const EmittingTriangle &triangle) {
+                        pieces.Add(triangle, in.table[std::size_t(surface)].shader->twoSided);
+                    });
+        pieces.Append(patches);
+    }
+    for (std::size_t i = 0; i < in.bsp.drawSurfaces.size(); ++i) {
+        const bspDrawSurface_t &surface = in.bsp.drawSurfaces[i];
+        if (surfaces.lightmapOf[i] >= 0 || surface.numVerts == 0 || !IsInBounceScene(in, i) ||
+            !anyIn(emitters.Vertex(surface.firstVert), std::size_t(surface.numVerts)))
+            continue;
+        for (const Face &face : FacesOf(in, surfaces, i))
+            ForTriangles(face, [&](const EmittingTriangle &triangle) {
+                AppendVertexPatches(triangle, in.table[i].shader->twoSided, emitters, excess, patches);
+            });
+    }
+    return patches;
+}
+
+// ---- Next event estimation of the brightest emitters of a bounce ----
 
 namespace {
 

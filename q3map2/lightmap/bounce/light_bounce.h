@@ -3,7 +3,7 @@
 
 #include "q3map2/lightmap/bounce/bounce_gather.h"
 #include "q3map2/lightmap/bounce/radiosity_solver.h"
-#include "q3map2/lightmap/raw/style_choice.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
 #include <map>

@@ -10,7 +10,6 @@
 #include "q3map2/lightmap/direct/luxel_samples.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
-#include "q3map2/lightmap/raw/style_choice.h"
 
 #include <algorithm>
 #include <atomic>

@@ -2,7 +2,7 @@
 // other lightmaps.
 #include "q3map2/lightmap/direct/luxel_surroundings.h"
 
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/lightmap/raw/face_scene.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
 

@@ -2,9 +2,9 @@
 // other lightmaps.
 #pragma once
 
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
-#include "q3map2/lightmap/raw/surface_faces.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <array>
 #include <memory>

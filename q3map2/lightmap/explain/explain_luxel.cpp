@@ -9,8 +9,8 @@
 #include "q3map2/lightmap/raw/luxel_map.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
 #include "q3map2/lightmap/raw/luxel_position.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 #include "q3map2/lightmap/raw/macro_texture.h"
-#include "q3map2/lightmap/raw/surface_faces.h"
 
 #include <algorithm>
 #include <cmath>

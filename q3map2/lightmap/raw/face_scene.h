@@ -1,9 +1,9 @@
 // GPL-2.0-or-later. Drawn surfaces as triangles in an Embree scene, for rays that ask what they meet first.
 #pragma once
 
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/light/scene/light_embree.h"
-#include "q3map2/lightmap/raw/surface_faces.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <array>
 #include <vector>

@@ -5,7 +5,6 @@
 #include "q3map2/light/scene/surface_table.h"
 #include "q3map2/light/sources/light_surfaces.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
-#include "q3map2/lightmap/raw/surface_faces.h"
 #include "q3map2/shader/shader_table.h"
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
-#include "q3map2/lightmap/raw/surface_faces.h"
 
 #include <span>
 

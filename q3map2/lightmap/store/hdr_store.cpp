@@ -7,7 +7,7 @@
 #include "common/image/image.h"
 #include "common/text/text.h"
 #include "libs/math/packed_color.h"
-#include "q3map2/lightmap/encode/rnm.h"
+#include "q3map2/lightmap/encode/directional_encode.h"
 #include "q3map2/lightmap/store/lightmap_pages.h"
 #include "q3map2/lightmap/store/lightmap_store.h"
 

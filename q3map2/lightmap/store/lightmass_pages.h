@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. -lightmass: L1 SH lightmaps as images in the layout of Unreal's Lightmass.
 #pragma once
 
-#include "q3map2/lightmap/encode/lightmass.h"
+#include "q3map2/lightmap/encode/directional_encode.h"
 #include "q3map2/lightmap/store/lightmap_layers.h"
 
 #include <array>

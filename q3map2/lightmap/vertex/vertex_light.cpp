@@ -6,8 +6,8 @@
 #include "q3map2/light/sources/falloff.h"
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 #include "q3map2/lightmap/ao/luxel_occlusion.h"
+#include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
-#include "q3map2/lightmap/raw/style_choice.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"
-#include "q3map2/lightmap/raw/surface_faces.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <span>
 #include <utility>

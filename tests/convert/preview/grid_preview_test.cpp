@@ -2,7 +2,6 @@
 #include "common/error.h"
 #include "libs/sh/sh.h"
 #include "q3map2/convert/preview/grid_preview.h"
-#include "q3map2/convert/preview/grid_preview_light.h"
 #include "q3map2/convert/preview/grid_preview_map.h"
 #include "tests/support/game_folder.h"
 #include "tests/support/scene/scene_builder.h"

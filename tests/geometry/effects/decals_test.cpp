@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Decals on faces, patches and models.
 #include "q3map2/geometry/effects/decals.h"
-#include "q3map2/geometry/faces/brush_faces.h"
-#include "q3map2/geometry/faces/patch_surfaces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 #include "tests/geometry/extra_scene.h"
 
 #include <gmock/gmock.h>

@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. Fog volumes: what is in them, and where faces and patches are cut.
 #include "common/error.h"
 #include "q3map2/geometry/effects/fog.h"
-#include "q3map2/geometry/faces/brush_faces.h"
-#include "q3map2/geometry/faces/patch_surfaces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 #include "tests/geometry/extra_scene.h"
 
 #include <gmock/gmock.h>

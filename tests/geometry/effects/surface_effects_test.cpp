@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. Derived surfaces: copies, fog hull, portals, flares, fur, sky box, patch meshes, terrain.
 #include "q3map2/geometry/effects/fog.h"
 #include "q3map2/geometry/effects/surface_effects.h"
-#include "q3map2/geometry/faces/brush_faces.h"
-#include "q3map2/geometry/faces/patch_surfaces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 #include "q3map2/map/index_map.h"
 #include "tests/geometry/extra_scene.h"
 

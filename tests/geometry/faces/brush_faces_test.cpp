@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Draw surfaces of brush sides and patches, their classification and subdivision.
 #include "common/error.h"
-#include "q3map2/geometry/faces/brush_faces.h"
-#include "q3map2/geometry/faces/patch_surfaces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 #include "q3map2/map/map_texture.h"
 #include "tests/geometry/faces/face_scene.h"
 

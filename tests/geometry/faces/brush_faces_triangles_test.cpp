@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Polygons to triangles: all of the polygon, once, facing as it does.
 #include "common/error.h"
-#include "q3map2/geometry/faces/brush_faces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 #include "tests/geometry/faces/face_scene.h"
 
 #include <algorithm>

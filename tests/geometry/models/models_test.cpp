@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Models in maps: axes, placement, shaders, clip brushes.
 #include "q3map2/geometry/effects/surface_effects.h"
-#include "q3map2/geometry/faces/patch_surfaces.h"
+#include "q3map2/geometry/faces/face_surfaces.h"
 #include "q3map2/geometry/models/models.h"
 #include "q3map2/model/model_load.h"
 #include "tests/geometry/extra_scene.h"

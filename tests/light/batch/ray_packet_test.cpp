@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Rays in packets, and the falloff of light.
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/light/sources/falloff.h"
 #include "q3map2/light/sources/light_sources.h"
 #include "q3map2/light/transfer/light_contribution.h"

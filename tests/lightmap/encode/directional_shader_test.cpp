@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. The shader decoders give the numbers of the C header. Both files are written in the part of GLSL
 // and HLSL that C++ can read, given vectors and a few functions.
 #include "libs/directional/directional.h"
-#include "q3map2/lightmap/encode/lightmass.h"
-#include "q3map2/lightmap/encode/rnm.h"
+#include "q3map2/lightmap/encode/directional_encode.h"
 #include "tests/lightmap/encode/light_sets.h"
 
 #include <gtest/gtest.h>

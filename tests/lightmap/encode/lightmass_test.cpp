@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Lightmaps in the layout of Lightmass: encoder and decoder.
 #include "libs/directional/directional.h"
-#include "q3map2/lightmap/encode/lightmass.h"
+#include "q3map2/lightmap/encode/directional_encode.h"
 #include "tests/lightmap/encode/light_sets.h"
 
 #include <functional>

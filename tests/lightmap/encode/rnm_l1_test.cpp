@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Light as L1 spherical harmonics, deluxe maps, packed colors.
 #include "libs/directional/directional.h"
-#include "q3map2/lightmap/encode/rnm.h"
+#include "q3map2/lightmap/encode/directional_encode.h"
 #include "tests/lightmap/encode/light_sets.h"
 
 #include <gtest/gtest.h>

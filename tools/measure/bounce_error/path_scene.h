@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The scene of surfaces that reflect paths of bounced light.
 #pragma once
 
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <memory>

@@ -2,7 +2,7 @@
 #include "tools/measure/bounce_error/path_tracer.h"
 
 #include "common/error.h"
-#include "q3map2/light/batch/ray_packet.h"
+#include "q3map2/light/batch/receivers.h"
 
 #include <algorithm>
 #include <cmath>

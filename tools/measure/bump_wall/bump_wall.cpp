@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Draws a bump-mapped wall by every encoding of directional light, beside the light itself.
-#include "q3map2/ssbump/ssbump_files.h"
+#include "q3map2/ssbump/ssbump.h"
 #include "tools/measure/bump_wall/encodings.h"
 #include "tools/measure/bump_wall/random_light.h"
 #include "tools/measure/bump_wall/wall.h"

@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. The light of luxels in every encoding, and decoded between them.
 #pragma once
 
-#include "q3map2/lightmap/encode/lightmass.h"
-#include "q3map2/lightmap/encode/rnm.h"
+#include "q3map2/lightmap/encode/directional_encode.h"
 
 #include <span>
 #include <vector>

@@ -3,7 +3,7 @@
 
 #include "libs/directional/directional.h"
 #include "libs/math/packed_color.h"
-#include "q3map2/lightmap/encode/rnm.h"
+#include "q3map2/lightmap/encode/directional_encode.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The encodings of a luxel's light that are compared.
 #pragma once
 
-#include "q3map2/lightmap/encode/lightmass.h"
+#include "q3map2/lightmap/encode/directional_encode.h"
 #include "tools/measure/directional_error/luxel_bake.h"
 
 #include <functional>

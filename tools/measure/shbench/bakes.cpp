@@ -4,7 +4,7 @@
 #include "common/error.h"
 #include "libs/ambientcubes/ambient_cubes.h"
 #include "q3map2/bspfile/bsp.h"
-#include "q3map2/convert/preview/grid_preview_light.h"
+#include "q3map2/convert/preview/grid_preview_map.h"
 #include "q3map2/lightmap/light_stage.h"
 
 #include <memory>

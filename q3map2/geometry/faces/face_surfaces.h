@@ -1,9 +1,10 @@
-// GPL-2.0-or-later. Draw surfaces of brush sides: cut by a grid, and triangulated.
+// GPL-2.0-or-later. Draw surfaces of brush sides and patches: cut by a grid, and triangulated.
 #pragma once
 
 #include "q3map2/geometry/faces/draw_surface.h"
 #include "q3map2/map/bsp_options.h"
 #include "q3map2/map/map.h"
+#include "q3map2/map/map_patch.h"
 
 #include <cstddef>
 
@@ -25,5 +26,16 @@ void MakeFaceSurfaces(MapEntity &entity, Geometry &geometry, const PlaneTable &p
 /// Sets the indexes of a face. Tries, until one has no slivers: with -maxarea the split into the largest triangles,
 /// then a strip that zigzags across the polygon, then a fan around a vertex inserted in the middle.
 void TriangulateFace(DrawSurface &surface, const BspContext &context);
+
+/// Appends a surface for each patch of the entity. Flat patches get a plane number.
+void MakePatchSurfaces(MapEntity &entity, Geometry &geometry, PlaneTable &planes, const BspContext &context);
+
+/// The triangles of a surface that is a patch, by its control points.
+PatchMesh TessellatedSurface(const DrawSurface &surface, int subdivisions);
+
+/// Tessellates patches (from `first` on) that have -patchmeta or the key _patchMeta, if -meta or q3map_forceMeta sends
+/// them through the meta step: appends the mesh as a ForcedMeta surface. The patch itself stays for collision
+/// (collisionOnly) if its shader is solid, else it becomes empty. To be called before MakeMetaSurfaces.
+void MakePatchMeshes(const MapEntity &entity, Geometry &geometry, std::size_t first, const BspContext &context);
 
 } // namespace q3

@@ -1,6 +1,5 @@
-// GPL-2.0-or-later. Faces that a surface is drawn as, what is between two surfaces of one plane, and clusters that see
-// a surface.
-#include "q3map2/lightmap/raw/surface_faces.h"
+// GPL-2.0-or-later. What a surface covers: its faces, the luxels under them, the gaps and clusters around it.
+#include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include "q3map2/light/scene/open_parts.h"
 #include "q3map2/light/scene/surface_table.h"
