@@ -50,7 +50,7 @@ class CompileExtraTest : public CompileTest {
 
 TEST_F(CompileExtraTest, SkyBoxesAreDrawnASecondTimeAroundTheirEntity) {
     const std::string box = "{\n\"classname\" \"_skybox\"\n\"origin\" \"608 0 64\"\n\"_scale\" \"10\"\n}\n";
-    const std::string brushes = Room(true) + Box({-128, -128, 128}, {128, 128, 144}, "test/sky") +
+    const std::string brushes = RoomText(true) + Box({-128, -128, 128}, {128, 128, 144}, "test/sky") +
                                 Walls({576, -32, 32}, {640, 32, 96}, "test/far");
     const CompiledMap map = Compile(MapText(brushes) + box);
     const Bsp &bsp = map.bsp;
@@ -72,7 +72,7 @@ TEST_F(CompileExtraTest, SkyBoxesAreDrawnASecondTimeAroundTheirEntity) {
 
 TEST_F(CompileExtraTest, CopiesOfSkyBoxesAreInTheLeafsThatSeeTheSky) {
     const std::string box = "{\n\"classname\" \"_skybox\"\n\"origin\" \"608 0 64\"\n}\n";
-    const Bsp bsp = Compile(MapText(Room(true) + Box({-128, -128, 128}, {128, 128, 144}, "test/sky") +
+    const Bsp bsp = Compile(MapText(RoomText(true) + Box({-128, -128, 128}, {128, 128, 144}, "test/sky") +
                                         Walls({576, -32, 32}, {640, 32, 96}, "test/far"),
                                     "\"_blocksize\" \"0\"\n") +
                             box)
@@ -92,7 +92,7 @@ TEST_F(CompileExtraTest, CopiesOfSkyBoxesAreInTheLeafsThatSeeTheSky) {
 
 TEST_F(CompileExtraTest, FurIsLayersAboveEachOther) {
     Script("textures/test/fur\n{\nsurfaceparm detail\nq3map_fur 3 4 0.25\n}\n");
-    const Bsp bsp = Compile(MapText(Room() + Box({-32, -32, 0}, {32, 32, 16}, "test/fur"))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-32, -32, 0}, {32, 32, 16}, "test/fur"))).bsp;
     std::map<float, int> alphaOfHeight;
     for (const bspDrawSurface_t &surface : TopsOf(bsp, "textures/test/fur"))
         for (int i = 0; i < surface.numVerts; ++i) {
@@ -107,7 +107,7 @@ TEST_F(CompileExtraTest, FoliageIsASurfaceOfModelAndPlaces) {
     folder.Write("models/t/m.obj", "usemtl leaf\nv 0 0 0\nv 4 0 0\nv 0 8 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
     for (const bool inset : {false, true}) {
         options.debugInset = inset;
-        const Bsp bsp = Compile(MapText(Room() + Box({-64, -64, 0}, {64, 64, 16}, "test/meadow"))).bsp;
+        const Bsp bsp = Compile(MapText(RoomText() + Box({-64, -64, 0}, {64, 64, 16}, "test/meadow"))).bsp;
         const auto plants = SurfacesOf(bsp, "models/t/leaf");
         ASSERT_THAT(plants, SizeIs(1));
         EXPECT_EQ(plants[0].surfaceType, MST_FOLIAGE);
@@ -126,7 +126,7 @@ TEST_F(CompileExtraTest, SpritesThatTurnAboutTheirLongAxisBeginWithAShortEdge) {
     Script("textures/test/flame\n{\nsurfaceparm detail\ndeformVertexes autosprite2\n}\n");
     for (const bool inset : {false, true}) { // a sprite is one quad in any case
         options.debugInset = inset;
-        const Bsp bsp = Compile(MapText(Room() + Box({-32, -2, 8}, {32, 2, 24}, "test/flame"))).bsp;
+        const Bsp bsp = Compile(MapText(RoomText() + Box({-32, -2, 8}, {32, 2, 24}, "test/flame"))).bsp;
         const auto sprites = SurfacesOf(bsp, "textures/test/flame");
         ASSERT_THAT(sprites, SizeIs(6));
         for (const bspDrawSurface_t &sprite : sprites) {
@@ -140,7 +140,7 @@ TEST_F(CompileExtraTest, SpritesThatTurnAboutTheirLongAxisBeginWithAShortEdge) {
 
 TEST_F(CompileExtraTest, InsetTrianglesStandAUnitInsideTheirCorners) {
     options.debugInset = true;
-    const Bsp bsp = Compile(MapText(Room())).bsp;
+    const Bsp bsp = Compile(MapText(RoomText())).bsp;
     ASSERT_THAT(bsp.drawSurfaces, SizeIs(6));
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
         EXPECT_EQ(surface.numVerts, 6);
@@ -168,7 +168,7 @@ TEST_F(CompileExtraTest, PaletteNumbersOfAnIndexMapAreLayers) {
     folder.Write("maps/index.pcx", PcxText({0, 2, 2, 3}));
     const std::string keys = "\"_indexmap\" \"maps/index.pcx\"\n\"_layers\" \"4\"\n\"_shader\" \"hills\"\n"
                              "\"_offsets\" \"0 8 16 24\"\n\"min\" \"-64 -64 0\"\n\"max\" \"64 64 16\"\n";
-    const Bsp bsp = Compile(MapText(Room() + Box({-64, -64, 0}, {64, 64, 16}, "test/ground"), keys)).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-64, -64, 0}, {64, 64, 16}, "test/ground"), keys)).bsp;
     const auto tops = TopsOf(bsp, "textures/hills_0to3");
     std::set<int> seen;
     for (const bspDrawSurface_t &top : tops)
@@ -199,9 +199,9 @@ TEST_F(CompileExtraTest, EachClipModeMakesTheModelSolidOnItsSide) {
     folder.Write("models/t/ramp.obj", "usemtl textures/test/wall\nv 0 0 0\nv 128 64 0\nv 128 64 -64\nv 0 0 -64\n"
                                       "vn -0.447 0.894 0\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n");
     const auto compiled = [&](int flags) {
-        return Compile(MapText(Room()) + fmt::format("{{\n\"classname\" \"misc_model\"\n\"origin\" \"-64 -32 8\"\n"
-                                                     "\"model\" \"models/t/ramp.obj\"\n\"spawnflags\" \"{}\"\n}}\n",
-                                                     flags))
+        return Compile(MapText(RoomText()) + fmt::format("{{\n\"classname\" \"misc_model\"\n\"origin\" \"-64 -32 8\"\n"
+                                                         "\"model\" \"models/t/ramp.obj\"\n\"spawnflags\" \"{}\"\n}}\n",
+                                                         flags))
             .bsp;
     };
     const double x = 64 / 3., y = -32 / 3., z = 152 / 3.; // the middle of its first triangle

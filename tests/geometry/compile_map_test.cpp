@@ -16,7 +16,7 @@ using testing::Not;
 
 /// Counts, bounds and indexes are those that the established q3map2 gives for this room with -meta.
 TEST_F(CompileTest, EmptyRoomHasTheKnownCounts) {
-    const CompiledMap map = Compile(MapText(Room()));
+    const CompiledMap map = Compile(MapText(RoomText()));
     const Bsp &bsp = map.bsp;
     EXPECT_EQ(bsp.brushes.size(), 6u);
     EXPECT_EQ(bsp.brushSides.size(), 36u);
@@ -43,12 +43,12 @@ TEST_F(CompileTest, EmptyRoomHasTheKnownCounts) {
 }
 
 TEST_F(CompileTest, WithoutBlocksTheRoomIsOneCluster) {
-    const CompiledMap map = Compile(MapText(Room(), "\"_blocksize\" \"0\"\n"));
+    const CompiledMap map = Compile(MapText(RoomText(), "\"_blocksize\" \"0\"\n"));
     EXPECT_TRUE(map.portalFile.starts_with("PRT1\n1\n0\n")) << map.portalFile;
 }
 
 TEST_F(CompileTest, FacesLookIntoTheRoomAndTrianglesAreClockwise) {
-    const Bsp bsp = Compile(MapText(Room())).bsp;
+    const Bsp bsp = Compile(MapText(RoomText())).bsp;
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
         for (std::size_t i = 0; i < std::size_t(surface.numIndexes); i += 3) {
             std::array<Vec3d, 3> p;
@@ -64,7 +64,7 @@ TEST_F(CompileTest, FacesLookIntoTheRoomAndTrianglesAreClockwise) {
 }
 
 TEST_F(CompileTest, SurfaceFileNamesWhatDiffersFromItsDefaults) {
-    const CompiledMap map = Compile(MapText(Room()));
+    const CompiledMap map = Compile(MapText(RoomText()));
     EXPECT_TRUE(map.surfaceFile.starts_with("default\n{\n\tcastShadows 1\n\treceiveShadows 1\n\tsampleSize 16\n"
                                             "\tambientColor ( 0.000000 0.000000 0.000000 )\n"
                                             "\tlongestCurve 0.000000\n}\n\n0 // ESurfaceType::Meta V: 4 I: 6 planar\n"
@@ -75,14 +75,15 @@ TEST_F(CompileTest, SurfaceFileNamesWhatDiffersFromItsDefaults) {
 }
 
 TEST_F(CompileTest, LightsAreStrippedUnlessKept) {
-    EXPECT_THAT(Compile(MapText(Room())).bsp.entities, Not(HasSubstr("\"light\"")));
-    EXPECT_THAT(Compile(MapText(Room(), "\"_keepLights\" \"1\"\n")).bsp.entities, HasSubstr("\"classname\" \"light\""));
+    EXPECT_THAT(Compile(MapText(RoomText())).bsp.entities, Not(HasSubstr("\"light\"")));
+    EXPECT_THAT(Compile(MapText(RoomText(), "\"_keepLights\" \"1\"\n")).bsp.entities,
+                HasSubstr("\"classname\" \"light\""));
     options.keepLights = true;
-    EXPECT_THAT(Compile(MapText(Room())).bsp.entities, HasSubstr("\"classname\" \"light\""));
+    EXPECT_THAT(Compile(MapText(RoomText())).bsp.entities, HasSubstr("\"classname\" \"light\""));
 }
 
 TEST_F(CompileTest, LeakEndsAtTheEntityAndWritesNoPortals) {
-    const CompiledMap map = Compile(MapText(Room(true)));
+    const CompiledMap map = Compile(MapText(RoomText(true)));
     ASSERT_GE(map.leakLine.size(), 2u);
     EXPECT_GT(map.leakLine.front().z, 100);
     EXPECT_EQ(map.leakLine.back(), (Vec3f{0, 0, 96})); // the light is nearer to the hole
@@ -94,19 +95,19 @@ TEST_F(CompileTest, LeakEndsAtTheEntityAndWritesNoPortals) {
 
 TEST_F(CompileTest, LeakTestStops) {
     options.leakTest = true;
-    EXPECT_TRUE(Compile(MapText(Room(true))).abandoned);
-    EXPECT_FALSE(Compile(MapText(Room())).abandoned);
+    EXPECT_TRUE(Compile(MapText(RoomText(true))).abandoned);
+    EXPECT_FALSE(Compile(MapText(RoomText())).abandoned);
 }
 
 TEST_F(CompileTest, IgnoredLeakCountsAsSealed) {
-    const CompiledMap map = Compile(MapText(Room(true), "\"_ignoreleaks\" \"1\"\n"));
+    const CompiledMap map = Compile(MapText(RoomText(true), "\"_ignoreleaks\" \"1\"\n"));
     EXPECT_TRUE(map.leakLine.empty());
     EXPECT_TRUE(map.portalFile.starts_with("PRT1\n"));
 }
 
 TEST_F(CompileTest, NoEntityInTheOpenIsAnError) {
     const std::string inWall = "{\n\"classname\" \"info_player_start\"\n\"origin\" \"136 0 32\"\n}\n";
-    for (const std::string &text : {World(Room()), World(Room()) + inWall})
+    for (const std::string &text : {WorldText(RoomText()), WorldText(RoomText()) + inWall})
         try {
             Compile(text);
             FAIL() << "compiled";
@@ -128,7 +129,7 @@ TEST_F(CompileTest, WithoutStructuralWallsThereIsNoTreeAndThatIsAnError) {
 TEST_F(CompileTest, BrushEntitiesBecomeModels) {
     const std::string door = "{\n\"classname\" \"func_door\"\n" + Box({-8, -8, 0}, {8, 8, 64}) + "}\n";
     const std::string trigger = "{\n\"classname\" \"trigger_multiple\"\n" + Box({40, 40, 0}, {48, 48, 8}) + "}\n";
-    const Bsp bsp = Compile(MapText(Room()) + door + trigger).bsp;
+    const Bsp bsp = Compile(MapText(RoomText()) + door + trigger).bsp;
     ASSERT_EQ(bsp.models.size(), 3u);
     EXPECT_EQ(bsp.models[1].numBSPBrushes, 1);
     EXPECT_EQ(bsp.models[1].numBSPSurfaces, 6);
@@ -148,7 +149,7 @@ TEST_F(CompileTest, ClonesShareTheModelOfTheirParent) {
         "{\n\"classname\" \"func_static\"\n\"_clonename\" \"crate\"\n" + Box({-8, -8, 0}, {8, 8, 16}) + "}\n";
     const std::string clone = "{\n\"classname\" \"func_static\"\n\"_clone\" \"crate\"\n\"origin\" \"64 0 0\"\n}\n";
     const std::string orphan = "{\n\"classname\" \"func_static\"\n\"_clone\" \"nobody\"\n}\n";
-    const Bsp bsp = Compile(MapText(Room()) + parent + clone + orphan).bsp;
+    const Bsp bsp = Compile(MapText(RoomText()) + parent + clone + orphan).bsp;
     EXPECT_EQ(bsp.models.size(), 2u);
     const std::vector<Entity> entities = ParseEntities(bsp.entities, "test");
     EXPECT_EQ(entities[3].Value("model"), "*1");
@@ -158,20 +159,20 @@ TEST_F(CompileTest, ClonesShareTheModelOfTheirParent) {
 
 TEST_F(CompileTest, GroupsJoinTheWorld) {
     const std::string group = "{\n\"classname\" \"func_group\"\n" + Box({-8, -8, 0}, {8, 8, 64}) + "}\n";
-    const Bsp bsp = Compile(MapText(Room()) + group).bsp;
+    const Bsp bsp = Compile(MapText(RoomText()) + group).bsp;
     EXPECT_EQ(bsp.models.size(), 1u);
     EXPECT_EQ(bsp.brushes.size(), 7u);
     EXPECT_THAT(bsp.entities, Not(HasSubstr("func_group")));
 }
 
 TEST_F(CompileTest, NodrawSidesAreSolidButNotDrawn) {
-    const Bsp bsp = Compile(MapText(Room() + Box({-8, -8, 0}, {8, 8, 64}, "test/caulk"))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-8, -8, 0}, {8, 8, 64}, "test/caulk"))).bsp;
     EXPECT_EQ(bsp.brushes.size(), 7u);
     EXPECT_TRUE(SurfacesOf(bsp, "textures/test/caulk").empty());
 }
 
 TEST_F(CompileTest, RemappedShadersKeepTheirFlags) {
-    const Bsp bsp = Compile(MapText(Room() + Box({-8, -8, 0}, {8, 8, 64}, "test/glass"))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-8, -8, 0}, {8, 8, 64}, "test/glass"))).bsp;
     EXPECT_FALSE(SurfacesOf(bsp, "textures/test/panes").empty());
     const auto panes = std::ranges::find_if(
         bsp.shaders, [](const bspShader_t &shader) { return FieldName(shader.shader) == "textures/test/panes"; });
@@ -187,7 +188,7 @@ TEST_F(CompileTest, FlagsOfALeftOverCurveAreItsOwnOnly) {
         return text + ")\n}\n}\n";
     };
     const std::string group = "{\n\"classname\" \"func_group\"\n\"_patchMeta\" \"1\"\n" + curve(-100) + "}\n";
-    const Bsp bsp = Compile(MapText(Room() + curve(20)) + group).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + curve(20)) + group).bsp;
     constexpr std::uint32_t kNoDraw = 0x80;
     int hidden = 0, drawn = 0;
     for (const bspDrawSurface_t &surface : SurfacesOf(bsp, "textures/test/cloth")) {
@@ -211,7 +212,7 @@ TEST_F(CompileTest, ABrushOfHundredsOfSidesCompiles) {
         column += at(i, 0) + at(i, 64) + at(i + 1, 0) + "test/wall 0 0 0 0.5 0.5 0 0 0\n";
     for (const bool meta : {true, false}) {
         options.meta = meta;
-        const Bsp bsp = Compile(MapText(Room() + column + "}\n")).bsp;
+        const Bsp bsp = Compile(MapText(RoomText() + column + "}\n")).bsp;
         double lid = 0; // area of its upper side
         for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
             for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
@@ -229,7 +230,7 @@ TEST_F(CompileTest, ABrushOfHundredsOfSidesCompiles) {
 }
 
 TEST_F(CompileTest, InvertedShadersFaceInwards) {
-    const Bsp bsp = Compile(MapText(Room() + Box({-8, -8, 32}, {8, 8, 64}, "test/back"))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-8, -8, 32}, {8, 8, 64}, "test/back"))).bsp;
     const auto surfaces = SurfacesOf(bsp, "textures/test/back");
     EXPECT_EQ(surfaces.size(), 6u);
     for (const bspDrawSurface_t &surface : surfaces) {
@@ -239,7 +240,7 @@ TEST_F(CompileTest, InvertedShadersFaceInwards) {
 }
 
 TEST_F(CompileTest, DirectivesMoveVerticesTextureAndColors) {
-    const Bsp bsp = Compile(MapText(Room() + Box({-8, -8, 32}, {8, 8, 64}, "test/moved"))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-8, -8, 32}, {8, 8, 64}, "test/moved"))).bsp;
     const auto surfaces = SurfacesOf(bsp, "textures/test/moved");
     ASSERT_EQ(surfaces.size(), 6u);
     for (const bspDrawSurface_t &surface : surfaces) {
@@ -260,7 +261,7 @@ TEST_F(CompileTest, DirectivesMoveVerticesTextureAndColors) {
 }
 
 TEST_F(CompileTest, ColorVolumesChangeVerticesInside) {
-    const Bsp bsp = Compile(MapText(Room() + Box({100, 100, -8}, {140, 140, 8}, "test/dim"))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({100, 100, -8}, {140, 140, 8}, "test/dim"))).bsp;
     int inside = 0;
     for (const bspDrawVert_t &vert : bsp.drawVerts) {
         const bool isIn = vert.xyz[0] > 99 && vert.xyz[1] > 99 && vert.xyz[2] < 9;
@@ -272,7 +273,7 @@ TEST_F(CompileTest, ColorVolumesChangeVerticesInside) {
 }
 
 TEST_F(CompileTest, FogIsWrittenWithItsBrushAndTopSide) {
-    const Bsp bsp = Compile(MapText(Room() + Box({-128, -128, 0}, {128, 128, 32}, "test/mist"))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-128, -128, 0}, {128, 128, 32}, "test/mist"))).bsp;
     ASSERT_EQ(bsp.fogs.size(), 1u);
     EXPECT_EQ(FieldName(bsp.fogs[0].shader), "textures/test/mist");
     EXPECT_EQ(bsp.fogs[0].visibleSide, 5);
@@ -280,12 +281,12 @@ TEST_F(CompileTest, FogIsWrittenWithItsBrushAndTopSide) {
     const bspBrush_t &brush = bsp.brushes[std::size_t(bsp.fogs[0].brushNum)];
     EXPECT_EQ(FieldName(bsp.shaders[std::size_t(brush.shaderNum)].shader), "textures/test/mist");
     options.noFog = true;
-    EXPECT_TRUE(Compile(MapText(Room() + Box({-128, -128, 0}, {128, 128, 32}, "test/mist"))).bsp.fogs.empty());
+    EXPECT_TRUE(Compile(MapText(RoomText() + Box({-128, -128, 0}, {128, 128, 32}, "test/mist"))).bsp.fogs.empty());
 }
 
 TEST_F(CompileTest, SkyImagesAreFlaresInNoLeaf) {
     options.skyFix = true;
-    const Bsp bsp = Compile(MapText(Room(true) + Box({-128, -128, 128}, {128, 128, 144}, "test/sky"))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText(true) + Box({-128, -128, 128}, {128, 128, 144}, "test/sky"))).bsp;
     ASSERT_EQ(bsp.drawSurfaces.size(), 12u);
     for (std::size_t i = 6; i < 12; ++i)
         EXPECT_TRUE(ShaderOf(bsp, bsp.drawSurfaces[i]).starts_with("env/dawn_"));
@@ -293,7 +294,7 @@ TEST_F(CompileTest, SkyImagesAreFlaresInNoLeaf) {
 }
 
 TEST_F(CompileTest, EverySurfaceOfTheWorldIsInALeafThatIsOpen) {
-    const Bsp bsp = Compile(MapText(Room() + Box({-8, -8, 0}, {8, 8, 64}))).bsp;
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-8, -8, 0}, {8, 8, 64}))).bsp;
     std::set<int> seen;
     for (const bspLeaf_t &leaf : bsp.leafs) {
         if (leaf.cluster < 0) {
@@ -306,7 +307,7 @@ TEST_F(CompileTest, EverySurfaceOfTheWorldIsInALeafThatIsOpen) {
 }
 
 TEST_F(CompileTest, SameMapGivesTheSameBytes) {
-    const std::string text = MapText(Room() + Box({-8, -8, 0}, {8, 8, 64}, "test/glass"));
+    const std::string text = MapText(RoomText() + Box({-8, -8, 0}, {8, 8, 64}, "test/glass"));
     const CompiledMap a = Compile(text), b = Compile(text);
     EXPECT_EQ(WriteBsp(a.bsp, {}), WriteBsp(b.bsp, {}));
     EXPECT_EQ(a.surfaceFile, b.surfaceFile);
@@ -315,11 +316,11 @@ TEST_F(CompileTest, SameMapGivesTheSameBytes) {
 
 TEST_F(CompileTest, CaulkIsSuggestedForSidesNobodySees) {
     options.autoCaulk = true;
-    EXPECT_EQ(Compile(MapText(Room())).caulkFile, "5 cccc-c\n4 ccccc-\n3 cc-ccc\n2 ccc-cc\n1 -ccccc\n0 c-cccc\n");
+    EXPECT_EQ(Compile(MapText(RoomText())).caulkFile, "5 cccc-c\n4 ccccc-\n3 cc-ccc\n2 ccc-cc\n1 -ccccc\n0 c-cccc\n");
 }
 
 TEST_F(CompileTest, ReplacedEntitiesKeepTheRecordOfTheTools) {
-    Bsp bsp = Compile(MapText(Room())).bsp;
+    Bsp bsp = Compile(MapText(RoomText())).bsp;
     std::vector<Entity> entities = ParseEntities(bsp.entities, "test");
     entities.front().Set("_q3map2_cmdline", "-bsp -meta; -light");
     entities.front().Set("_q3map2_tone", "gamma 2");
@@ -327,8 +328,8 @@ TEST_F(CompileTest, ReplacedEntitiesKeepTheRecordOfTheTools) {
     bsp.entities = FormatEntities(entities);
     const BspContext context{options, game, *library, out.log, &vfs};
     Map map =
-        ReadMap(MapText(Room(), "\"music\" \"new.wav\"\n\"_q3map2_sh\" \"radiance\"\n\"_q3map2_tone\" \"gamma 3\"\n"
-                                "\"_style13pattern\" \"az\"\n"),
+        ReadMap(MapText(RoomText(), "\"music\" \"new.wav\"\n\"_q3map2_sh\" \"radiance\"\n\"_q3map2_tone\" \"gamma 3\"\n"
+                                    "\"_style13pattern\" \"az\"\n"),
                 "test.map", context);
     const auto surfaces = bsp.drawSurfaces.size();
     ReplaceEntities(bsp, map, context);
@@ -348,7 +349,7 @@ TEST_F(CompileTest, OneWarningAboutMapsOfStructuralBrushes) {
         const Vec3d at{-124.0 + 8 * (i % 31), -124.0 + 8 * (i / 31), 0};
         boxes += Box(at, at + Vec3d{4, 4, 4});
     }
-    Compile(MapText(Room() + boxes));
+    Compile(MapText(RoomText() + boxes));
     EXPECT_EQ(out.log.WarningCount("structural brushes"), 1);
     EXPECT_EQ(out.text.find("percent of the"), std::string::npos);
 }
@@ -356,7 +357,7 @@ TEST_F(CompileTest, OneWarningAboutMapsOfStructuralBrushes) {
 TEST_F(CompileTest, TooManySurfacesNameTheOption) {
     options.maxDrawSurfaces = 3;
     try {
-        Compile(MapText(Room()));
+        Compile(MapText(RoomText()));
         FAIL() << "compiled";
     } catch (const Error &error) {
         EXPECT_THAT(error.what(), HasSubstr("-maxmapdrawsurfs"));

@@ -19,9 +19,9 @@ std::ostream &operator<<(std::ostream &out, const Mistake &mistake) {
 
 /// The sealed room with more in its world, and more entities.
 std::string With(const std::string &inWorld, const std::string &entities = "") {
-    return MapText(Room() + inWorld) + entities;
+    return MapText(RoomText() + inWorld) + entities;
 }
-std::string Entity(std::string_view pairs, const std::string &inside = "") {
+std::string EntityText(std::string_view pairs, const std::string &inside = "") {
     return fmt::format("{{\n{}\n{}}}\n", pairs, inside);
 }
 std::string PatchText(int width, int height) {
@@ -68,7 +68,8 @@ std::vector<Mistake> Mistakes() {
     return {
         {"MissingBraceOfABrush", With(OpenBox("")),
          "test.map:60: '{' and a class name within entity 0: the next entity starts here, a '}' is missing"},
-        {"MissingBraceOfTheWorld", World(Room()).substr(0, World(Room()).size() - 2) + std::string(kStart),
+        {"MissingBraceOfTheWorld",
+         WorldText(RoomText()).substr(0, WorldText(RoomText()).size() - 2) + std::string(kStart),
          "test.map:52: '{' and a class name within entity 0: the next entity starts here, a '}' is missing"},
         {"BraceTooMany", With("}\n"), "test.map:52: expected '{' of entity 1, found '}'"},
         {"DuplicatePlane", With(OpenBox(SideText(2, true, 48, "test/wall") + "}\n")),
@@ -85,12 +86,12 @@ std::vector<Mistake> Mistakes() {
          With(BoxUnder("( 0 0 48 ) ( 0 64 48 ) ( 64 0 48 ) test/wall [ 1 0 0 0 ] [ 2 0 0 0 ] 0 1 1\n")),
          "Entity 0, Brush 6: test.map:57: the texture test/wall has no extent on this side"},
         {"DecalThatHitsNothing",
-         With("", Entity("\"classname\" \"_decal\"\n\"target\" \"x\"", PatchText(3, 3)) +
-                      Entity("\"classname\" \"info_null\"\n\"targetname\" \"x\"\n\"origin\" \"8 8 16\"")),
+         With("", EntityText("\"classname\" \"_decal\"\n\"target\" \"x\"", PatchText(3, 3)) +
+                      EntityText("\"classname\" \"info_null\"\n\"targetname\" \"x\"\n\"origin\" \"8 8 16\"")),
          "Entity 3, Brush 0: test.map:65: the patch of the _decal hits no surface"},
         {"DecalOnItsTarget",
-         With("", Entity("\"classname\" \"_decal\"\n\"target\" \"x\"", PatchText(3, 3)) +
-                      Entity("\"classname\" \"info_null\"\n\"targetname\" \"x\"\n\"origin\" \"8 8 32\"")),
+         With("", EntityText("\"classname\" \"_decal\"\n\"target\" \"x\"", PatchText(3, 3)) +
+                      EntityText("\"classname\" \"info_null\"\n\"targetname\" \"x\"\n\"origin\" \"8 8 32\"")),
          "Entity 3: test.map:61: a _decal is left out: its target 'x' is where the decal itself is"},
         {"BrushOutsideTheWorld", With(Boxed({65500, 0, 0}, 64)),
          "Entity 0, Brush 6: test.map:52: the brush reaches beyond 65536 units"},
@@ -99,25 +100,26 @@ std::vector<Mistake> Mistakes() {
         {"PatchWithoutBrace", With("{\npatchDef2\n{\ntest/wall\n( 3 3 0 0 0 )\n(\n( ( 0 0 0 0 0 ) )\n"),
          "ERROR Entity 0, Brush 6: test.map:57: "},
         {"MissingTexture", With(Boxed(at, 32, "test/nowhere")), "shader textures/test/nowhere: couldn't find image"},
-        {"MissingModel", With("", Entity("\"classname\" \"misc_model\"\n\"model\" \"models/gone.md3\"")),
+        {"MissingModel", With("", EntityText("\"classname\" \"misc_model\"\n\"model\" \"models/gone.md3\"")),
          "Entity 3: test.map:61: the model models/gone.md3 cannot be read: there is no such file"},
-        {"ModelWithoutKey", With("", Entity("\"classname\" \"misc_model\"")),
+        {"ModelWithoutKey", With("", EntityText("\"classname\" \"misc_model\"")),
          "Entity 3: test.map:61: misc_model without a \"model\" key"},
         {"ModelWithoutTarget",
-         With("", Entity("\"classname\" \"misc_model\"\n\"model\" \"a.obj\"\n\"target\" \"nobody\"")),
+         With("", EntityText("\"classname\" \"misc_model\"\n\"model\" \"a.obj\"\n\"target\" \"nobody\"")),
          "Entity 3: test.map:61: no entity with brushes has the targetname 'nobody'"},
-        {"MissingSkin", With("", Entity("\"classname\" \"misc_model\"\n\"model\" \"models/t.obj\"\n\"skin\" \"gone\"")),
+        {"MissingSkin",
+         With("", EntityText("\"classname\" \"misc_model\"\n\"model\" \"models/t.obj\"\n\"skin\" \"gone\"")),
          "Entity 3: test.map:61: the skin file models/t_gone.skin cannot be read"},
-        {"LightInSolid", With("", Entity("\"classname\" \"light\"\n\"origin\" \"0 0 -8\"")),
+        {"LightInSolid", With("", EntityText("\"classname\" \"light\"\n\"origin\" \"0 0 -8\"")),
          "Entity 3: test.map:61: the light stands in solid"},
         {"LightInDetail", With(DetailBox({-16, -16, 80}, {16, 16, 112})),
          "Entity 2: test.map:64: the light at 0 0 96 stands in a detail brush (entity 0, brush 6)"},
-        {"DecalWithoutPatch", With("", Entity("\"classname\" \"_decal\"\n\"target\" \"x\"")),
+        {"DecalWithoutPatch", With("", EntityText("\"classname\" \"_decal\"\n\"target\" \"x\"")),
          "Entity 3: test.map:61: a _decal without patches is left out"},
-        {"CloneOfNobody", With("", Entity("\"classname\" \"func_door\"\n\"_clone\" \"x\"")),
+        {"CloneOfNobody", With("", EntityText("\"classname\" \"func_door\"\n\"_clone\" \"x\"")),
          "Entity 3: test.map:61: it is a clone of x, but no entity has that _clonename"},
-        {"Leak", MapText(Room(true)), "Entity 2: test.map:48: the light at 0 0 96 can be reached from outside"},
-        {"NothingInTheOpen", World(Room()), "ERROR test.map: no entity stands in the open"},
+        {"Leak", MapText(RoomText(true)), "Entity 2: test.map:48: the light at 0 0 96 can be reached from outside"},
+        {"NothingInTheOpen", WorldText(RoomText()), "ERROR test.map: no entity stands in the open"},
         {"TooManySides", With("{\n" + Repeated(1025, [](int i) { return SideText(0, true, i, "test/wall"); }) + "}\n"),
          "ERROR Entity 0, Brush 6: test.map:1076: the brush has too many sides, expected at most 1024"},
         {"TooLongAShaderName", With(Boxed(at, 32, std::string(60, 'a'))), "ERROR Entity 0, Brush 6: test.map:52: "},

@@ -90,7 +90,7 @@ inline std::string Box(const Vec3d &mins, const Vec3d &maxs, std::string_view sh
 }
 
 /// Walls of 16 units around a room 256 x 256 x 128; `hole`: without its top.
-inline std::string Room(bool hole = false) {
+inline std::string RoomText(bool hole = false) {
     std::string text = Box({-144, -144, -16}, {-128, 144, 144}) + Box({128, -144, -16}, {144, 144, 144}) +
                        Box({-128, -144, -16}, {128, -128, 144}) + Box({-128, 128, -16}, {128, 144, 144}) +
                        Box({-128, -128, -16}, {128, 128, 0});
@@ -100,11 +100,11 @@ inline std::string Room(bool hole = false) {
 inline constexpr std::string_view kStart = "{\n\"classname\" \"info_player_start\"\n\"origin\" \"0 0 32\"\n}\n";
 inline constexpr std::string_view kLight = "{\n\"classname\" \"light\"\n\"origin\" \"0 0 96\"\n\"light\" \"300\"\n}\n";
 
-inline std::string World(const std::string &brushes, std::string_view keys = "") {
+inline std::string WorldText(const std::string &brushes, std::string_view keys = "") {
     return fmt::format("{{\n\"classname\" \"worldspawn\"\n{}{}}}\n", keys, brushes);
 }
 inline std::string MapText(const std::string &brushes, std::string_view keys = "") {
-    return World(brushes, keys) + std::string(kStart) + std::string(kLight);
+    return WorldText(brushes, keys) + std::string(kStart) + std::string(kLight);
 }
 
 /// Compiles map text with -meta and the shaders of kScript and of scripts that a test writes.
