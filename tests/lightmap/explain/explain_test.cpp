@@ -96,10 +96,10 @@ TEST_F(ExplainTest, AWallInTheWayIsNamedWithItsLine) {
 }
 
 TEST_F(ExplainTest, LightThatLeaksBelowAWallIsNamed) {
-    // The lamp is 130 over the floor and 120 before the wall; 2 units of gap let it reach 2 units behind the wall.
+    // 10 units of gap over the floor; the lamp is 6 units over it.
     SceneBuilder scene = Room({-250, -186, -60}, {250, 186, 196});
     scene.AddBox({-2, -186, -50}, {2, 186, 196}, TestShader("textures/test/thin"));
-    scene.AddEntity(MakeEntity("light", {{"origin", "120 10 -54"}, {"light", "300"}, {"targetname", "lamp"}}));
+    scene.AddEntity(MakeEntity("light", {{"origin", "120 10 -54"}, {"light", "3000"}, {"targetname", "lamp"}}));
     const Explanation leak = Explained(scene, {-100, 10, -56});
     const LightAccount *lamp = Lamp(leak.lights);
     ASSERT_TRUE(lamp);
@@ -110,10 +110,10 @@ TEST_F(ExplainTest, LightThatLeaksBelowAWallIsNamed) {
     const LightAccount *onFloor = Lamp(leak.luxel->lights);
     ASSERT_TRUE(onFloor);
     EXPECT_EQ(onFloor->fate, LightFate::Arrives) << report;
-    // The floor gets 300 * 7500 / d^2 times the cosine, at the position that the report names.
+    // The floor gets 3000 * 7500 / d^2 times the cosine, at the position that the report names.
     ASSERT_TRUE(leak.luxel->samples.at(0).position);
     const Vec3d way = Vec3d{120, 10, -54} - Vec3d(*leak.luxel->samples[0].position);
-    const double expected = 300 * 7500 / Dot(way, way) * (way.z / Length(way));
+    const double expected = 3000 * 7500 / Dot(way, way) * (way.z / Length(way));
     EXPECT_NEAR(double(onFloor->arriving.x), expected, 0.01 * expected);
     ASSERT_TRUE(leak.luxel->direct && leak.luxel->stored);
     EXPECT_NEAR(double(leak.luxel->direct->x), expected, 0.01 * expected);
@@ -182,11 +182,12 @@ TEST_F(ExplainTest, AGridPointLitFromTheWrongSideSaysWhere) {
 }
 
 TEST_F(ExplainTest, APointInASolidNamesTheBrush) {
-    const Explanation solid = Explained(HalvedRoom(-60), {0, 40, 70});
+    const Explanation solid = Explained(HalvedRoom(-60), {1, 40, 70});
     ASSERT_TRUE(solid.place.solid);
     EXPECT_EQ(solid.place.solid->shader, "textures/test/thin");
     EXPECT_EQ(solid.place.solid->source.location, fmt::format("test.map:{}", LineOf(text, "test/thin")));
-    ASSERT_TRUE(solid.place.litFrom); // 2 units beside it
+    ASSERT_TRUE(solid.place.litFrom);
+    EXPECT_EQ(*solid.place.litFrom, (Vec3f{3, 40, 70}));
 }
 
 TEST_F(ExplainTest, WhatTheOptionsExcludeIsSaid) {
@@ -208,7 +209,7 @@ TEST_F(ExplainTest, SamplesOfALuxelInsideASolidAreNamed) {
     SceneBuilder scene = Room({-250, -186, 0}, {250, 186, 252});
     scene.AddBox({-41, -41, 0}, {41, 41, 60}, TestShader("textures/test/block"));
     scene.AddEntity(MakeEntity("light", {{"origin", "150 0 128"}, {"light", "300"}, {"targetname", "lamp"}}));
-    const Explanation point = Explained(scene, {43, 0, 4}, "-super 4");
+    const Explanation point = Explained(scene, {47, 0, 1}, "-super 4");
     ASSERT_TRUE(point.luxel);
     EXPECT_EQ(point.luxel->samples.size(), 16u);
     const auto in = std::ranges::count_if(point.luxel->samples, [](const SampleAccount &sample) {

@@ -181,6 +181,7 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o stat
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o textureshadows -d 'Such triangles with masked textures let light through; needs -staticproppolys'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o staticpropfiles -d 'Write the light of static props to files beside the map too; needs -staticproplighting'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o fixaas -d 'Make bot files beside the map fit the lit map'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o explain -x -d 'Say which lights reach this point of a lit map, and what is in the way of the others'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o onlygrid -d 'Light the grids only; lightmaps and vertex colors stay as they are'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o super -x -d 'Take N × N samples in each luxel'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o samples -d 'Take more samples where light changes; N from 1 to 64, more is finer'
