@@ -106,7 +106,7 @@ LightFate LightExplainer::WhyNothing(const PreparedLight &prepared, const Vec3f 
         return LightFate::FacesAway;
     if (light.type == LightType::Area && !light.twoSided && Dot(light.normal, p) < Dot(light.normal, light.w.front()))
         return LightFate::BehindEmitter;
-    if (light.type == LightType::Spot && ConeShare(light, light.origin - p) <= 0)
+    if (light.type == LightType::Spot && ConeFraction(light, light.origin - p) <= 0)
         return LightFate::OutsideCone;
     if (Length(light.origin - p) >= light.envelope || light.bounds.Distance(p) > 0)
         return LightFate::OutOfReach;

@@ -233,7 +233,7 @@ void LuxelExplainer::AddLight(SurfaceLight &surfaces, const Spot &spot, LuxelAcc
                 account.isInWall =
                     account.isInWall || (!in_.lightmap.dark && !(filled.light[0][at] == raw.light[0][at]));
     FinishLuxels(in_, {}, surfaces);
-    AverageLuxels(in_, {}, false, surfaces);
+    AverageLuxels(in_, {}, PassData::Keep, surfaces);
     const std::size_t at = raw.Index(x, y);
     if (at < raw.result[0].size() && raw.result[0][at].x >= 0)
         account.direct = raw.result[0][at];
