@@ -168,8 +168,7 @@ class BrickLighting {
     /// lights: from SetupEnvelopes for the SH grid. radiance: as LightSettings::radiance. split: lights have a weak and
     /// a strong part, which can be traced apart.
     BrickLighting(const GridInputs &in, const std::vector<Light> &lights, bool radiance, bool split)
-        : in_(in), lights_(lights), settings_(SettingsOf(in.options, radiance)),
-          faint_(kFaint / in.options.shSamples) {
+        : in_(in), lights_(lights), settings_(SettingsOf(in.options, radiance)), faint_(kFaint / in.options.shSamples) {
         if (split)
             settings_.weakBelow =
                 std::max(kWeakBelow / (in.options.gridScale > 0 ? in.options.gridScale : 1), 2 * faint_);
