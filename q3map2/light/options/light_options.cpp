@@ -587,8 +587,9 @@ Group Ignored() {
 } // namespace
 
 std::vector<SettingGroup<LightOptions>> LightOptionSettings() {
-    return {GridSH(), SparseGridSH(), QualityOfGridSH(), AmbientCubes(), Skips(),       Intensities(), Falloff(),
-            Tone(),   ColorSpaces(),  Speed(),           Rays(),         StaticProps(), BotFiles(),    Explanations(), Ignored()};
+    return {GridSH(),   SparseGridSH(), QualityOfGridSH(), AmbientCubes(), Skips(), Intensities(),
+            Falloff(),  Tone(),         ColorSpaces(),     Speed(),        Rays(),  StaticProps(),
+            BotFiles(), Explanations(), Ignored()};
 }
 
 } // namespace q3

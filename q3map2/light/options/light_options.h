@@ -130,7 +130,7 @@ struct LightOptions {
     int cubesPerLeaf = 16;    ///< at most
     float cubeTolerance = 3;  ///< samples that others reproduce so well are left out. 255ths on a screen of gamma 2.2
 
-    std::vector<Vec3f> explain; ///< -explain: points whose light is explained; nothing is baked
+    std::vector<Vec3f> explain;             ///< -explain: points whose light is explained; nothing is baked
     std::string previewFile;                ///< -shpreview
     bool fixBotFiles = false;               ///< enter the lit map into bot files beside it
     std::vector<std::string> withoutEffect; ///< options given that change nothing

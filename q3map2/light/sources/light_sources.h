@@ -77,7 +77,7 @@ struct Light {
     std::string name;  ///< targetname of its entity
     std::string label; ///< what messages call it; of surfaces and skies, only those of styles other than 0 have one
     int entity = -1;   ///< number of its entity: as given to EntityLights, in LightSetup as in the file; -1: none
-    int surface = -1; ///< draw surface that it is from, of a sky the first one; -1: none
+    int surface = -1;  ///< draw surface that it is from, of a sky the first one; -1: none
     LightType type = LightType::Point;
     FalloffCurve curve = FalloffCurve::InverseSquare;
     Attenuation attenuation;

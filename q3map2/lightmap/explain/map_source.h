@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Entities, brushes and curves of a map source with the lines where they begin.
 #pragma once
 
+#include "common/log.h"
 #include "q3map2/lightmap/explain/explanation.h"
 #include "q3map2/map/map.h"
 
