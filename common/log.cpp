@@ -186,8 +186,9 @@ void Progress::Update(std::int64_t done, std::uint64_t rays) {
     if (terminal_)
         DrawLive(done, rays);
     std::string steps;
-    for (; step_ < kProgressMarks && done * kProgressMarks >= std::int64_t(step_ + 1) * total_; ++step_)
-        steps += step_ % 4 == 0 ? fmt::format("{}", step_ / 4) : ".";
+    for (; marksPrinted_ < kProgressMarks && done * kProgressMarks >= std::int64_t(marksPrinted_ + 1) * total_;
+         ++marksPrinted_)
+        steps += marksPrinted_ % 4 == 0 ? fmt::format("{}", marksPrinted_ / 4) : ".";
     if (steps.empty())
         return;
     if (terminal_)

@@ -148,7 +148,7 @@ class Progress {
     Log &log_;
     std::int64_t total_;
     bool terminal_;
-    int step_ = 0;
+    int marksPrinted_ = 0;
     double lastShown_ = 0;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

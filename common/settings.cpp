@@ -79,10 +79,10 @@ double CheckedNumber(const SettingInfo &info, SettingKind kind, std::string_view
         throw Error("{} {}: expected {}", name, word, ExpectedValue(info, kind));
     const double number = *WholeNumber(word);
     if (info.range.Contains(number)) {
-        if (info.floor > -kMaxSetting && number < info.floor)
+        if (number < info.floor)
             log.Warn("value under the minimum", "{} {}: the minimum is {:g}; {:g} is used", name, word, info.floor,
                      info.floor);
-        return info.floor > -kMaxSetting ? std::max(number, info.floor) : number;
+        return std::max(number, info.floor);
     }
     if (info.outside == OutOfRange::Refuse)
         throw Error("{} {}: expected {}", name, word, ExpectedValue(info, kind));

@@ -30,8 +30,8 @@ enum class TextDialect { Compiler, Engine, MapSource };
 enum class QuoteEscapes { None, Quotes };
 
 /// Offset of the closing quote of the token whose first byte after the opening quote is at `begin`, or of the end of
-/// the text. With QuoteEscapes::Quotes, \" does not close the token unless the rest of the line consists of complete
-/// quoted tokens or is empty: then the backslash is the last byte of the token, as in the name of a folder.
+/// the text. With QuoteEscapes::Quotes, \" is a quote within the token, except where the rest of the line is empty or
+/// whole quoted tokens: there it is a backslash and the closing quote, as in "C:\dir\".
 std::size_t QuotedEnd(std::string_view text, std::size_t begin, QuoteEscapes escapes);
 
 /// Cuts text into tokens. White space is every byte up to 32; comments are `;`, `#`, `//` to the end of the line and

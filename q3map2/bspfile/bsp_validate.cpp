@@ -14,6 +14,9 @@ namespace q3 {
 
 namespace {
 
+/// Numbers below 0 stand for surfaces without a page, such as LIGHTMAP_BY_VERTEX.
+constexpr int kLeastLightmapNum = -4;
+
 constexpr std::int64_t kMaxAreas = 256; ///< an engine's area mask has 32 bytes
 constexpr int kMaxTreeDepth = 4096;
 constexpr int kMinPatchSide = 3, kMaxPatchSide = 31;
@@ -323,7 +326,7 @@ class Validator {
             return; // flares have no lightmap
         const auto pages = std::int64_t(bsp_.lightmaps.size() / kLightmapPageBytes);
         // Without pages in the file, lightmapNum refers to external images.
-        if (surface.lightmapNum < -4 || (pages > 0 && surface.lightmapNum >= pages))
+        if (surface.lightmapNum < kLeastLightmapNum || (pages > 0 && surface.lightmapNum >= pages))
             log_.Warn("lightmapNum", "{}: surface {}: lightmapNum {} is not one of {} pages: taken as lit by vertex",
                       name_, at.index, surface.lightmapNum, pages);
         const auto inPage = [](std::int64_t start, std::int64_t length) {

@@ -36,7 +36,7 @@ struct EntityKey {
     std::string InitialText() const;
 };
 
-/// The row with that name, which aliases are not; null if the table has none.
+/// The row of that name; aliases do not count. Null: there is none; null if the table has none.
 constexpr const EntityKey *FindKey(std::span<const EntityKey> keys, std::string_view name) {
     for (const EntityKey &key : keys)
         if (key.info.name == name)
@@ -62,10 +62,11 @@ enum class KeyOwner {
     Brushes ///< entities with brushes or patches, worldspawn among them
 };
 
-/// One warning for each key of the entity that has no effect on such an owner; `number` is its index in the file.
+/// One warning for each key of other compilers that has no effect here, on such an owner; `number` is the index of the
+/// entity in its file.
 void WarnOfForeignKeys(const Entity &entity, std::size_t number, KeyOwner owner, Log &log);
 
-/// The keys, for the documentation.
+/// Keys of other compilers that have no effect here, for the documentation.
 std::vector<SettingSection> ForeignKeySections();
 
 /// How to read the SH grid: kRadiance after -shradiance, absent otherwise.

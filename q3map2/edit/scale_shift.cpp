@@ -226,13 +226,13 @@ constexpr double kMostShift = 1 << 24; ///< game units: floats hold all whole nu
 class Shifter {
   public:
     Shifter(Bsp &bsp, const Vec3d &shift)
-        : bsp_(bsp), shift_(shift), staysModel_(bsp.models.size()), staysSurface_(bsp.drawSurfaces.size()),
+        : bsp_(bsp), shift_(shift), isRelativeModel_(bsp.models.size()), staysSurface_(bsp.drawSurfaces.size()),
           staysBrush_(bsp.brushes.size()) {}
 
     void Run(std::string_view name) {
         ShiftEntities(name);
         for (std::size_t i = 0; i < bsp_.models.size(); ++i)
-            if (!staysModel_[i])
+            if (!isRelativeModel_[i])
                 bsp_.models[i].mins = Moved(bsp_.models[i].mins), bsp_.models[i].maxs = Moved(bsp_.models[i].maxs);
         for (bspNode_t &node : bsp_.nodes)
             ShiftBox(node.mins, node.maxs);
@@ -277,7 +277,7 @@ class Shifter {
     }
 
     std::size_t ModelOf(const Entity &entity) const;
-    void KeepModel(std::size_t model);
+    void MarkAsRelative(std::size_t model);
     void ShiftEntities(std::string_view name);
     void ShiftVerts();
     void ShiftPlanes();
@@ -286,7 +286,7 @@ class Shifter {
 
     Bsp &bsp_;
     Vec3d shift_;
-    std::vector<bool> staysModel_, staysSurface_, staysBrush_;
+    std::vector<bool> isRelativeModel_, staysSurface_, staysBrush_;
     std::map<int, int> planeCopies_; ///< by the first plane of a pair
 };
 
@@ -297,9 +297,9 @@ std::size_t Shifter::ModelOf(const Entity &entity) const {
     return number > 0 && std::size_t(number) < bsp_.models.size() ? std::size_t(number) : 0;
 }
 
-void Shifter::KeepModel(std::size_t number) {
+void Shifter::MarkAsRelative(std::size_t number) {
     const bspModel_t &model = bsp_.models[number];
-    staysModel_[number] = true;
+    isRelativeModel_[number] = true;
     std::fill_n(staysSurface_.begin() + model.firstBSPSurface, model.numBSPSurfaces, true);
     std::fill_n(staysBrush_.begin() + model.firstBSPBrush, model.numBSPBrushes, true);
 }
@@ -308,12 +308,12 @@ void Shifter::ShiftEntities(std::string_view name) {
     std::vector<Entity> entities = StoredEntities(bsp_.entities, name);
     for (const Entity &entity : entities)
         if (const std::size_t model = ModelOf(entity); model > 0 && entity.Vector({"origin"}))
-            KeepModel(model);
+            MarkAsRelative(model);
     for (std::size_t i = 1; i < entities.size(); ++i) {
         Entity &entity = entities[i];
         const auto origin = entity.Vector({"origin"});
         // Another entity may share a model that stays, and have no origin yet.
-        if (origin || staysModel_[ModelOf(entity)])
+        if (origin || isRelativeModel_[ModelOf(entity)])
             entity.Set("origin", VectorText(Vec3d(origin.value_or(Vec3f{})) + shift_));
     }
     bsp_.entities = FormatEntities(entities);

@@ -117,7 +117,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kFlushBytes = 511;           ///< text longer than this is sent at once
 constexpr std::chrono::seconds kFlushDelay{1};     ///< for more text of the same level, while nothing else is sent
 constexpr std::chrono::seconds kConnectTime{15};   ///< until the editor accepts: editors wait no longer either
-constexpr std::chrono::seconds kLastWait{1};       ///< after the run: for an editor that takes nothing
+constexpr std::chrono::seconds kStallTime{1};      ///< after the run: for an editor that takes nothing
 constexpr std::chrono::seconds kLongestWait{5};    ///< after the run, in all
 constexpr std::chrono::milliseconds kPollTime{20}; ///< of one wait for the socket, before the clock is checked
 
@@ -240,7 +240,7 @@ class Connection {
     bool IsTimeToGiveUp() {
         const std::lock_guard lock(mutex_);
         const auto now = Clock::now();
-        return ended_ && (now > lastProgress_ + kLastWait || now > *ended_ + kLongestWait);
+        return ended_ && (now > lastProgress_ + kStallTime || now > *ended_ + kLongestWait);
     }
 
     std::unique_ptr<Socket> socket_;

@@ -75,7 +75,7 @@ class GridConversion {
         : jobs_(jobs), log_(log), storing_(storing), stored_(SourceGrid(bsp)), space_(bsp, SolidBrushes(bsp)),
           source_(stored_, SolidPoints(space_, LayoutOf(stored_.grid))), tone_(bsp.entities, log),
           isDeluxe_(StoredWorld(bsp.entities).Value("deluxeMapping") == "1") {
-        if (WriteLegacyGrid(formats))
+        if (AnyWritesLegacyGrid(formats))
             legacy_ = SampleLegacyPoints(source_, space_, LegacyLayout(bsp));
         hasLump15_ = HasPlace(formats, GridPlace::Lump15);
         if (HasPlace(formats, GridPlace::Sparse))
@@ -239,12 +239,12 @@ bool HasPlace(const GridFormats &formats, GridPlace place) {
     return std::ranges::any_of(formats, [&](const GridFormat *format) { return format->place == place; });
 }
 
-bool KeepConvertible(const GridFormats &formats) {
+bool AnyConvertible(const GridFormats &formats) {
     return std::ranges::any_of(
         formats, [](const GridFormat *format) { return format->convertible == GridFormat::Convertible::Yes; });
 }
 
-bool WriteLegacyGrid(const GridFormats &formats) {
+bool AnyWritesLegacyGrid(const GridFormats &formats) {
     return HasPlace(formats, GridPlace::Lump15) || HasPlace(formats, GridPlace::RawFile);
 }
 
@@ -264,7 +264,7 @@ std::vector<GridFile> StoreGridFormats(Bsp &bsp, const GridFormats &formats, con
         log.Print("Light grid as {}\n", format->word);
         format->store(from, bsp, files);
     }
-    if (!KeepConvertible(formats)) {
+    if (!AnyConvertible(formats)) {
         std::vector<Entity> entities = StoredEntities(bsp.entities, "the map");
         entities.front().Erase(kGridSHKey);
         bsp.entities = FormatEntities(entities);

@@ -74,9 +74,9 @@ std::span<const GridFormat> AllGridFormats();
 GridFormats ParseGridFormats(std::string_view list);
 bool HasPlace(const GridFormats &formats, GridPlace place);
 /// Whether one of them can be converted again.
-bool KeepConvertible(const GridFormats &formats);
+bool AnyConvertible(const GridFormats &formats);
 /// Whether lump 15 is written, by its own format or for a raw file.
-bool WriteLegacyGrid(const GridFormats &formats);
+bool AnyWritesLegacyGrid(const GridFormats &formats);
 
 /// Options of the conversion.
 struct GridStoring {

@@ -89,16 +89,16 @@ GridFormats TakeGridFormats(LightOptions &options) {
     const GridFormats named = ParseGridFormats(list);
     const auto same = [&](const GridFormat *format) { return format->word == stored; };
     const bool namesStored = std::ranges::any_of(named, same) || (!options.shBspx && HasPlace(named, GridPlace::Full));
-    const bool keepRadiance = options.shRadiance && !options.shAdaptive && !KeepConvertible(named);
+    const bool keepRadiance = options.shRadiance && !options.shAdaptive && !AnyConvertible(named);
     if ((options.keepSH || keepRadiance) && !namesStored)
         list += fmt::format(",{}", stored);
     if (options.shAdaptive && !HasPlace(named, GridPlace::Sparse))
         list += ",sparse";
     const GridFormats formats = ParseGridFormats(list);
-    if (!options.previewFile.empty() && !KeepConvertible(formats))
+    if (!options.previewFile.empty() && !AnyConvertible(formats))
         throw Error("-shpreview needs sh, shbspx or sparse in -gridformats");
     options.shAdaptive |= HasPlace(formats, GridPlace::Sparse);
-    options.noGrid |= WriteLegacyGrid(formats);
+    options.noGrid |= AnyWritesLegacyGrid(formats);
     return formats;
 }
 

@@ -300,7 +300,7 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
     const auto output =
         options.output.empty() ? input : WithExtension(std::filesystem::absolute(options.output), ".bsp");
     std::error_code none;
-    if (!KeepConvertible(formats) && (output == input || std::filesystem::equivalent(output, input, none)))
+    if (!AnyConvertible(formats) && (output == input || std::filesystem::equivalent(output, input, none)))
         throw Error(
             "-gridformats {}: {} would lose its SH grid: add sh, shbspx or sparse, or name another file with -out",
             options.formats, input.string());

@@ -17,6 +17,9 @@ namespace q3 {
 
 namespace {
 
+/// Entities may stand exactly on a floor. Game units.
+const Vec3f kLift{0, 0, 1};
+
 /// Whether the flood starts at the entity. It does not at brush entities: their origin may be anywhere.
 bool StartsFlood(const MapEntity &entity) {
     return !entity.pairs.pairs.empty() && entity.model < 0 && entity.brushes.empty() && entity.patches.empty() &&
@@ -110,7 +113,7 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, Sol
         const MapEntity &entity = map.entities[i];
         if (!StartsFlood(entity))
             continue;
-        const int leaf = tree.LeafAt(entity.Origin() + Vec3f(0, 0, 1), map.planes);
+        const int leaf = tree.LeafAt(entity.Origin() + kLift, map.planes);
         if (tree.nodes[std::size_t(leaf)].opaque) {
             if (warnings == SolidWarnings::Print)
                 context.log.Warn("entity in solid", "{}: the {} stands in solid", entity.MessagePrefix(),

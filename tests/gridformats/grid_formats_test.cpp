@@ -29,10 +29,10 @@ TEST(GridFormatWords, EachIsExplained) {
 TEST(GridFormatWords, Lists) {
     const GridFormats formats = ParseGridFormats("shbspx,legacy-ioq3,RAW-rend2,octree,grids");
     EXPECT_EQ(formats.size(), 5u);
-    EXPECT_TRUE(KeepConvertible(formats) && WriteLegacyGrid(formats));
-    EXPECT_FALSE(KeepConvertible(ParseGridFormats("octree,grids")));
-    EXPECT_FALSE(WriteLegacyGrid(ParseGridFormats("octree,sh")));
-    EXPECT_TRUE(WriteLegacyGrid(ParseGridFormats("raw-ioq3"))) << "the direction stays in lump 15";
+    EXPECT_TRUE(AnyConvertible(formats) && AnyWritesLegacyGrid(formats));
+    EXPECT_FALSE(AnyConvertible(ParseGridFormats("octree,grids")));
+    EXPECT_FALSE(AnyWritesLegacyGrid(ParseGridFormats("octree,sh")));
+    EXPECT_TRUE(AnyWritesLegacyGrid(ParseGridFormats("raw-ioq3"))) << "the direction stays in lump 15";
 }
 
 TEST(GridFormatWords, Faults) {

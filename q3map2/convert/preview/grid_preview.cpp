@@ -139,7 +139,7 @@ namespace {
 
 constexpr int kWidth = 1600, kHeight = 1000;
 constexpr int kPlanLeft = 20, kPlanTop = 60, kPlanSide = 860;
-constexpr int kPairsLeft = 900, kPairsTop = 60, kCellWidth = 228, kCellHeight = 215;
+constexpr int kPairsLeft = 900, kPairsTop = 60, kPairWidth = 228, kPairHeight = 215;
 constexpr int kColumns = 3, kRows = 4;
 constexpr float kPairRadius = 52, kSingleRadius = 72;
 constexpr int kLattice = 27; ///< pixels between the small spheres of the plan
@@ -315,14 +315,14 @@ class Preview {
     }
 
     void DrawPair(std::size_t index) {
-        const int left = kPairsLeft + int(index) % kColumns * kCellWidth;
-        const int top = kPairsTop + int(index) / kColumns * kCellHeight;
+        const int left = kPairsLeft + int(index) % kColumns * kPairWidth;
+        const int top = kPairsTop + int(index) / kColumns * kPairHeight;
         const Vec3f &position = positions_[index];
-        canvas_.Rectangle(left, top, kCellWidth - 8, kCellHeight - 8, kSolid);
+        canvas_.Rectangle(left, top, kPairWidth - 8, kPairHeight - 8, kSolid);
         canvas_.Text(left + 10, top + 10, 2, kMark, std::to_string(index + 1));
         canvas_.Text(left + 48, top + 14, 1, kFaint,
                      fmt::format("AT {:.0f} {:.0f} {:.0f}", position.x, position.y, position.z));
-        const float middle = float(left + (kCellWidth - 8) / 2), y = float(top + 104);
+        const float middle = float(left + (kPairWidth - 8) / 2), y = float(top + 104);
         if (!legacy_) {
             DrawSphere(canvas_, middle, y + 8, kSingleRadius, ObjectView(), Shading(sh_.At(position)));
             return;

@@ -55,7 +55,7 @@ Winding<float> PartBeyond(const Winding<float> &w, const Vec3f &p, std::size_t a
 }
 
 /// The light of one source at one receiver.
-struct PointLightField {
+struct LightAtReceiver {
     const Light &light;
     float weight; ///< of the light
     Vec3f position;
@@ -63,7 +63,7 @@ struct PointLightField {
     Vec3d vector;      ///< irradiance vector
     double fluence;    ///< sum over directions of the light on a surface that faces it
 
-    PointLightField(const Light &source, float sourceWeight, const Vec3f &at, const ProbeIncidentLight &incident,
+    LightAtReceiver(const Light &source, float sourceWeight, const Vec3f &at, const ProbeIncidentLight &incident,
                     std::size_t lane)
         : light(source), weight(sourceWeight), position(at) {
         for (std::size_t k = 0; k < 9; ++k)
@@ -85,7 +85,7 @@ struct PointLightField {
     OppositeSides SidesOfStraddlingLight(std::size_t axis) const;
 };
 
-OppositeSides PointLightField::SidesAlong(std::size_t axis) const {
+OppositeSides LightAtReceiver::SidesAlong(std::size_t axis) const {
     if (vector == Vec3d{}) // the receiver is at the light's position: the light comes evenly from all directions
         return {fluence / 4, fluence / 4};
     if (fluence * double(MaxAbsComponent(light.color)) > kMinSplitFluence && Straddles(axis))
@@ -100,7 +100,7 @@ OppositeSides PointLightField::SidesAlong(std::size_t axis) const {
 ///     plus + minus = v strength (|F(part in front)| + |F(part behind)|) + S(visible light) - v S(unshadowed light)
 ///
 /// The second is a control variate: exact where all or nothing of the light is visible.
-OppositeSides PointLightField::SidesOfStraddlingLight(std::size_t axis) const {
+OppositeSides LightAtReceiver::SidesOfStraddlingLight(std::size_t axis) const {
     const Vec3d p(position), normal = Axis(axis);
     const std::span<const Vec3f> polygon(light.w);
     const Winding<float> part = PartBeyond(light.w, position, axis);
@@ -123,7 +123,7 @@ void AddLight(const Light &light, float weight, const ReceiverBatch &receivers, 
     const Vec3d scale = Vec3d(light.color) * ((light.negative ? -1 : 1) / 255.0);
     for (unsigned lanes = incident.live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
-        const PointLightField field(light, weight, receivers.position[i], incident, i);
+        const LightAtReceiver field(light, weight, receivers.position[i], incident, i);
         const Vec3d color = incident.tinted ? scale * Vec3d(incident.tint[i]) : scale;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const OppositeSides sides = field.SidesAlong(axis);

@@ -86,7 +86,7 @@ constexpr float kBehind = 2;
 constexpr std::ptrdiff_t kFewFaint = 32;
 constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
 
-bool CanReach(const PassLights::Reach &light, const BrickView &brick) {
+bool CanReach(const PassLights::Reach &light, const BrickExtent &brick) {
     if (!light.sun) {
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (light.bounds.mins[axis] > brick.box.maxs[axis] || light.bounds.maxs[axis] < brick.box.mins[axis])
@@ -134,7 +134,7 @@ std::vector<BrickPoint> GridBricks::Points(std::int64_t brick) const {
     return points;
 }
 
-BrickView::BrickView(std::span<const ReceiverBatch> blocks) {
+BrickExtent::BrickExtent(std::span<const ReceiverBatch> blocks) {
     for (const ReceiverBatch &receivers : blocks) {
         for (std::size_t i = 0; i < receivers.count; ++i)
             box.Add(receivers.position[i]);
@@ -151,7 +151,7 @@ PassLights::PassLights(const std::vector<Light> &lights) : byCluster_(lights, Su
                           light.type == LightType::Sun, light.type == LightType::Area && !light.twoSided});
 }
 
-LightsInReach::LightsInReach(const PassLights &lights, const BrickView &brick, const Choice &choice,
+LightsInReach::LightsInReach(const PassLights &lights, const BrickExtent &brick, const Choice &choice,
                              const SkipOptions &skip, GridStats &work) {
     const float faint = choice.faint;
     const auto use = [&](std::size_t number) {

@@ -74,7 +74,7 @@ struct GridStats {
     void Print(Log &log) const;
 };
 
-// ---- Bricks: blocks of grid points, and the lights that reach them ----
+// ---- Bricks: the receivers that share a list of lights, the lights that reach them, and their light ----
 
 struct BrickPoint {
     Vec3f position;
@@ -96,8 +96,8 @@ class GridBricks {
 };
 
 /// Bounds and clusters of the receivers of a brick.
-struct BrickView {
-    explicit BrickView(std::span<const ReceiverBatch> blocks);
+struct BrickExtent {
+    explicit BrickExtent(std::span<const ReceiverBatch> blocks);
     Boundsf box;
     std::vector<int> clusters; ///< each once
 };
@@ -140,7 +140,7 @@ class LightsInReach {
         float faint = 0;        ///< byte scale; 0: none
         float minBound = -1;    ///< lights whose bound is not above this are left out. Byte scale
     };
-    LightsInReach(const PassLights &lights, const BrickView &brick, const Choice &choice, const SkipOptions &skip,
+    LightsInReach(const PassLights &lights, const BrickExtent &brick, const Choice &choice, const SkipOptions &skip,
                   GridStats &work);
     const std::vector<WeightedLight> &List() const { return list_; }
     /// Whether there were so many faint lights that a few represent them.
@@ -174,6 +174,7 @@ class IncidentLightTracer {
     /// lights: from SetupEnvelopes for the SH grid.
     IncidentLightTracer(const GridInputs &in, const std::vector<Light> &lights, SHQuantity quantity, LightSplit split)
         : in_(in), lights_(lights), settings_(SettingsOf(in.options, quantity)), faint_(kFaint / in.options.shSamples) {
+        // A faint light must not have a strong part: weakBelow is at least twice the faint limit.
         if (split == LightSplit::WeakAndStrong)
             settings_.weakBelow = std::max(kWeakBelow / in.options.PositiveGridScale(), 2 * faint_);
     }
@@ -193,8 +194,9 @@ class IncidentLightTracer {
                const Use &use) const {
         StartFaintResiduals(blocks, faint_);
         std::vector<ProbeIncidentLight> incident(blocks.size());
+        // A light has a strong part where it gives more than half of weakBelow.
         const float least = part == LightPart::Strong ? settings_.weakBelow / 2 : -1;
-        const LightsInReach lights(lights_, BrickView(blocks), {seed, faint_, least}, in_.options.skip, work);
+        const LightsInReach lights(lights_, BrickExtent(blocks), {seed, faint_, least}, in_.options.skip, work);
         LightSettings pass = settings_;
         pass.faint = lights.HasManyFaint() ? faint_ : 0;
         pass.part = part;
@@ -205,12 +207,13 @@ class IncidentLightTracer {
     }
 
   private:
-    /// Lights that give less than this at every point of a brick, and area lights that give less at every point of a
-    /// block, are represented by a random few. Byte scale: a quarter of the smallest step that a screen can show.
+    /// Lights that give less than kFaint / shSamples at every point of a brick, and area lights that give less at every
+    /// point of a block, are represented by a random few; more samples ask for less noise. Byte scale: a quarter of the
+    /// smallest step that a screen can show.
     static constexpr float kFaint = 1.0f / 4;
 
-    /// LightSettings::weakBelow before grid scale. Higher, more light is interpolated; lower, the weak light is smooth
-    /// at more points. Byte scale.
+    /// LightSettings::weakBelow before grid scale. A higher value leaves more light to interpolation, and makes the
+    /// weak light smooth at fewer points. Byte scale.
     static constexpr float kWeakBelow = 8;
 
     const GridInputs &in_;

@@ -95,7 +95,7 @@ GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vect
     : in_(in), layout_(layout),
       perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
       pull_(in.options.shFit > 0 ? kPullAll : kPull),
-      maxBands_(kBandsSlack * (in.options.shRadiance ? kMaxBandsPlain : kMaxBands)), states_(states),
+      maxBandRatio_(kBandsSlack * (in.options.shRadiance ? kMaxBandsPlain : kMaxBands)), states_(states),
       rowOf_(states.size(), -1) {
     if (!in.options.shFill)
         return;
@@ -305,7 +305,7 @@ Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
     const float inverse = 1 / row.stencil[kCenter];
     for (float &coefficient : value)
         coefficient *= inverse;
-    LimitToLight(value, maxBands_);
+    LimitToLight(value, maxBandRatio_);
     bspGridPointSH_t &stored = grid.points[row.index];
     const auto old = std::bit_cast<SHFloats>(stored);
     float most = 0;

@@ -24,7 +24,7 @@ enum class FittedPoints { InSolids, All };
 
 /// Weight of a sample in a fit: its own `weight` times (d / (d + m))^(1/4), since leaks show in the dark, with d =
 /// kDarkLight and m the mean light of the brightest channel, 1 = byte 255; divided by a power of m where it is beyond
-/// what a screen shows.
+/// what a screen shows; constants are in the source.
 float FitWeight(float weight, float mean, FittedPoints fitted);
 
 /// Least-squares fit of grid points to the light between them, so that trilinear interpolation matches it best where
@@ -99,7 +99,7 @@ class GridFit {
     const GridLayout &layout_;
     int perCell_;
     float pull_;
-    float maxBands_; ///< limit of the norm of bands 1 and 2 over coefficient 0
+    float maxBandRatio_; ///< limit of the norm of bands 1 and 2 over coefficient 0
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; ///< by point; -1: not fitted
     std::vector<Row> rows_;

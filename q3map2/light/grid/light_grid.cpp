@@ -395,7 +395,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         if (blocks.empty())
             return;
         StartFaintResiduals(blocks, kFaintInBrick);
-        const LightsInReach lightsInReach(passLights, BrickView(blocks), {std::uint64_t(brick), kFaintInBrick},
+        const LightsInReach lightsInReach(passLights, BrickExtent(blocks), {std::uint64_t(brick), kFaintInBrick},
                                           in.options.skip, work);
         LightSettings pass = settings;
         pass.faint = lightsInReach.HasManyFaint() ? kFaintInBrick : 0;

@@ -17,6 +17,10 @@ namespace q3 {
 
 namespace {
 
+/// Bits of the key spawnflags of lights; under -wolf the first two mean the opposite.
+enum SpawnFlag { kSpawnLinear = 1, kSpawnNoAngle = 2, kSpawnNoGrid = 16, kSpawnColorAsIs = 32 };
+constexpr int kNoSky = -1; ///< number of the sky of suns that entities make
+
 constexpr auto kMaxIntensity = float(keys::kMaxIntensity);
 /// Limit of values from world keys: products of larger ones could overflow float.
 constexpr float kMaxWorldFactor = 1e6f;
@@ -96,15 +100,15 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     EntityLight result;
     Light &light = result.light;
     const int flags = keys::kSpawnFlags.Integer(entity);
-    if (((flags & 1) != 0) != options.wolfLighting)
+    if (((flags & kSpawnLinear) != 0) != options.wolfLighting)
         light.curve = FalloffCurve::Linear;
-    light.angle = ((flags & 3) == 0) != options.wolfLighting;
-    light.grid = (flags & 16) == 0;
+    light.angle = ((flags & (kSpawnLinear | kSpawnNoAngle)) == 0) != options.wolfLighting;
+    light.grid = (flags & kSpawnNoGrid) == 0;
     if (EqualNoCase(entity.ClassName(), "lightJunior"))
         light.grid = true, light.surfaces = false;
     light.origin = keys::kOrigin.Vector(entity).value_or(Vec3f{});
     light.color = DecodeColor(keys::kColor.Vector(entity).value_or(Vec3f{1, 1, 1}), options.shader.sRgbColor);
-    if ((flags & 32) == 0)
+    if ((flags & kSpawnColorAsIs) == 0)
         light.color = NormalizeColor(light.color);
     light.fade = float(keys::kFade.Number(entity));
     if (light.fade == 0)
@@ -202,12 +206,13 @@ void AimByAngles(Light &light, const Entity &entity, const Vec3f &direction, Log
 
 /// Applies keys for the curve of falloff, and the options that scale intensities.
 void SetEntityFalloff(Light &light, bool byQuad, const Entity &entity, const LightOptions &options, Log &log) {
-    constexpr float kPlainScale = 7500; // of both kinds of lights without options
+    constexpr float kDefaultEntityScale = 7500; // the default of -pointscale and of -spotscale
     const bool byteValues = SetCurve(entity, byQuad, light, log);
-    if (byteValues && light.type == LightType::Point) // here Source's flag 1 has another meaning
-        light.angle = (keys::kSpawnFlags.Integer(entity) & 2) == 0 || light.angleScale != 0;
+    // For lights in byte values flag 1 is that of Source, "initially dark": only flag 2 turns the angle off.
+    if (byteValues && light.type == LightType::Point)
+        light.angle = (keys::kSpawnFlags.Integer(entity) & kSpawnNoAngle) == 0 || light.angleScale != 0;
     const float scale = light.type == LightType::Spot ? options.spotScale : options.pointScale;
-    light.photons *= byteValues ? scale / kPlainScale : scale;
+    light.photons *= byteValues ? scale / kDefaultEntityScale : scale;
 }
 
 void AddSun(const Light &light, const Vec3f &target, float deviance, int samples, const LightOptions &options,
@@ -220,7 +225,7 @@ void AddSun(const Light &light, const Vec3f &target, float deviance, int samples
                      .style = light.style};
     if (sun.direction == Vec3f{})
         sun.direction = {0, 0, 1};
-    for (Light &one : MakeSuns(sun, -1, options)) {
+    for (Light &one : MakeSuns(sun, kNoSky, options)) {
         one.name = light.name, one.label = light.label, one.grid = light.grid, one.surfaces = light.surfaces;
         lights.push_back(std::move(one));
     }

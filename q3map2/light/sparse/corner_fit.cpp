@@ -232,7 +232,7 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light,
 namespace {
 
 /// What the file says of the lower corner of a leaf.
-enum class Owned : std::uint8_t { Nothing, Stored, Hanging };
+enum class CornerRecord : std::uint8_t { Nothing, Stored, Hanging };
 
 /// Marks the lower corners of leafs, then writes the nodes breadth first.
 class TreeWriter {
@@ -240,7 +240,7 @@ class TreeWriter {
     TreeWriter(Octree tree, const LatticePoints &light, const CornerWeights &corners)
         : tree_(std::move(tree)), light_(light), corners_(corners) {
         for (const std::uint32_t number : corners.Stored())
-            Place(light[number].at, Owned::Stored);
+            Place(light[number].at, CornerRecord::Stored);
         for (const std::size_t leaf : tree_.OpenLeafs())
             for (std::size_t c = 0; c < 8; ++c)
                 if (const LatticePoint p = tree_[leaf].Corner(c); !corners.IsStored(light.Find(p)))
@@ -252,7 +252,7 @@ class TreeWriter {
   private:
     /// Marks p, and splits the leaf that contains it until p is its lower corner. A leaf with open space is not split:
     /// p lies on its boundary, and readers go on to the cube around by themselves.
-    void Place(const LatticePoint &p, Owned what) {
+    void Place(const LatticePoint &p, CornerRecord what) {
         std::size_t leaf = tree_.LeafAt(p);
         if (leaf == Octree::kNone)
             return;
@@ -260,13 +260,14 @@ class TreeWriter {
             if (tree_[leaf].open > 0)
                 return;
             tree_.Split(leaf);
-            owned_.resize(tree_.Size(), Owned::Nothing);
-            std::swap(owned_[leaf], owned_[tree_[leaf].child]); // the lower corner is now that of the first child
+            recordOfLeaf_.resize(tree_.Size(), CornerRecord::Nothing);
+            std::swap(recordOfLeaf_[leaf],
+                      recordOfLeaf_[tree_[leaf].child]); // the lower corner is now that of the first child
             leaf = tree_.LeafAt(p);
         }
-        owned_.resize(tree_.Size(), Owned::Nothing);
-        if (owned_[leaf] == Owned::Nothing)
-            owned_[leaf] = what;
+        recordOfLeaf_.resize(tree_.Size(), CornerRecord::Nothing);
+        if (recordOfLeaf_[leaf] == CornerRecord::Nothing)
+            recordOfLeaf_[leaf] = what;
     }
     /// Places a hanging point and its parents, between which readers interpolate it: with 2^power the greatest power of
     /// two that divides all its coordinates, the points 2^power away on both sides of each axis on which its coordinate
@@ -274,7 +275,7 @@ class TreeWriter {
     void PlaceHanging(const LatticePoint &p) {
         if (!hanging_.insert(KeyOf(p)).second)
             return;
-        Place(p, Owned::Hanging);
+        Place(p, CornerRecord::Hanging);
         const int power = std::countr_zero(std::uint32_t(p[0] | p[1] | p[2]));
         std::vector<LatticePoint> parents{p};
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -299,7 +300,7 @@ class TreeWriter {
     Octree tree_;
     const LatticePoints &light_;
     const CornerWeights &corners_;
-    std::vector<Owned> owned_;                  ///< by leaf; may be shorter than the tree
+    std::vector<CornerRecord> recordOfLeaf_;    ///< by leaf; may be shorter than the tree
     std::unordered_set<std::uint64_t> hanging_; ///< keys of the hanging points that are placed
 };
 
@@ -307,7 +308,7 @@ std::vector<bool> TreeWriter::FindUsed() const {
     std::vector<bool> used(tree_.Size());
     for (std::size_t i = tree_.Size(); i-- > 0;) {
         if (tree_[i].child == 0)
-            used[i] = i < owned_.size() && owned_[i] != Owned::Nothing;
+            used[i] = i < recordOfLeaf_.size() && recordOfLeaf_[i] != CornerRecord::Nothing;
         for (std::size_t c = 0; c < 8 && tree_[i].child != 0; ++c)
             used[i] = used[i] || used[tree_[i].child + c];
     }
@@ -332,7 +333,7 @@ SparseGridTree TreeWriter::Write(const std::vector<SHFloats> &values) const {
                 if (tree_[child].child != 0 && used[child]) {
                     node.inner |= bit;
                     next.push_back(child);
-                } else if (used[child] && owned_[child] == Owned::Hanging)
+                } else if (used[child] && recordOfLeaf_[child] == CornerRecord::Hanging)
                     node.hanging |= bit;
                 else if (used[child]) {
                     node.stored |= bit;

@@ -103,7 +103,7 @@ Q3_VECTOR void AddSeen(const RayPacket &rays, Lanes &clear) {
 
 inline float AreaContribution::EmitterOffset(std::size_t i) const {
     const float off = std::min(kEmitterGap, 0.5f * height_[i]);
-    return below_[i] != 0 ? -off : off;
+    return behind_[i] != 0 ? -off : off;
 }
 
 /// Height over the emitter's plane, distance and, with A the area and r the radius of the emitter, h the height and d
@@ -119,7 +119,7 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
         const float x = shape.center.x - px, y = shape.center.y - py, z = shape.center.z - pz;
         const float d2 = x * x + y * y + z * z;
         height_[i] = std::abs(s);
-        below_[i] = s < 0 ? -1 : 0;
+        behind_[i] = s < 0 ? -1 : 0;
         error_[i] = d2 > 0 ? size2 / d2 : 1;
         unoccludedEstimate_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
         const bool inFront = (std::abs(s) >= kPlaneClearance) & (int(s > 0) | int(twoSided));
@@ -132,7 +132,7 @@ Q3_VECTOR void AreaContribution::MeasureLanes() {
 void AreaContribution::MeasureMoments(const LaneMask &lanes) {
     LaneMask front, behind;
     for (const std::size_t i : kEachLane)
-        front[i] = lanes[i] & ~below_[i], behind[i] = lanes[i] & below_[i];
+        front[i] = lanes[i] & ~behind_[i], behind[i] = lanes[i] & behind_[i];
     if (front.Any())
         moments_.Measure(light_.w, receivers_->position, front);
     if (behind.Any())

@@ -28,7 +28,7 @@ class AreaContribution {
   private:
     /// How the unoccluded projection is computed, from the cheapest to the exact one.
     enum class Method { Point, Quadrature, ClosedForm };
-    bool FromBehind(std::size_t i) const { return below_[i] != 0; }
+    bool FromBehind(std::size_t i) const { return behind_[i] != 0; }
     /// Signed distance along the emitter's normal at which rays of receiver i end in front of it, see kEmitterGap.
     float EmitterOffset(std::size_t i) const;
     std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
@@ -65,7 +65,7 @@ class AreaContribution {
     ProbeIncidentLight *incident_ = nullptr;
     float weight_ = 1; ///< givenWeight_, changed by SelectFaintLight for this batch
     LaneMask live_{};
-    LaneMask below_{};         ///< behind the plane of the emitter
+    LaneMask behind_{};        ///< behind the plane of the emitter
     LaneMask near_{};          ///< so near that only the closed form is accurate enough
     Lanes height_;             ///< distance to the plane of the light
     Lanes partFraction_;       ///< see FractionOfPart; 1 for LightPart::Whole

@@ -32,7 +32,7 @@ int FacingOf(const BrightPatch &patch) {
 }
 
 /// Whether no receiver of the view can get light from the node.
-bool IsHidden(const BrightTree::Node &node, const TreeView &view, const BspSpace &space) {
+bool IsHidden(const BrightTree::Node &node, const ReceiverGroup &view, const BspSpace &space) {
     const Vec3f offset = node.center - view.center;
     const float reach = node.radius + view.radius;
     if (view.normal != Vec3f{} && Dot(view.normal, offset) < -reach)
@@ -107,7 +107,8 @@ std::uint32_t BrightTree::Build(std::uint32_t first, std::uint32_t count) {
     return number;
 }
 
-void BrightTree::Cut(const TreeView &view, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const {
+void BrightTree::Cut(const ReceiverGroup &view, const BspSpace &space, float faint,
+                     std::vector<std::uint32_t> &cut) const {
     std::vector<std::uint32_t> open(roots_.rbegin(), roots_.rend());
     while (!open.empty()) {
         const std::uint32_t number = open.back();
@@ -124,7 +125,7 @@ void BrightTree::Cut(const TreeView &view, const BspSpace &space, float faint, s
     }
 }
 
-float BrightTree::MostLight(const Node &node, const TreeView &view) {
+float BrightTree::MostLight(const Node &node, const ReceiverGroup &view) {
     const float nearest = std::max(Length(node.center - view.center) - view.radius - node.radius, 1.0f);
     return Luminance(node.power) / (std::numbers::pi_v<float> * nearest * nearest);
 }
@@ -344,7 +345,7 @@ std::vector<Vec3f> TakeExcess(float limit, std::vector<Vec3f> &emission) {
 
 /// Up to 16 receivers close together.
 struct BrightEmitters::Receivers {
-    TreeView view;
+    ReceiverGroup view;
     std::size_t count = 0;
     std::array<Vec3f, kPacketSize> position, origin, normal; // zero normal: a point in the open
     std::array<std::size_t, kPacketSize> tag{};              // luxel, or a hash for other receivers; seeds the sampling

@@ -22,7 +22,7 @@ struct BrightPatch {
 };
 
 /// A group of receivers that share a cut of the tree, bounded by a sphere.
-struct TreeView {
+struct ReceiverGroup {
     Vec3f center;
     float radius = 0;          ///< of a sphere around center that holds the receivers
     Vec3f normal;              ///< normal of all receivers; zero: they differ, or are in the open
@@ -50,10 +50,10 @@ class BrightTree {
 
     /// Appends the nodes of a cut in which each node is small compared to its distance from all receivers, or gives
     /// them less light than `faint` (byte scale), or is a leaf.
-    void Cut(const TreeView &view, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const;
+    void Cut(const ReceiverGroup &view, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const;
     const Node &At(std::uint32_t node) const { return nodes_[node]; }
     /// Upper bound of the luminance that a node gives to any receiver of the view at least 1 unit away. Byte scale.
-    static float MostLight(const Node &node, const TreeView &view);
+    static float MostLight(const Node &node, const ReceiverGroup &view);
     /// Samples a patch of a node in proportion to power: inverts its cumulative distribution at `u` in [0, 1).
     const BrightPatch &PatchAt(const Node &node, float u) const;
 

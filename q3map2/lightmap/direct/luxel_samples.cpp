@@ -54,7 +54,7 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
     width_ = lightmap.SuperWidth(), height_ = lightmap.SuperHeight();
     maxSamples_ = std::max(in.lightmap.samples, 1);
     randomSamples_ = in.lightmap.randomSamples ? RandomCount(maxSamples_, in.lightmap.samplesExact) : 0;
-    searchBox_ = float(std::clamp(in.lightmap.samplesSearchBox, 1, 4));
+    offsetScale_ = float(std::clamp(in.lightmap.samplesSearchBox, 1, 4));
     allowed_.emplace(in.space, lightmap.clusters);
     const std::size_t luxels = std::size_t(width_) * std::size_t(height_);
     mappedInCell_.assign(luxels, 0);
@@ -147,7 +147,7 @@ void LuxelSampler::RefineCell(int x, int y, LuxelSum &sum, ContributionCounts &c
             ++count;
         }
     if (randomSamples_ == 0)
-        Subsample({refinements.data(), count}, kFirstOffset * searchBox_, counts);
+        Subsample({refinements.data(), count}, kFirstOffset * offsetScale_, counts);
     for (const Refinement &one : std::span(refinements).first(count))
         ReplaceLuxel(lightmap_->SuperIndex(one.x, one.y),
                      randomSamples_ > 0 ? RandomSamples(one.x, one.y, counts) : *one.sample, sum);
@@ -226,7 +226,7 @@ std::vector<LuxelSampler::SamplePlace> LuxelSampler::FirstSamples(int x, int y) 
     Sample center;
     center.position = lightmap_->positions[luxel];
     const Refinement one{x, y, &center};
-    const SubsamplePositions at = PositionsOfSubsamples({&one, 1}, kFirstOffset * searchBox_);
+    const SubsamplePositions at = PositionsOfSubsamples({&one, 1}, kFirstOffset * offsetScale_);
     for (std::size_t i = 0; i < kSubsamples; ++i) {
         SamplePlace place{at[i]};
         if (int cluster = 0; FindOpenCluster(luxel, at[i], cluster))
@@ -327,7 +327,7 @@ void LuxelSampler::AverageSubsamples(const Refinement &whole, std::span<Sample> 
 
 LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCounts &counts) const {
     const std::size_t luxel = lightmap_->SuperIndex(x, y);
-    const float sigma = 0.5f * searchBox_;
+    const float sigma = 0.5f * offsetScale_;
     Sample mean;
     int used = 0;
     for (int first = 0; first < randomSamples_; first += int(kPacketSize)) {

@@ -74,7 +74,7 @@ class LuxelSampler {
     const Light *light_ = nullptr;
     LuxelPass pass_;
     int width_ = 0, height_ = 0, maxSamples_ = 1, randomSamples_ = 0;
-    float searchBox_ = 1;
+    float offsetScale_ = 1;
     mutable std::optional<VisibleClusters> allowed_; ///< clusters that may hold samples
     std::vector<std::uint8_t> mappedInCell_;         ///< mapped luxels of the cell with this upper left luxel
     std::vector<std::uint8_t> hitFlags_, refined_;   ///< by luxel; hitFlags_: 1 if lit, plus kTransparentHit

@@ -30,6 +30,7 @@ NormalMap::NormalMap(const NormalImage &normals, const SurfaceVertex &a, const S
 
 Vec3f NormalMap::Perturbed(const SurfaceVertex &v) const {
     const auto texel = image_->Texel(NearestTexel(v.st[0], image_->width), NearestTexel(v.st[1], image_->height));
+    // As the established program decodes: byte 127 is zero, so components are -0.996 to 1.004.
     const auto signedOf = [](std::uint8_t c) { return (float(c) - 127) / 127.5f; };
     Vec3f bent = v.normal + s_ * signedOf(texel[0]) + t_ * signedOf(texel[1]) + v.normal * signedOf(texel[2]);
     if (ssbump_) {
@@ -73,7 +74,7 @@ class TangentFinder {
   public:
     TangentFinder(const SurfaceInputs &in, const SurfaceLight &surfaces, RawLightmap &raw)
         : in_(in), surfaces_(surfaces), raw_(raw), known_(raw.luxelClusters.size()), s_(known_.size()),
-          sides_(known_.size()) {}
+          handedness_(known_.size()) {}
 
     void Run() {
         for (const int number : raw_.surfaces)
@@ -84,7 +85,7 @@ class TangentFinder {
         }
         raw_.tangents.resize(known_.size());
         for (std::size_t luxel = 0; luxel < known_.size(); ++luxel)
-            raw_.tangents[luxel] = {Normalize(s_[luxel]), sides_[luxel] < 0 ? -1.0f : 1.0f};
+            raw_.tangents[luxel] = {Normalize(s_[luxel]), handedness_[luxel] < 0 ? -1.0f : 1.0f};
     }
 
   private:
@@ -95,7 +96,7 @@ class TangentFinder {
         const float side = Dot(Cross(axes->s, axes->t), a.normal + b.normal + c.normal) < 0 ? -1.0f : 1.0f;
         ForCoveredLuxels({a.luxel, b.luxel, c.luxel}, raw_.SuperWidth(), raw_.SuperHeight(), [&](int x, int y) {
             const std::size_t luxel = raw_.SuperIndex(x, y);
-            s_[luxel] += axes->s, sides_[luxel] += side;
+            s_[luxel] += axes->s, handedness_[luxel] += side;
         });
     }
 
@@ -116,7 +117,7 @@ class TangentFinder {
         bool any = false;
         ForNeighborhood(x, y, raw_.SuperWidth(), raw_.SuperHeight(), [&](int nx, int ny) {
             if (const std::size_t neighbor = raw_.SuperIndex(nx, ny); known_[neighbor]) {
-                s_[luxel] += Normalize(s_[neighbor]), sides_[luxel] += sides_[neighbor];
+                s_[luxel] += Normalize(s_[neighbor]), handedness_[luxel] += handedness_[neighbor];
                 any = true;
             }
         });
@@ -128,7 +129,7 @@ class TangentFinder {
     RawLightmap &raw_;
     std::vector<bool> known_; // by luxel
     std::vector<Vec3f> s_;    // sum of TextureAxes::s of the triangles
-    std::vector<float> sides_;
+    std::vector<float> handedness_;
 };
 
 } // namespace

@@ -120,7 +120,7 @@ constexpr HdrForm kForms[] = {
     {"rend2", "lm", "hdr", EncodeRend2Hdr, DecodeRend2Hdr, kRend2VertexScale},
     {"ioquake3", "lm", "hdr", EncodeIoquake3Hdr, DecodeIoquake3Hdr, kIoquake3VertexScale}};
 /// Formats that -import looks for without -hdrformat. Their file names differ; rend2 and ioquake3 share theirs.
-constexpr std::span<const HdrForm> kNamedForms(kForms, 4);
+constexpr std::span<const HdrForm> kFormsByFileName(kForms, 4);
 
 const HdrForm &FormOf(std::string_view name) {
     return *std::ranges::find(kForms, name, &HdrForm::name);
@@ -163,7 +163,7 @@ const HdrForm *FirstExistingForm(const std::filesystem::path &folder, const HdrP
     const HdrForm *found = nullptr;
     int count = 0;
     std::error_code ignored;
-    for (const HdrForm &form : wanted.empty() ? kNamedForms : std::span<const HdrForm>(&FormOf(wanted), 1))
+    for (const HdrForm &form : wanted.empty() ? kFormsByFileName : std::span<const HdrForm>(&FormOf(wanted), 1))
         if ((HasOpenExr() || form.extension != "exr" || !wanted.empty()) &&
             std::filesystem::exists(FileOfPart(folder, part, form), ignored)) {
             ++count;
