@@ -27,7 +27,7 @@ struct PatchWords {
     bool hasTolerances = false;      ///< patchDef3: the header begins with curve tolerances
     std::vector<std::string> header; ///< what follows width and height
     int width = 0, height = 0;
-    std::vector<DrawVert> verts; ///< row * width + column
+    std::vector<DrawVert> verts{}; ///< row * width + column
 };
 
 /// Collects the text of a map source, in order.

@@ -126,7 +126,7 @@ struct Edge {
     std::size_t surface = 0;
     int vert = 0; ///< first vertex in a face; -1 for a patch
     Vec3f from, to;
-    Vec3d direction;
+    Vec3d direction{};
     double length = 0;
     bool axial = false;
     int line = -1;

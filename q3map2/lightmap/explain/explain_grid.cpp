@@ -64,8 +64,7 @@ std::int64_t IndexIn(const GridLayout &layout, const Int3 &point) {
 }
 
 /// Sources of the value of a point before the fit, the largest share first.
-std::vector<SourceAccount> SourcesOf(const GridInputs &in, const GridWindow &window, const GridSHSteps &steps,
-                                     std::uint32_t index) {
+std::vector<SourceAccount> SourcesOf(const GridWindow &window, const GridSHSteps &steps, std::uint32_t index) {
     std::vector<SourceAccount> result;
     for (const FillSource &source :
          FillSources(window.layout, steps.displaced, steps.groups, steps.placed, steps.traced, index)) {
@@ -125,7 +124,7 @@ std::vector<GridPointAccount> GridExplainer::CellAt(const Vec3f &p) const {
         account.litFrom = LitFrom(steps, index, account.position);
         account.solid = obstacles_.SolidAt(account.position);
         if (account.state == PointState::Filled)
-            account.sources = SourcesOf(in, window, steps, index);
+            account.sources = SourcesOf(window, steps, index);
         for (const SourceAccount &source : account.sources)
             account.groups = std::max(account.groups, source.group + 1);
         account.traced = MeanByte(steps.traced.points[index]);

@@ -199,7 +199,7 @@ TEST_F(CurvesTest, NoNumbersMakeAnythingButLight) {
                 lit += value > 0;
             }
             if (light.type == LightType::Spot) {
-                ASSERT_TRUE(std::isfinite(ConeShare(light, {1, 2, 3})));
+                ASSERT_TRUE(std::isfinite(ConeFraction(light, {1, 2, 3})));
             }
         }
     }
@@ -286,18 +286,18 @@ TEST_F(CurvesTest, ConesHaveAFringeBetweenTwoAngles) {
         LightOf({{"_inner_cone", "30"}, {"_cone", "45"}, {"_exponent", "3"}, {"angles", "-20 70 0"}}, "light_spot");
     const double inner = std::cos(30 * kDegrees), outer = std::cos(45 * kDegrees);
     for (const double angle : {0.0, 10.0, 29.99})
-        EXPECT_NEAR(ConeShare(light, FromAxis(light, angle, 200)), std::cos(angle * kDegrees), 1e-4);
-    EXPECT_NEAR(ConeShare(light, FromAxis(light, 30, 200)), inner, 1e-4);
-    EXPECT_NEAR(ConeShare(light, FromAxis(light, 38, 200)),
+        EXPECT_NEAR(ConeFraction(light, FromAxis(light, angle, 200)), std::cos(angle * kDegrees), 1e-4);
+    EXPECT_NEAR(ConeFraction(light, FromAxis(light, 30, 200)), inner, 1e-4);
+    EXPECT_NEAR(ConeFraction(light, FromAxis(light, 38, 200)),
                 std::cos(38 * kDegrees) * std::pow((std::cos(38 * kDegrees) - outer) / (inner - outer), 3), 1e-4);
-    EXPECT_NEAR(ConeShare(light, FromAxis(light, 45, 200)), 0, 1e-5);
+    EXPECT_NEAR(ConeFraction(light, FromAxis(light, 45, 200)), 0, 1e-5);
     for (const double angle : {45.01, 80.0, 91.0, 180.0})
-        EXPECT_EQ(ConeShare(light, FromAxis(light, angle, 200)), 0);
-    EXPECT_EQ(ConeShare(light, {}), 0) << "at the light itself";
+        EXPECT_EQ(ConeFraction(light, FromAxis(light, angle, 200)), 0);
+    EXPECT_EQ(ConeFraction(light, {}), 0) << "at the light itself";
 
     const Light sharp = LightOf({{"_inner_cone", "40"}, {"_cone", "20"}, {"_exponent", "0"}}, "light_spot");
-    EXPECT_NEAR(ConeShare(sharp, FromAxis(sharp, 39.99, 90)), std::cos(40 * kDegrees), 1e-3);
-    EXPECT_EQ(ConeShare(sharp, FromAxis(sharp, 40.01, 90)), 0);
+    EXPECT_NEAR(ConeFraction(sharp, FromAxis(sharp, 39.99, 90)), std::cos(40 * kDegrees), 1e-3);
+    EXPECT_EQ(ConeFraction(sharp, FromAxis(sharp, 40.01, 90)), 0);
     EXPECT_EQ(log.text, "");
 }
 
@@ -354,7 +354,7 @@ TEST_F(CurvesTest, SpheresThatACommonPointMakesAreNotMissed) {
         missed += misses;
         for (int k = 0; misses && k < 50; ++k) {
             const Vec3f p = center + Normalize(Vec3f{number(1), number(1), number(1) + 0.001f}) * radius;
-            EXPECT_EQ(ConeShare(light, light.origin - p), 0);
+            EXPECT_EQ(ConeFraction(light, light.origin - p), 0);
         }
     }
     EXPECT_GT(missed, 500);

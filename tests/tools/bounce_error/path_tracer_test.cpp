@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. The path tracer against closed forms.
+#include "q3map2/lightmap/bounce/bounce_scene.h"
 #include "tests/tools/bounce_error/bounce_fixture.h"
 
 #include <cmath>

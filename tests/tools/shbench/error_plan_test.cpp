@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "common/image/image.h"
 #include "tests/tools/shbench/bench_fixture.h"
+#include "tools/measure/shbench/drawing.h"
 #include "tools/measure/shbench/error_plan.h"
 
 #include <cmath>

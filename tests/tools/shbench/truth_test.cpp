@@ -91,7 +91,7 @@ TEST_F(TruthTest, KnowsTheCurvesAndConesOfTheProgram) {
     for (const Light &light : lights)
         for (int i = 1; i < 400; ++i) {
             const Vec3f way = Vec3f{float(i % 7) - 3, float(i % 11) - 5, float(i % 5) - 2.25f} * (float(i) / 10);
-            const double share = light.type == LightType::Spot ? double(ConeShare(light, -way)) : 1;
+            const double share = light.type == LightType::Spot ? double(ConeFraction(light, -way)) : 1;
             const double wanted = std::max(0.0, double(Falloff(light).At(Length(way))) * share);
             EXPECT_NEAR(PointLightAt(light, Vec3d(light.origin + way)), wanted, 1e-3 * wanted + 1e-5) << i;
             dark += wanted == 0;

@@ -68,7 +68,7 @@ UnshadowedLight LightWithoutShadow(const Light &light, const SurfacePoint &at) {
         angle = std::min(1.0f, angle / light.angleScale);
     float add = Falloff(light).At(distance, angle);
     if (light.type == LightType::Spot)
-        add *= ConeShare(light, way);
+        add *= ConeFraction(light, way);
     return Colored(light, at, add, light.origin);
 }
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Axis of a chart: range, ticks, from values to picture units. Internal to the chart.
 #pragma once
 
-#include "tools/shbench/chart.h"
+#include "tools/measure/shbench/chart.h"
 
 #include <string>
 #include <vector>

@@ -2,7 +2,7 @@
 #include "q3map2/edit/edit_bspx.h"
 #include "q3map2/edit/merge_maps.h"
 #include "q3map2/edit/scale_shift.h"
-#include "tests/convert/lumps_fixture.h"
+#include "tests/support/lumps_fixture.h"
 
 #include <gmock/gmock.h>
 

@@ -3,7 +3,7 @@
 
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/prop_light.h"
-#include "tests/convert/small_bsp.h"
+#include "tests/support/small_bsp.h"
 
 namespace q3::test {
 

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. Every BSPX lump survives a file and a folder of JSON files, alone and with all others.
-#include "tests/convert/json_fixture.h"
-#include "tests/convert/lumps_fixture.h"
+#include "tests/convert/json/json_fixture.h"
+#include "tests/support/lumps_fixture.h"
 
 #include "q3map2/convert/bsp_info.h"
 #include "q3map2/convert/json/convert_json_bspx.h"
