@@ -375,18 +375,50 @@ std::string Overview(StageList stages) {
     std::string text = fmt::format("{}\nq3map2 [global options] STAGE [options] FILE\n\nStages\n", kVersion);
     for (const Stage &stage : stages)
         text += fmt::format("  {}\n      {}\n", stage.usage, stage.help);
-    text += "\n`q3map2 -help light` lists the options of the stage -light, and so on for each stage.\n"
-            "`q3map2 -help samples` explains the option -samples, and so on for each option, key and directive.\n"
-            "`q3map2 -help keys` lists the keys of entities, `q3map2 -help shader` the directives of shaders.\n"
-            "`q3map2 -help all` prints everything.\n";
+    text += "\nq3map2 -help light lists the options of the stage -light, and so on for each stage.\n"
+            "q3map2 -help samples explains the option -samples, and so on for each option, key and directive.\n"
+            "q3map2 -help keys lists the keys of entities, q3map2 -help shader the directives of shaders.\n"
+            "q3map2 -help all prints everything.\n";
     return text + GlobalText();
+}
+
+/// Full title of a game, for -help game; empty: unknown.
+std::string_view TitleOf(std::string_view game) {
+    constexpr std::pair<std::string_view, std::string_view> kTitles[] = {
+        {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
+        {"quakelive", "Quake Live"},
+        {"nexuiz", "Nexuiz"},
+        {"xonotic", "Xonotic"},
+        {"tremulous", "Tremulous"},
+        {"unvanquished", "Unvanquished"},
+        {"tenebrae", "Tenebrae"},
+        {"wolf", "Return to Castle Wolfenstein"},
+        {"et", "Wolfenstein: Enemy Territory"},
+        {"etut", "Urban Terror on Enemy Territory's engine"},
+        {"ef", "Star Trek: Voyager - Elite Force"},
+        {"reaction", "Reaction"},
+        {"darkplaces", "DarkPlaces, for Quake"},
+        {"dq", "DeluxeQuake"},
+        {"prophecy", "Prophecy"}};
+    const auto found = std::ranges::find(kTitles, game, [](const auto &title) { return title.first; });
+    return found == std::end(kTitles) ? "" : found->second;
+}
+
+std::string GamesText() {
+    std::string text;
+    for (const Game &game : Games())
+        text += fmt::format("  {:<14}{:<11}{}\n", game.name, game.gameDir, TitleOf(game.name));
+    return "  -game         folder     title\n" + text +
+           "\nA mod is not a game: -game names the game that it runs on, -fs_game its folder. A game whose base\n"
+           "folder has another name, such as OpenArena's baseoa, needs -fs_basegame: -game quake3 -fs_basegame "
+           "baseoa.\n";
 }
 
 std::string AllText(StageList stages) {
     std::string text = Overview(stages);
     for (const Stage &stage : stages)
         text += fmt::format("\n{:-<80}\n{}", "", StageText(stage));
-    for (const std::string &more : {VradText(), KeysText(), DirectivesText()})
+    for (const std::string &more : {GamesText(), VradText(), KeysText(), DirectivesText()})
         text += fmt::format("\n{:-<80}\n{}", "", more);
     return text;
 }
@@ -422,38 +454,6 @@ std::string MapWordHelp(std::string_view topic) {
     AddEntries("entities", EntitySections(), topic, text);
     AddEntries("shaders", DirectiveSections(), topic, text);
     return text;
-}
-
-/// Full title of a game, for -help game; empty: unknown.
-std::string_view TitleOf(std::string_view game) {
-    constexpr std::pair<std::string_view, std::string_view> kTitles[] = {
-        {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
-        {"quakelive", "Quake Live"},
-        {"nexuiz", "Nexuiz"},
-        {"xonotic", "Xonotic"},
-        {"tremulous", "Tremulous"},
-        {"unvanquished", "Unvanquished"},
-        {"tenebrae", "Tenebrae"},
-        {"wolf", "Return to Castle Wolfenstein"},
-        {"et", "Wolfenstein: Enemy Territory"},
-        {"etut", "Urban Terror on Enemy Territory's engine"},
-        {"ef", "Star Trek: Voyager - Elite Force"},
-        {"reaction", "Reaction"},
-        {"darkplaces", "DarkPlaces, for Quake"},
-        {"dq", "DeluxeQuake"},
-        {"prophecy", "Prophecy"}};
-    const auto found = std::ranges::find(kTitles, game, [](const auto &title) { return title.first; });
-    return found == std::end(kTitles) ? "" : found->second;
-}
-
-std::string GamesText() {
-    std::string text;
-    for (const Game &game : Games())
-        text += fmt::format("  {:<14}{:<11}{}\n", game.name, game.gameDir, TitleOf(game.name));
-    return "  -game         folder     title\n" + text +
-           "\nA mod is not a game: -game names the game that it runs on, -fs_game its folder. A game whose base\n"
-           "folder has another name, such as OpenArena's baseoa, needs -fs_basegame: -game quake3 -fs_basegame "
-           "baseoa.\n";
 }
 
 [[noreturn]] void FailUnknown(StageList stages, std::string_view topic, const std::vector<std::string> &topics) {

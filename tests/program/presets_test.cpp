@@ -26,7 +26,7 @@ TEST_F(PresetTest, StandsForOptionsThatTheLineOverrides) {
 }
 
 TEST_F(PresetTest, SparseGridsGetTheCellToo) {
-    for (const std::string_view grid : {"-shadaptive", "-shbudget 20000"}) {
+    for (const std::string_view grid : {"-shadaptive", "-shbudget 2"}) {
         const Outcome run = RunWell(fmt::format("-light -preset draft {} MAP", grid));
         EXPECT_THAT(run.text, HasSubstr("preset draft: -faster -gridsh 64 64 128\n")) << grid;
     }
