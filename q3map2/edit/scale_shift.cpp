@@ -24,7 +24,7 @@ std::vector<SettingGroup<ScaleOptions>> ScaleSettings() {
               {{.name = "-spawn_ref",
                 .values = "F",
                 .unit = "game units",
-                .help = "Height of `info_player_` entities over the floor, which is not scaled"},
+                .help = "Minus the height of `info_player_` entities over the floor, such as -24; that height is not scaled"},
                &ScaleOptions::spawnReference}}}};
 }
 

@@ -17,7 +17,7 @@ namespace q3 {
 struct ScaleOptions {
     Vec3d factors{1, 1, 1};
     bool projectTextures = false; ///< textures keep their size in the world; else they are stretched with the faces
-    float spawnReference = 0;     ///< height of a player's origin over the floor; game units
+    float spawnReference = 0;     ///< minus the height of a player's origin over the floor; game units
 };
 
 struct MergeOptions {

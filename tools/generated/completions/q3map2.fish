@@ -366,6 +366,6 @@ complete -c q3map2 -n 'string match -q -- "* -repack *" (commandline)" "' -o bas
 complete -c q3map2 -n 'string match -q -- "* -repack *" (commandline)" "' -o exclude -r -F -d 'One more file that lists what is left out; repeatable'
 complete -c q3map2 -n 'string match -q -- "* -repack *" (commandline)" "' -o analyze -d 'Print what was collected, and write nothing'
 complete -c q3map2 -n 'string match -q -- "* -scale *" (commandline)" "' -o tex -d 'Textures keep their size in the world, and are not stretched with the faces'
-complete -c q3map2 -n 'string match -q -- "* -scale *" (commandline)" "' -o spawn_ref -x -d 'Height of info_player_ entities over the floor, which is not scaled'
+complete -c q3map2 -n 'string match -q -- "* -scale *" (commandline)" "' -o spawn_ref -x -d 'Minus the height of info_player_ entities over the floor, such as -24; that height is not scaled'
 complete -c q3map2 -n 'string match -q -- "* -mergebsp *" (commandline)" "' -o fixnames -d 'Give targets of the second map that the first has too other names'
 complete -c q3map2 -n 'string match -q -- "* -mergebsp *" (commandline)" "' -o world -d 'Merge the world of the second map too, not its entities only'
