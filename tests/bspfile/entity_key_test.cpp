@@ -14,7 +14,7 @@ namespace {
 static_assert(FindKey(keys::kLightKeys, "fade") == &keys::kFade);
 static_assert(FindKey(keys::kLightKeys, "fad") == nullptr);
 static_assert(FindKey(keys::kLightKeys, "light") == nullptr, "an alias of _light");
-static_assert(FindKey(keys::kModelKeys, "angle") != nullptr);
+static_assert(FindKey(keys::kModelKeys, "angle")->info.name == "angle");
 
 } // namespace
 
