@@ -36,7 +36,7 @@ struct EntityKey {
     std::string InitialText() const;
 };
 
-/// The row of that name; aliases do not count. Null: there is none; null if the table has none.
+/// The row of that name; aliases do not count. Null: there is none.
 constexpr const EntityKey *FindKey(std::span<const EntityKey> keys, std::string_view name) {
     for (const EntityKey &key : keys)
         if (key.info.name == name)
