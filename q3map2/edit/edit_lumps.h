@@ -1,12 +1,14 @@
-// GPL-2.0-or-later. Light grids, BSPX lumps and entity text of maps that were scaled, moved or merged.
+// GPL-2.0-or-later. BSPX lumps, light grids and entity text of maps that were scaled, moved or merged.
 #pragma once
 
 #include "common/log.h"
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entities.h"
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -56,5 +58,29 @@ struct LumpMerge {
 /// lumps fit neither the records nor the entities of the merged map: each is dropped with a warning, as are grids of
 /// `added` if `main` has none.
 void MergeLumps(const LumpMerge &maps);
+
+/// What a lump says about places.
+enum class LumpSpace {
+    None,      ///< light at records of the map
+    Directions ///< light by direction: that of another shape once axes are scaled by different factors
+};
+
+/// An edit of a lump. A null function leaves it as it is.
+struct LumpEdit {
+    BspxId id;
+    LumpSpace space;
+    void (*transform)(const AxisTransform &transform, Bsp &bsp); ///< only for maps that have the lump
+    /// Makes the lump of LumpMerge::bsp, which begins as that of `main`.
+    void (*merge)(const LumpMerge &maps);
+};
+
+/// A row for each lump, in the order in which they are merged.
+std::span<const LumpEdit> LumpEdits();
+
+/// Warns that light grids are those of the main map, if it lacks one that the other has. `what`: the grid.
+void WarnOfLostGrid(const LumpMerge &maps, bool inMain, bool inAdded, std::string_view what);
+
+/// Whether the map has lumps of LumpSpace::Directions.
+bool HasDirections(const Bsp &bsp);
 
 } // namespace q3

@@ -4,7 +4,7 @@
 #include "common/error.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
-#include "q3map2/edit/edit_bspx.h"
+#include "q3map2/edit/edit_lumps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,16 +16,18 @@ namespace q3 {
 // ---- Options of -scale, -shift and -mergebsp ----
 
 std::vector<SettingGroup<ScaleOptions>> ScaleSettings() {
-    return {{"Scaling",
-             "Before the file stand one to three factors: one for all axes, one for x and y and one for z, or one an "
-             "axis.",
-             {{{.name = "-tex", .help = "Textures keep their size in the world, and are not stretched with the faces"},
-               &ScaleOptions::projectTextures},
-              {{.name = "-spawn_ref",
-                .values = "F",
-                .unit = "game units",
-                .help = "Minus the height of `info_player_` entities over the floor, such as -24; that height is not scaled"},
-               &ScaleOptions::spawnReference}}}};
+    return {
+        {"Scaling",
+         "Before the file stand one to three factors: one for all axes, one for x and y and one for z, or one an "
+         "axis.",
+         {{{.name = "-tex", .help = "Textures keep their size in the world, and are not stretched with the faces"},
+           &ScaleOptions::projectTextures},
+          {{.name = "-spawn_ref",
+            .values = "F",
+            .unit = "game units",
+            .help =
+                "Minus the height of `info_player_` entities over the floor, such as -24; that height is not scaled"},
+           &ScaleOptions::spawnReference}}}};
 }
 
 std::vector<SettingGroup<MergeOptions>> MergeSettings() {

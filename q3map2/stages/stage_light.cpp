@@ -115,8 +115,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
     WarnIfSourceIsNewer(bspPath, log);
-    const bool isExplained = !options.explain.empty();
-    if (!isExplained) {
+    const bool onlyExplains = !options.explain.empty();
+    if (!onlyExplains) {
         WarnOfDroppedLight(bsp, options, lightmap, gridFormats, log);
         guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
     }
@@ -131,7 +131,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Count(library.DefinedCount(), "shaders defined");
     for (const bspShader_t &shader : bsp.shaders)
         library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
-    if (isExplained) {
+    if (onlyExplains) {
         ExplainPoints(bsp, bspPath, inputs, options, lightmap, library, context);
         return 0;
     }

@@ -63,7 +63,7 @@ std::int64_t IndexIn(const GridLayout &layout, const Int3 &point) {
     return layout.Index(point[0], point[1], point[2]);
 }
 
-/// Sources of the value of a point before the fit, the largest share first.
+/// Sources of the value of a point before the fit, the largest fraction first.
 std::vector<SourceAccount> SourcesOf(const GridWindow &window, const GridSHSteps &steps, std::uint32_t index) {
     std::vector<SourceAccount> result;
     for (const FillSource &source :
@@ -74,7 +74,8 @@ std::vector<SourceAccount> SourcesOf(const GridWindow &window, const GridSHSteps
         result.push_back(
             {point, source.position, source.group, float(source.weight), MeanByte(steps.traced.points[source.index])});
     }
-    std::ranges::stable_sort(result, [](const SourceAccount &a, const SourceAccount &b) { return a.share > b.share; });
+    std::ranges::stable_sort(result,
+                             [](const SourceAccount &a, const SourceAccount &b) { return a.fraction > b.fraction; });
     return result;
 }
 

@@ -16,11 +16,11 @@ namespace q3 {
 
 namespace {
 
-/// Obstacles are looked for in the way of so many of the strongest lights.
+/// Obstacles are looked for between the receiver and so many of the strongest lights.
 constexpr std::size_t kMostWithObstacles = 32;
 /// Lights below this have no account of obstacles. Byte scale.
 constexpr float kLeastLight = 0.01f;
-/// Ways to an area light end this far in front of it. Game units.
+/// ShadowRays to an area light end this far in front of it. Game units.
 constexpr float kEmitterGap = 0.125f;
 
 Vec3f AimOf(const Light &light) {
@@ -31,16 +31,16 @@ float DistanceOf(const Light &light, const Vec3f &p) {
     return light.type == LightType::Sun ? 0 : Length(AimOf(light) - p);
 }
 
-/// Ways from a point to places of a light, as the SH grid samples it.
-void AddWays(const Light &light, const Vec3f &p, std::size_t count, std::vector<LightWay> &ways) {
+/// ShadowRays from a point to places of a light, as the SH grid samples it.
+void AddShadowRays(const Light &light, const Vec3f &p, std::size_t count, std::vector<ShadowRay> &shadowRays) {
     const auto add = [&](const Vec3f &to) {
-        const Vec3f way = to - p;
-        const float length = Length(way);
+        const Vec3f toLight = to - p;
+        const float length = Length(toLight);
         if (length > 0)
-            ways.push_back({way / length, length});
+            shadowRays.push_back({toLight / length, length});
     };
     if (light.type == LightType::Sun)
-        ways.push_back({-light.normal, kSunDistance});
+        shadowRays.push_back({-light.normal, kSunDistance});
     else if (light.type != LightType::Area)
         add(light.origin);
     else {
@@ -51,14 +51,14 @@ void AddWays(const Light &light, const Vec3f &p, std::size_t count, std::vector<
     }
 }
 
-/// The one way from a luxel to a light.
-void AddLuxelWay(const Light &light, const Vec3f &p, std::vector<LightWay> &ways) {
+/// The one ray from a luxel to a light.
+void AddLuxelShadowRay(const Light &light, const Vec3f &p, std::vector<ShadowRay> &shadowRays) {
     if (light.type != LightType::Area)
-        return AddWays(light, p, 1, ways);
+        return AddShadowRays(light, p, 1, shadowRays);
     const bool behind = light.twoSided && Dot(light.normal, p) < light.dist - 1;
-    const Vec3f way = light.origin - light.normal * (behind ? 2.0f : 0.0f) - p;
-    if (const float length = Length(way); length > 0)
-        ways.push_back({way / length, length});
+    const Vec3f toLight = light.origin - light.normal * (behind ? 2.0f : 0.0f) - p;
+    if (const float length = Length(toLight); length > 0)
+        shadowRays.push_back({toLight / length, length});
 }
 
 } // namespace
@@ -142,7 +142,7 @@ struct LightExplainer::Part {
 /// Joins parts to accounts: lights of one entity, of one surface, and samples of one sun.
 class LightExplainer::Accounts {
   public:
-    using Ways = std::function<void(const Light &, std::size_t count, std::vector<LightWay> &)>;
+    using ShadowRays = std::function<void(const Light &, std::size_t count, std::vector<ShadowRay> &)>;
 
     Accounts(const LightExplainer &of, const std::vector<PreparedLight> &lights, const Vec3f &p)
         : of_(of), lights_(lights), p_(p) {}
@@ -160,8 +160,8 @@ class LightExplainer::Accounts {
         group.unshadowed += part.unshadowed, group.arriving += part.arriving;
     }
 
-    /// The accounts; ways(light, count, ways) appends about `count` ways to a light.
-    std::vector<LightAccount> Finish(const Ways &ways, const Vec3f &from, WayRules rules) {
+    /// The accounts; shadowRays(light, count, rays) appends about `count` rays to a light.
+    std::vector<LightAccount> Finish(const ShadowRays &shadowRays, const Vec3f &from, RayRules rules) {
         for (Group &group : groups_)
             std::ranges::stable_sort(group.parts, [&](const Part &a, const Part &b) {
                 return std::tuple(-MaxComponent(a.unshadowed), DistanceOf(lights_[a.light].light, p_)) <
@@ -175,7 +175,7 @@ class LightExplainer::Accounts {
         std::ranges::stable_sort(groups_, [&](const Group &a, const Group &b) { return rank(a) < rank(b); });
         std::vector<LightAccount> accounts;
         for (const Group &group : groups_)
-            accounts.push_back(AccountOf(group, ways, from, rules, accounts.size() < kMostWithObstacles));
+            accounts.push_back(AccountOf(group, shadowRays, from, rules, accounts.size() < kMostWithObstacles));
         return accounts;
     }
 
@@ -190,7 +190,7 @@ class LightExplainer::Accounts {
         return std::ranges::any_of(group.parts, [](const Part &part) { return part.fate == LightFate::Arrives; });
     }
 
-    LightAccount AccountOf(const Group &group, const Ways &ways, const Vec3f &from, WayRules rules,
+    LightAccount AccountOf(const Group &group, const ShadowRays &shadowRays, const Vec3f &from, RayRules rules,
                            bool withObstacles) const {
         const Part &first = group.parts.front();
         const Light &light = lights_[first.light].light;
@@ -208,21 +208,22 @@ class LightExplainer::Accounts {
             account.inside = of_.SolidOf(light);
         const bool isShadowed = Luminance(group.arriving) < 0.999f * Luminance(group.unshadowed);
         if (withObstacles && candidate != group.parts.end() && isShadowed && Luminance(group.unshadowed) > kLeastLight)
-            account.obstacles = Obstacles(group, ways, from, rules);
+            account.obstacles = Obstacles(group, shadowRays, from, rules);
         return account;
     }
 
-    std::vector<Obstacle> Obstacles(const Group &group, const Ways &ways, const Vec3f &from, WayRules rules) const {
-        std::vector<LightWay> all;
+    std::vector<Obstacle> Obstacles(const Group &group, const ShadowRays &shadowRays, const Vec3f &from,
+                                    RayRules rules) const {
+        std::vector<ShadowRay> all;
         const std::size_t each = std::max<std::size_t>(1, kPacketSize / group.parts.size());
         for (const Part &part : group.parts)
             if (part.fate == LightFate::Arrives && all.size() < kPacketSize)
-                ways(lights_[part.light].light, each, all);
+                shadowRays(lights_[part.light].light, each, all);
         all.resize(std::min(all.size(), kPacketSize));
         const Light &light = lights_[group.parts.front().light].light;
         rules.toSky = light.type == LightType::Sun;
         rules.skyIndex = light.skyIndex;
-        return of_.obstacles_.InTheWay(from, all, rules);
+        return of_.obstacles_.Blocking(from, all, rules);
     }
 
     const LightExplainer &of_;
@@ -262,8 +263,9 @@ std::vector<LightAccount> LightExplainer::AtPoint(const std::vector<PreparedLigh
             part.arriving = light(one.light, shadowed);
         accounts.Add(part);
     }
-    return accounts.Finish(
-        [&](const Light &one, std::size_t count, std::vector<LightWay> &ways) { AddWays(one, p, count, ways); }, p, {});
+    return accounts.Finish([&](const Light &one, std::size_t count,
+                               std::vector<ShadowRay> &shadowRays) { AddShadowRays(one, p, count, shadowRays); },
+                           p, {});
 }
 
 std::vector<LightAccount> LightExplainer::AtLuxel(const std::vector<PreparedLight> &lights, const RawLightmap &lightmap,
@@ -324,11 +326,13 @@ std::vector<LightAccount> LightExplainer::AtLuxel(const std::vector<PreparedLigh
         }
         accounts.Add(part);
     }
-    WayRules rules;
+    RayRules rules;
     rules.ofSurface = true;
     rules.receiveShadows = pass.settings.receiveShadows;
     return accounts.Finish(
-        [&](const Light &one, std::size_t, std::vector<LightWay> &ways) { AddLuxelWay(one, center.position, ways); },
+        [&](const Light &one, std::size_t, std::vector<ShadowRay> &shadowRays) {
+            AddLuxelShadowRay(one, center.position, shadowRays);
+        },
         center.position, rules);
 }
 

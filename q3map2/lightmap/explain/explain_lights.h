@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. What each light gives a receiver, and why the others give nothing.
 #pragma once
 
-#include "q3map2/lightmap/explain/obstacles.h"
 #include "q3map2/lightmap/direct/luxel_contribution.h"
+#include "q3map2/lightmap/explain/obstacles.h"
 
 #include <span>
 #include <vector>

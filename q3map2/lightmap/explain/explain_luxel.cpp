@@ -165,12 +165,12 @@ void LuxelExplainer::AddPage(const Spot &spot, LuxelAccount &account) const {
 std::optional<Obstacle> LuxelExplainer::WhyNotLit(const Vec3f &from, const Vec3f &wanted) const {
     if (auto solid = obstacles_.SolidAt(wanted))
         return solid;
-    const Vec3f way = wanted - from;
-    const float length = Length(way);
+    const Vec3f offset = wanted - from;
+    const float length = Length(offset);
     if (!(length > 0))
         return {};
-    const LightWay one{way / length, length};
-    const std::vector<Obstacle> between = obstacles_.InTheWay(from, {&one, 1}, {});
+    const ShadowRay one{offset / length, length};
+    const std::vector<Obstacle> between = obstacles_.Blocking(from, {&one, 1}, {});
     return between.empty() ? std::optional<Obstacle>() : between.front();
 }
 

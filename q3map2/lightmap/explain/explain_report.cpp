@@ -60,6 +60,91 @@ std::string KindOf(const LightAccount &light) {
     return light.parts > 1 ? "sun or sky" : "sun";
 }
 
+std::string NameOf(PointState state) {
+    switch (state) {
+    case PointState::Exterior:
+        return "Exterior (far from open space, stays black)";
+    case PointState::Open:
+        return "Open (lit where it is)";
+    case PointState::OnEmitter:
+        return "OnEmitter (on a surface light)";
+    case PointState::Beside:
+        return "Beside (in the plane of a wall)";
+    case PointState::Moved:
+        return "Moved (lit from the nearest open place)";
+    case PointState::Solid:
+        return "Solid";
+    case PointState::Filled:
+        break;
+    }
+    return "Filled (from points around it)";
+}
+
+std::string NameOf(const LightAccount &light) {
+    std::string text = light.negative ? "negative " + KindOf(light) : KindOf(light);
+    if (light.parts > 1)
+        text += fmt::format(" in {} parts", light.parts);
+    if (light.surface >= 0)
+        text += fmt::format(", surface {}, {}", light.surface, light.shader);
+    text += Of(light.source);
+    if (light.style != 0)
+        text += fmt::format(", style {}", light.style);
+    return light.type == LightType::Sun
+               ? fmt::format("{}, from {}", text, At(light.origin))
+               : fmt::format("{}, at {}, {:.0f} units away", text, At(light.origin), light.distance);
+}
+
+std::string TextOf(const Obstacle &obstacle) {
+    switch (obstacle.kind) {
+    case ObstacleKind::Brush:
+        return fmt::format("brush {} of the .bsp, {}{}", obstacle.number, obstacle.shader, Of(obstacle.source));
+    case ObstacleKind::Surface:
+        return fmt::format("surface {}, {}{}", obstacle.number, obstacle.shader, Of(obstacle.source));
+    case ObstacleKind::Prop:
+        return fmt::format("part {} of the static props", obstacle.number);
+    case ObstacleKind::SeeThrough:
+        return "a see-through surface";
+    case ObstacleKind::NoSky:
+        return "no sky of this light";
+    case ObstacleKind::Outside:
+        break;
+    }
+    return "the outside of the map";
+}
+
+/// Why a light gives nothing; "" if it arrives.
+std::string ReasonOf(const LightAccount &light) {
+    switch (light.fate) {
+    case LightFate::Arrives:
+        return {};
+    case LightFate::Blocked:
+        return "in shadow";
+    case LightFate::InSolid:
+        return "it is inside a solid" + (light.inside ? ": " + TextOf(*light.inside) : std::string());
+    case LightFate::NotForGrids:
+        return "it does not light grids, by its spawnflags";
+    case LightFate::NotForSurfaces:
+        return "it does not light surfaces, by its spawnflags";
+    case LightFate::Styled:
+        return "it has a style, which the SH grid cannot hold";
+    case LightFate::NotSun:
+        return "-sunonly";
+    case LightFate::HiddenByVis:
+        return "the visibility data hides it from here";
+    case LightFate::OutOfReach:
+        return "it does not reach so far";
+    case LightFate::OutsideCone:
+        return "outside of its cone";
+    case LightFate::BehindEmitter:
+        return "behind the surface that shines";
+    case LightFate::FacesAway:
+        return "the surface faces away from it";
+    case LightFate::TooFaint:
+        break;
+    }
+    return "it gives nothing, or less than its tolerance";
+}
+
 class Report {
   public:
     Report(const Explanation &of, const ReportLimits &limits) : of_(of), limits_(limits) {}
@@ -131,7 +216,7 @@ void Report::AddLights(const std::vector<LightAccount> &lights) {
         Line("  {:7.1f} {:3.0f} %  {}", MaxComponent(light.unshadowed), 100 * light.Visible(), NameOf(light));
         for (const Obstacle &obstacle : light.obstacles)
             Line("                 in the way{}: {}, at {}, {:.0f} units from here",
-                 obstacle.share < 1 ? fmt::format(" of {:.0f} % of what is lost", 100 * obstacle.share) : "",
+                 obstacle.fraction < 1 ? fmt::format(" of {:.0f} % of what is lost", 100 * obstacle.fraction) : "",
                  TextOf(obstacle), At(obstacle.at), obstacle.length);
     }
     if (shown == 0)
@@ -181,7 +266,7 @@ void Report::AddGridPoint(const GridPointAccount &point) {
     AddGroups(point);
     for (std::size_t i = 0; i < std::min(point.sources.size(), limits_.sources); ++i) {
         const SourceAccount &source = point.sources[i];
-        Line("      {:3.0f} %  group {}, point {} lit from {}: {:.1f}", 100 * source.share, source.group + 1,
+        Line("      {:3.0f} %  group {}, point {} lit from {}: {:.1f}", 100 * source.fraction, source.group + 1,
              At(source.point), At(source.litFrom), source.light);
     }
     Line("    before the fit {:.1f}, after {:.1f}, in the map {}", point.filled, point.fitted,
@@ -191,13 +276,13 @@ void Report::AddGridPoint(const GridPointAccount &point) {
 /// Share and light of each side of the walls around a filled point.
 void Report::AddGroups(const GridPointAccount &point) {
     for (int group = 0; group < point.groups && point.groups > 1; ++group) {
-        float share = 0, light = 0;
+        float fraction = 0, light = 0;
         int points = 0;
         for (const SourceAccount &source : point.sources)
             if (source.group == group)
-                share += source.share, light += source.share * source.light, ++points;
-        Line("      group {}: {} points, {:.0f} % of the value, light {:.1f}", group + 1, points, 100 * share,
-             share > 0 ? light / share : 0);
+                fraction += source.fraction, light += source.fraction * source.light, ++points;
+        Line("      group {}: {} points, {:.0f} % of the value, light {:.1f}", group + 1, points, 100 * fraction,
+             fraction > 0 ? light / fraction : 0);
     }
 }
 
@@ -253,90 +338,6 @@ void Report::AddSample(const SampleAccount &sample, const Vec3f &normal) {
 }
 
 } // namespace
-
-std::string NameOf(PointState state) {
-    switch (state) {
-    case PointState::Exterior:
-        return "Exterior (far from open space, stays black)";
-    case PointState::Open:
-        return "Open (lit where it is)";
-    case PointState::OnEmitter:
-        return "OnEmitter (on a surface light)";
-    case PointState::Beside:
-        return "Beside (in the plane of a wall)";
-    case PointState::Moved:
-        return "Moved (lit from the nearest open place)";
-    case PointState::Solid:
-        return "Solid";
-    case PointState::Filled:
-        break;
-    }
-    return "Filled (from points around it)";
-}
-
-std::string NameOf(const LightAccount &light) {
-    std::string text = light.negative ? "negative " + KindOf(light) : KindOf(light);
-    if (light.parts > 1)
-        text += fmt::format(" in {} parts", light.parts);
-    if (light.surface >= 0)
-        text += fmt::format(", surface {}, {}", light.surface, light.shader);
-    text += Of(light.source);
-    if (light.style != 0)
-        text += fmt::format(", style {}", light.style);
-    return light.type == LightType::Sun
-               ? fmt::format("{}, from {}", text, At(light.origin))
-               : fmt::format("{}, at {}, {:.0f} units away", text, At(light.origin), light.distance);
-}
-
-std::string TextOf(const Obstacle &obstacle) {
-    switch (obstacle.kind) {
-    case ObstacleKind::Brush:
-        return fmt::format("brush {} of the .bsp, {}{}", obstacle.number, obstacle.shader, Of(obstacle.source));
-    case ObstacleKind::Surface:
-        return fmt::format("surface {}, {}{}", obstacle.number, obstacle.shader, Of(obstacle.source));
-    case ObstacleKind::Prop:
-        return fmt::format("part {} of the static props", obstacle.number);
-    case ObstacleKind::SeeThrough:
-        return "a see-through surface";
-    case ObstacleKind::NoSky:
-        return "no sky of this light";
-    case ObstacleKind::Outside:
-        break;
-    }
-    return "the outside of the map";
-}
-
-std::string ReasonOf(const LightAccount &light) {
-    switch (light.fate) {
-    case LightFate::Arrives:
-        return {};
-    case LightFate::Blocked:
-        return "in shadow";
-    case LightFate::InSolid:
-        return "it is inside a solid" + (light.inside ? ": " + TextOf(*light.inside) : std::string());
-    case LightFate::NotForGrids:
-        return "it does not light grids, by its spawnflags";
-    case LightFate::NotForSurfaces:
-        return "it does not light surfaces, by its spawnflags";
-    case LightFate::Styled:
-        return "it has a style, which the SH grid cannot hold";
-    case LightFate::NotSun:
-        return "-sunonly";
-    case LightFate::HiddenByVis:
-        return "the visibility data hides it from here";
-    case LightFate::OutOfReach:
-        return "it does not reach so far";
-    case LightFate::OutsideCone:
-        return "outside of its cone";
-    case LightFate::BehindEmitter:
-        return "behind the surface that shines";
-    case LightFate::FacesAway:
-        return "the surface faces away from it";
-    case LightFate::TooFaint:
-        break;
-    }
-    return "it gives nothing, or less than its tolerance";
-}
 
 std::string ReportOf(const Explanation &explanation, const ReportLimits &limits) {
     return Report(explanation, limits).Text();

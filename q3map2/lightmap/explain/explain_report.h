@@ -17,11 +17,4 @@ struct ReportLimits {
 /// The report of -explain, lines of plain text.
 std::string ReportOf(const Explanation &explanation, const ReportLimits &limits = {});
 
-// Names of states, fates and obstacles as the report has them.
-std::string NameOf(PointState state);
-std::string NameOf(const LightAccount &light);
-std::string TextOf(const Obstacle &obstacle);
-/// Why a light gives nothing; "" if it arrives.
-std::string ReasonOf(const LightAccount &light);
-
 } // namespace q3

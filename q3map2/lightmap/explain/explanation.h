@@ -24,7 +24,7 @@ enum class ObstacleKind {
     Prop,       ///< a static prop
     SeeThrough, ///< a surface that takes all light at that texel
     Outside,    ///< solid space that no brush fills: the outside of the map
-    NoSky       ///< the way of a sun or sky ends at no sky of its kind
+    NoSky       ///< the ray to a sun or sky ends at no sky of its kind
 };
 
 /// Something solid at a point, or in the way of light.
@@ -33,9 +33,9 @@ struct Obstacle {
     int number = -1;    ///< of the brush or draw surface in the .bsp
     std::string shader; ///< of the side or the surface
     SourcePlace source;
-    Vec3f at;         ///< where a ray meets it
-    float length = 0; ///< of the ray up to there. Game units
-    float share = 0;  ///< of the rays that do not arrive. 0 to 1
+    Vec3f at;           ///< where a ray meets it
+    float length = 0;   ///< of the ray up to there. Game units
+    float fraction = 0; ///< of the rays that do not arrive. 0 to 1
 };
 
 /// What becomes of the light of a source at a receiver.
@@ -89,8 +89,8 @@ struct SourceAccount {
     Int3 point{};
     Vec3f litFrom;
     int group = 0;
-    float share = 0; ///< of the filled value. 0 to 1
-    float light = 0; ///< as GridPointAccount::traced
+    float fraction = 0; ///< of the filled value. 0 to 1
+    float light = 0;    ///< as GridPointAccount::traced
 };
 
 /// A corner of a cell of the SH grid. Light: mean over all directions of the brightest channel, byte scale.
@@ -102,7 +102,7 @@ struct GridPointAccount {
     PointState placed = PointState::Exterior, state = PointState::Exterior; ///< before and after filling
     std::optional<Vec3f> litFrom;
     int groups = 1;                     ///< visibility groups around it
-    std::vector<SourceAccount> sources; ///< of its value, the largest share first
+    std::vector<SourceAccount> sources; ///< of its value, the largest fraction first
     std::optional<Obstacle> solid;      ///< what it is in
     float traced = 0, filled = 0, fitted = 0;
     std::optional<float> stored; ///< in the lump

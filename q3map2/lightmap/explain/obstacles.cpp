@@ -88,8 +88,8 @@ SourcePlace ObstacleFinder::OfSurface(int surface, const Vec3f &p, const Vec3f &
 }
 
 Obstacle ObstacleFinder::OfHit(const LightScene::Blockers &hits, std::size_t lane, const Vec3f &from,
-                               const LightWay &way) const {
-    const Vec3f at = from + way.direction * hits.distance[lane];
+                               const ShadowRay &ray) const {
+    const Vec3f at = from + ray.direction * hits.distance[lane];
     const int surface = hits.surface[lane];
     Obstacle result;
     if (surface >= int(setup_.table.size())) {
@@ -98,8 +98,8 @@ Obstacle ObstacleFinder::OfHit(const LightScene::Blockers &hits, std::size_t lan
         return result;
     }
     for (const float behind : kBehindHit)
-        if (const int brush = BrushAt(at + way.direction * behind); brush >= 0) {
-            result = OfBrush(brush, at, way.direction * behind);
+        if (const int brush = BrushAt(at + ray.direction * behind); brush >= 0) {
+            result = OfBrush(brush, at, ray.direction * behind);
             if (surface >= 0)
                 result.shader = ShaderOf(surface);
             return result;
@@ -108,17 +108,17 @@ Obstacle ObstacleFinder::OfHit(const LightScene::Blockers &hits, std::size_t lan
         result.kind = ObstacleKind::Surface;
         result.number = surface;
         result.shader = ShaderOf(surface);
-        result.source = OfSurface(surface, at, way.direction * -1);
+        result.source = OfSurface(surface, at, ray.direction * -1);
     }
     return result;
 }
 
-std::vector<Obstacle> ObstacleFinder::InTheWay(const Vec3f &from, std::span<const LightWay> ways,
-                                               const WayRules &rules) const {
+std::vector<Obstacle> ObstacleFinder::Blocking(const Vec3f &from, std::span<const ShadowRay> shadowRays,
+                                               const RayRules &rules) const {
     std::vector<Obstacle> obstacles;
     RayPacket rays;
-    for (std::size_t i = 0; i < ways.size(); ++i)
-        rays.Set(i, from, ways[i].direction, ways[i].distance);
+    for (std::size_t i = 0; i < shadowRays.size(); ++i)
+        rays.Set(i, from, shadowRays[i].direction, shadowRays[i].distance);
     RayPacket arriving = rays;
     RayCounts counts;
     if (rules.toSky && rules.ofSurface)
@@ -134,25 +134,25 @@ std::vector<Obstacle> ObstacleFinder::InTheWay(const Vec3f &from, std::span<cons
     LightScene::Blockers hits;
     setup_.scene.TraceBlockers(rays, LightScene::BlockerKind::Casters, 1, nearest, hits, counts);
     float lost = 0;
-    for (std::size_t i = 0; i < ways.size(); ++i) {
+    for (std::size_t i = 0; i < shadowRays.size(); ++i) {
         if (arriving.live[i] != 0)
             continue;
         ++lost;
         Obstacle one;
         if (hits.hit[i] != 0) {
-            one = OfHit(hits, i, from, ways[i]);
+            one = OfHit(hits, i, from, shadowRays[i]);
             one.length = hits.distance[i];
-            one.at = from + ways[i].direction * one.length;
+            one.at = from + shadowRays[i].direction * one.length;
         } else
             one.kind = rules.toSky ? ObstacleKind::NoSky : ObstacleKind::SeeThrough;
         if (rules.toSky && one.kind == ObstacleKind::Outside)
             one.kind = ObstacleKind::NoSky;
         const auto known = std::ranges::find_if(obstacles, [&](const Obstacle &other) { return Same(one, other); });
-        (known == obstacles.end() ? obstacles.emplace_back(one) : *known).share += 1;
+        (known == obstacles.end() ? obstacles.emplace_back(one) : *known).fraction += 1;
     }
     for (Obstacle &one : obstacles)
-        one.share /= lost;
-    std::ranges::stable_sort(obstacles, [](const Obstacle &a, const Obstacle &b) { return a.share > b.share; });
+        one.fraction /= lost;
+    std::ranges::stable_sort(obstacles, [](const Obstacle &a, const Obstacle &b) { return a.fraction > b.fraction; });
     return obstacles;
 }
 

@@ -127,14 +127,14 @@ TEST_F(ExplainTest, AGridPointInAThinWallSaysWhichSidesItTookLightFrom) {
     EXPECT_TRUE(inWall->solid);
     EXPECT_EQ(inWall->state, PointState::Filled);
     EXPECT_EQ(inWall->groups, 2);
-    double share[2] = {}; // of the dark and of the lit side
+    double fraction[2] = {}; // of the dark and of the lit side
     for (const SourceAccount &source : inWall->sources) {
         EXPECT_GT(std::abs(source.litFrom.x), 2);
         EXPECT_EQ(source.light > 1, source.litFrom.x > 0);
-        share[source.litFrom.x > 0 ? 1 : 0] += double(source.share);
+        fraction[source.litFrom.x > 0 ? 1 : 0] += double(source.fraction);
     }
-    EXPECT_NEAR(share[0] + share[1], 1, 1e-4);
-    EXPECT_GT(share[0], 0.99); // the darker side counts more
+    EXPECT_NEAR(fraction[0] + fraction[1], 1, 1e-4);
+    EXPECT_GT(fraction[0], 0.99); // the darker side counts more
     EXPECT_TRUE(Reports("2 groups that do not see each other")) << report;
     const GridPointAccount *behind = CornerAt(dark, {-32, 0, 64});
     ASSERT_TRUE(behind);

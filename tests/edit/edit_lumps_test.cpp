@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Scaling, moving and merging treat every BSPX lump as its row says.
-#include "q3map2/edit/edit_bspx.h"
+#include "q3map2/edit/edit_lumps.h"
 #include "q3map2/edit/merge_maps.h"
 #include "q3map2/edit/scale_shift.h"
 #include "tests/support/lumps_fixture.h"
