@@ -79,6 +79,8 @@ class ReportPackage {
             if (fs::is_regular_file(beside))
                 AddFile(fmt::format("maps/{}{}", name_, end), beside);
         }
+        if (!map_.explanations.empty())
+            Add(fmt::format("maps/{}.explain.json", name_), std::as_bytes(std::span(map_.explanations)));
     }
 
     void AddLightmaps() {
@@ -168,17 +170,28 @@ std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize
 // ---- Options of the stage -shreport ----
 
 std::vector<SettingGroup<SHReportOptions>> SHReportSettings() {
-    constexpr SettingRange sizes{0, 16384};
-    return {{"Page",
-             "",
-             {{{.name = "-texturesize",
-                .values = "N",
-                .unit = "texels",
-                .range = sizes,
-                .help = "Longer side of a texture at most; 0: no textures"},
-               &SHReportOptions::textureSize},
-              {{.name = "-o", .values = "FILE", .initial = "x.html beside x.bsp", .help = "The page"},
-               &SHReportOptions::output}}}};
+    constexpr SettingRange sizes{0, 16384}, places{1, 100000};
+    return {
+        {"Page",
+         "",
+         {{{.name = "-texturesize",
+            .values = "N",
+            .unit = "texels",
+            .range = sizes,
+            .help = "Longer side of a texture at most; 0: no textures"},
+           &SHReportOptions::textureSize},
+          {{.name = "-o", .values = "FILE", .initial = "x.html beside x.bsp", .help = "The page"},
+           &SHReportOptions::output}}},
+        {"Explanations",
+         "With `-explain`, a click on a surface tells why it is lit as it is: [explain.md](explain.md). All options "
+         "of `-light` may be given too; they should be those that the map was lit with.",
+         {{{.name = "-explain", .help = "Explain places all over the map, for clicks on their surfaces"},
+           &SHReportOptions::explain},
+          {{.name = "-places",
+            .values = "N",
+            .range = places,
+            .help = "Places that -explain explains, at most. They are spread evenly over the surfaces"},
+           &SHReportOptions::places}}}};
 }
 
 SHReportOptions ParseSHReportOptions(Arguments &arguments, Log &log) {

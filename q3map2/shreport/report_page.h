@@ -25,10 +25,12 @@ struct ReportedMap {
     const Game &game;
     const PackageSource &source;
     const EngineScripts &scripts;
+    std::string explanations{}; ///< text of maps/x.explain.json; empty: none
 };
 
 /// A pk3 with
 /// - maps/x.bsp unchanged, and those of maps/x.lin, x.prt and x.sherror.json that exist beside it,
+/// - the explanations, if there are any,
 /// - external lightmaps maps/x/lm_*,
 /// - scripts/x.shader: the shaders of what is drawn, as StrippedText,
 /// - their images and those of surfaces without a shader, unless `textureSize` is 0: at most that many texels on the
@@ -44,6 +46,8 @@ std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize
 struct SHReportOptions {
     std::string output;    ///< path of the page; empty: x.html beside x.bsp
     int textureSize = 128; ///< most texels on the longer side of a texture; 0: no textures
+    bool explain = false;  ///< places are explained; options of the light stage may follow
+    int places = 3000;     ///< explained at most
 };
 
 /// The options of the stage, declared.

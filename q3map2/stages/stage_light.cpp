@@ -6,7 +6,6 @@
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/convert/preview/grid_preview.h"
 #include "q3map2/edit/edit_lumps.h"
-#include "q3map2/lightmap/explain/explain.h"
 #include "q3map2/lightmap/explain/explain_report.h"
 #include "q3map2/lightmap/light_stage.h"
 #include "q3map2/lightmap/store/hdr_store.h"
@@ -15,6 +14,7 @@
 #include "q3map2/lightmap/vertex/prop_lighting.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/stages/light_files.h"
+#include "q3map2/stages/light_run.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 
@@ -37,11 +37,7 @@ PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
 FileGuard GuardLight(const std::filesystem::path &bspPath, const LightOptions &options, const LightmapOptions &lightmap,
                      const StageContext &context) {
     FileGuard guard(context);
-    guard.Needs(bspPath);
-    for (const std::string_view extension : {".map", ".srf", ".rad"})
-        guard.Reads(Beside(bspPath, extension));
-    for (const std::string &file : options.texLightFiles)
-        guard.Reads(file);
+    DeclareInputs(bspPath, options, guard);
     if (!options.explain.empty())
         return guard;
     guard.Writes(bspPath);
@@ -71,18 +67,14 @@ std::uint64_t EstimateGridSH(const Bsp &bsp, const LightOptions &options) {
 }
 
 /// -explain: prints the reports. The map and all files stay as they are.
-void ExplainPoints(const Bsp &bsp, const std::filesystem::path &bspPath, const LightInputs &inputs,
-                   const LightOptions &options, const LightmapOptions &lightmap, ShaderLibrary &library,
-                   const StageContext &context) {
-    const auto mapPath = Beside(bspPath, ".map");
-    const std::string mapText = inputs.mapEntities ? ReadTextFile(mapPath) : std::string();
-    const JobPool jobs(context.options.threads);
-    const Explainer explainer(bsp, inputs, mapText, mapPath.filename().string(), options, lightmap, library,
-                              *context.options.game, jobs, context.log);
-    for (const Vec3f &p : options.explain) {
-        context.log.Section("Explanation");
-        context.log.Print("{}", ReportOf(explainer.Explain(p)));
-    }
+void ExplainPoints(const Bsp &bsp, const std::filesystem::path &bspPath, const LightInputs &inputs, const LightRun &run,
+                   ShaderLibrary &library, const StageContext &context) {
+    WithExplainer(bsp, bspPath, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &) {
+        for (const Vec3f &p : run.options.explain) {
+            context.log.Section("Explanation");
+            context.log.Print("{}", ReportOf(explainer.Explain(p)));
+        }
+    });
     context.log.Print("Only explained: {} stays as it is\n", bspPath.string());
 }
 
@@ -98,9 +90,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     const std::vector<std::string> given = arguments.Rest();
     log.Section("Light");
-    LightOptions options = ParseLightOptions(arguments, *context.options.game, log);
-    const GridFormats gridFormats = TakeGridFormats(options);
-    const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, *context.options.game, log);
+    const LightRun run = TakeLightRun(arguments, *context.options.game, log);
+    const auto &[options, gridFormats, lightmap] = run;
     const StageFile file = TakeFile(context, arguments, given);
     const auto folders = GameFolders(context.options, context.words, context.program);
     const auto bspPath = ExistingBsp(file.file, folders);
@@ -127,12 +118,9 @@ int LightStage(const StageContext &context, Arguments arguments) {
     if (!lightmap.onlyGrid)
         RemoveMipmapHints(inputs.name, bsp);
 
-    ShaderLibrary library(vfs, *context.options.game, options.shader, log);
-    log.Count(library.DefinedCount(), "shaders defined");
-    for (const bspShader_t &shader : bsp.shaders)
-        library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
+    ShaderLibrary library = ShadersOfMap(bsp, options, vfs, *context.options.game, log);
     if (onlyExplains) {
-        ExplainPoints(bsp, bspPath, inputs, options, lightmap, library, context);
+        ExplainPoints(bsp, bspPath, inputs, run, library, context);
         return 0;
     }
     const JobPool jobs(context.options.threads);

@@ -4,9 +4,12 @@
 #include "common/text/text.h"
 #include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
+#include "q3map2/lightmap/explain/explained_places.h"
 #include "q3map2/pk3/package_plan.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/shreport/report_page.h"
+#include "q3map2/stages/light_files.h"
+#include "q3map2/stages/light_run.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 
@@ -224,32 +227,65 @@ int RepackStage(const StageContext &context, Arguments arguments) {
 
 // ---- q3map2 -shreport ----
 
+namespace {
+
+std::string PathInPackage(const fs::path &bspPath) {
+    return fmt::format("maps/{}.bsp", bspPath.stem().string());
+}
+
+/// Places of the map, explained as its light run sees them: text of maps/x.explain.json.
+std::string ExplainPlaces(const Bsp &bsp, const fs::path &bspPath, const LightRun &run, const VirtualFileSystem &vfs,
+                          const SHReportOptions &options, const std::string &lightWords, const StageContext &context) {
+    Log &log = context.log;
+    LightInputs inputs = ReadLightInputs(bspPath, log);
+    inputs.vfs = &vfs;
+    inputs.texLights = ReadTexLights(bspPath, vfs, run.options.texLightFiles, run.lightmap.hdr, log);
+    ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
+    std::string text;
+    WithExplainer(bsp, bspPath, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &jobs) {
+        const std::vector<SurfacePlace> places = PlacesBeforeSurfaces(explainer, std::size_t(options.places));
+        text = ExplanationsJson(explainer, places, PathInPackage(bspPath), lightWords, jobs);
+        log.Count(places.size(), "places explained");
+    });
+    return text;
+}
+
+} // namespace
+
 int SHReportStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     log.Section("SH report");
+    const Game &game = *context.options.game;
     const SHReportOptions options = ParseSHReportOptions(arguments, log);
-    const auto bspPath = ExistingBsp(TakeFile(context, arguments, {}).file);
+    const std::vector<std::string> given = arguments.Rest();
+    const std::optional<LightRun> run =
+        options.explain ? std::optional(TakeLightRun(arguments, game, log)) : std::optional<LightRun>();
+    const StageFile file = TakeFile(context, arguments, given);
+    const auto folders = GameFolders(context.options, context.words, context.program);
+    const auto bspPath = ExistingBsp(file.file);
     PrintChangedOptions(arguments, log);
     const auto path =
         options.output.empty() ? WithExtension(bspPath, ".html") : std::filesystem::absolute(options.output);
     FileGuard guard(context);
     guard.Needs(bspPath);
+    if (run)
+        DeclareInputs(bspPath, run->options, guard);
     guard.Writes(path, SizeOfFile(bspPath) / 4);
-    const auto folders = GameFolders(context.options, context.words, context.program);
-    if (options.textureSize > 0)
+    if (options.textureSize > 0 || run)
         RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
+    const std::string explanations = run ? ExplainPlaces(bsp, bspPath, *run, vfs, options,
+                                                         fmt::format("{}", fmt::join(file.wordsToRecord, " ")), context)
+                                         : std::string();
     const std::filesystem::path folder = GameFolderOfMap(bspPath.string());
     const PackageSource source(vfs, folder.empty() ? std::vector<std::filesystem::path>{} : std::vector{folder}, {});
-    const Game &game = *context.options.game;
     const EngineScripts scripts = ReadScripts(source, game, log);
     const JobPool jobs(context.options.threads);
     const std::vector<std::byte> package =
-        MakeReportPackage({bspPath, bsp, game, source, scripts}, options.textureSize, jobs, log);
-    const std::string page =
-        PageWithPackage(ViewerPage(), fmt::format("maps/{}.bsp", bspPath.stem().string()), package);
+        MakeReportPackage({bspPath, bsp, game, source, scripts, explanations}, options.textureSize, jobs, log);
+    const std::string page = PageWithPackage(ViewerPage(), PathInPackage(bspPath), package);
     log.Print("Writing {}\n", path.string());
     ReplaceTextFile(path, page);
     log.Print("Wrote {} bytes, with a package of {} bytes\n", page.size(), package.size());

@@ -5,6 +5,7 @@
 #include "tests/support/run_program.h"
 
 #include <glib.h>
+#include <nlohmann/json.hpp>
 
 namespace q3::test {
 
@@ -62,6 +63,26 @@ TEST_F(SHReportProgramTest, TheSameBytesFromAnyNumberOfThreads) {
     EXPECT_EQ(ReadTextFile(other), page);
 }
 
+TEST_F(SHReportProgramTest, ExplainedPlacesAreInThePackage) {
+    RunWell("-light -sh MAP");
+    const std::vector<std::byte> lit = MapBytes();
+    const Outcome outcome = RunWell("-threads 1 -shreport -explain -places 60 -sh MAP");
+    const std::vector<std::byte> bytes = PackageOf(Map(".html")).Read("maps/demo.explain.json");
+    const auto json = nlohmann::json::parse(reinterpret_cast<const char *>(bytes.data()),
+                                            reinterpret_cast<const char *>(bytes.data() + bytes.size()));
+    EXPECT_EQ(json["format"], "q3map2-sh explanations");
+    EXPECT_EQ(json["map"], "maps/demo.bsp");
+    EXPECT_EQ(json["options"], "-sh");
+    EXPECT_LE(json["places"].size(), 60u);
+    EXPECT_GE(json["places"].size(), 30u);
+    EXPECT_TRUE(outcome.Printed(fmt::format("{} places explained", json["places"].size())));
+    EXPECT_NE(json["places"][0]["text"].get<std::string>().find("Lights at "), std::string::npos);
+    EXPECT_EQ(MapBytes(), lit);
+    const std::string page = ReadTextFile(Map(".html"));
+    RunWell("-threads 3 -shreport -explain -places 60 -sh MAP");
+    EXPECT_EQ(ReadTextFile(Map(".html")), page);
+}
+
 TEST_F(SHReportProgramTest, OddNamesOfMaps) {
     const std::string name = "a&b\"c<d";
     std::filesystem::copy_file(Map(".bsp"), maps_ / (name + ".bsp"));
@@ -75,6 +96,8 @@ TEST_F(SHReportProgramTest, Failures) {
     ExpectError("-shreport " + (maps_ / "none.bsp").string(), "none.bsp");
     ExpectError("-shreport", "-shreport");
     ExpectError("-shreport -texturesize -1 MAP", "-texturesize -1");
+    ExpectError("-shreport -sh MAP", "-sh"); // an option of the light stage needs -explain
+    ExpectError("-shreport -explain -places 0 MAP", "-places 0");
     ExpectError("-shreport -o " + (folder_ / "none/x.html").string() + " MAP", "none/x.html");
     EXPECT_FALSE(std::filesystem::exists(Map(".html")));
 }

@@ -36,6 +36,20 @@ PlaceAccount Explainer::PlaceOf(const Vec3f &p) const {
     return place;
 }
 
+std::optional<SurfacePlace> Explainer::PlaceBefore(const SurfaceTriangle &triangle, const Vec3f &p) const {
+    constexpr float kPlayerOrigin = 24; // height of a player's origin over the floor. Game units
+    constexpr float kStart = 0.5f;      // off the surface, so that rays do not meet it. Game units
+    const Vec3f from = p + triangle.normal * kStart;
+    for (const float height : {kPlayerOrigin, kPlayerOrigin / 3, 2.0f}) {
+        const Vec3f point = p + triangle.normal * height;
+        const ShadowRay ray{triangle.normal, height - kStart};
+        if (PlaceInOpen(setup_.space, point).state == PointState::Open &&
+            obstacles_.Blocking(from, {&ray, 1}, {}).empty())
+            return SurfacePlace{triangle.surface, p, point};
+    }
+    return {};
+}
+
 Explanation Explainer::Explain(const Vec3f &p) const {
     Explanation result;
     result.place = PlaceOf(p);

@@ -11,6 +11,13 @@
 
 namespace q3 {
 
+/// A place before a surface, in the open.
+struct SurfacePlace {
+    int surface = -1; ///< draw surface
+    Vec3f onSurface;
+    Vec3f point; ///< on the normal there
+};
+
 /// A map whose light is asked for, set up as by the light stage; nothing of it changes. Keeps references.
 class Explainer {
   public:
@@ -22,7 +29,11 @@ class Explainer {
     Explainer &operator=(const Explainer &) = delete;
 
     Explanation Explain(const Vec3f &p) const;
-    const LightSetup &Setup() const { return setup_; }
+    /// Triangles of all surfaces with lightmaps.
+    std::vector<SurfaceTriangle> LightmappedTriangles() const { return luxels_.Triangles(); }
+    /// A place before p, which is on the triangle: where a player who stands on it is lit if it is a floor, nearer
+    /// where something is in the way; none if p is covered.
+    std::optional<SurfacePlace> PlaceBefore(const SurfaceTriangle &triangle, const Vec3f &p) const;
 
   private:
     PlaceAccount PlaceOf(const Vec3f &p) const;

@@ -119,6 +119,20 @@ std::optional<LuxelExplainer::Spot> LuxelExplainer::FindSpot(const Vec3f &p) con
     return best;
 }
 
+std::vector<SurfaceTriangle> LuxelExplainer::Triangles() const {
+    std::vector<SurfaceTriangle> triangles;
+    for (std::size_t i = 0; i < in_.bsp.drawSurfaces.size(); ++i) {
+        if (surfaces_.lightmapOf[i] < 0)
+            continue;
+        for (const Face &face : FacesOf(in_, surfaces_, i))
+            for (std::size_t k = 2; k < face.size(); ++k) {
+                const Vec3f &a = face[0].xyz, &b = face[k - 1].xyz, &c = face[k].xyz;
+                triangles.push_back({int(i), {a, b, c}, Normalize(Cross(c - a, b - a))});
+            }
+    }
+    return triangles;
+}
+
 /// The raw lightmap of the spot alone, mapped, with dirt and floodlight.
 SurfaceLight LuxelExplainer::OneLightmap(const Spot &spot) const {
     SurfaceLight one;

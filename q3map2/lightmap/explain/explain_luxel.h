@@ -4,12 +4,21 @@
 #include "q3map2/lightmap/explain/explain_lights.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 
+#include <array>
 #include <optional>
+#include <vector>
 
 namespace q3 {
 
 /// Surfaces farther from the point than this are not asked for. Game units.
 inline constexpr float kLuxelReach = 64;
+
+/// A triangle of a surface with a lightmap, clockwise seen from the front.
+struct SurfaceTriangle {
+    int surface = -1; ///< draw surface
+    std::array<Vec3f, 3> corners{};
+    Vec3f normal;
+};
 
 /// Explains luxels by mapping and lighting the raw lightmap that holds them again. Keeps references.
 class LuxelExplainer {
@@ -19,6 +28,8 @@ class LuxelExplainer {
 
     /// The luxel of the nearest surface with a lightmap in front of which p is; none within kLuxelReach.
     std::optional<LuxelAccount> NearestTo(const Vec3f &p) const;
+    /// Of all surfaces with lightmaps, in their order.
+    std::vector<SurfaceTriangle> Triangles() const;
 
   private:
     struct Spot;

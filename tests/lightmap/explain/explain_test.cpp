@@ -1,10 +1,14 @@
 // GPL-2.0-or-later. Explanations of light: three faults of maps, each with its smallest map.
 #include "q3map2/lightmap/explain/explain.h"
 #include "q3map2/lightmap/explain/explain_report.h"
+#include "q3map2/lightmap/explain/explained_places.h"
 #include "tests/support/compiled_map.h"
 #include "tests/support/light_fixture.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
+#include <functional>
 
 namespace q3::test {
 
@@ -25,8 +29,9 @@ int BraceBefore(std::string_view text, std::string_view part) {
 
 class ExplainTest : public LightTest {
   protected:
-    /// Compiles and lights the scene, and explains a point of it with the same options.
-    Explanation Explained(const SceneBuilder &scene, const Vec3f &p, std::string_view options = "") {
+    /// Compiles and lights the scene, and sets it up to be explained with the same options.
+    void Explain(const SceneBuilder &scene, std::string_view options,
+                 const std::function<void(const Explainer &, const JobPool &)> &use) {
         QuietLog quiet;
         VirtualFileSystem vfs(quiet.log);
         vfs.Mount(folder.Root(), "pk3");
@@ -46,9 +51,14 @@ class ExplainTest : public LightTest {
         const JobPool jobs(1);
         const Bsp before = lit;
         const Explainer explainer(lit, inputs, text, "test.map", light, lightmap, library, game, jobs, quiet.log);
-        const Explanation explanation = explainer.Explain(p);
+        use(explainer, jobs);
         EXPECT_EQ(lit.lightmaps, before.lightmaps);
         EXPECT_EQ(lit.entities, before.entities);
+    }
+    Explanation Explained(const SceneBuilder &scene, const Vec3f &p, std::string_view options = "") {
+        Explanation explanation;
+        Explain(scene, options,
+                [&](const Explainer &explainer, const JobPool &) { explanation = explainer.Explain(p); });
         report = ReportOf(explanation);
         return explanation;
     }
@@ -232,6 +242,62 @@ TEST_F(ExplainTest, TheDirectLightOfALuxelIsThatOfThePage) {
                         std::min(255.0, double((*point.luxel->direct)[channel])), 1.01)
                 << report;
     }
+}
+
+/// A room of 500 x 372 x 256 units without a wall: 16 places or more for each of its six sides.
+TEST_F(ExplainTest, PlacesCoverAllSidesOfARoom) {
+    Explain(Room({-250, -186, -60}, {250, 186, 196}), "", [](const Explainer &explainer, const JobPool &) {
+        const std::vector<SurfacePlace> places = PlacesBeforeSurfaces(explainer, 200);
+        EXPECT_LE(places.size(), 200u);
+        std::map<std::array<int, 3>, int> byDirection;
+        for (const SurfacePlace &place : places) {
+            const Vec3f direction = (place.point - place.onSurface) / 24.0f;
+            EXPECT_NEAR(double(Length(direction)), 1, 1e-4);
+            ++byDirection[{int(std::lround(direction.x)), int(std::lround(direction.y)),
+                           int(std::lround(direction.z))}];
+        }
+        EXPECT_EQ(byDirection.size(), 6u);
+        for (const auto &[direction, count] : byDirection)
+            EXPECT_GE(count, 16) << direction[0] << ' ' << direction[1] << ' ' << direction[2];
+        EXPECT_EQ(PlacesBeforeSurfaces(explainer, 1).size(), 1u);
+    });
+}
+
+/// Between a floor and a block 10 units over it there is room for 8 units, not for a player's 24.
+TEST_F(ExplainTest, PlacesAreOnTheSideOfTheirSurface) {
+    SceneBuilder scene = Room({-250, -186, -60}, {250, 186, 196});
+    scene.AddBox({-250, -186, -50}, {250, 186, -40}, TestShader("textures/test/block"));
+    Explain(scene, "", [](const Explainer &explainer, const JobPool &) {
+        int between = 0;
+        for (const SurfacePlace &place : PlacesBeforeSurfaces(explainer, 300)) {
+            EXPECT_TRUE(place.point.z < -50 || place.point.z > -40) << place.point.z;
+            EXPECT_EQ(place.point.z < -50, place.onSurface.z < -45) << place.onSurface.z;
+            between += place.point.z < -50 ? 1 : 0;
+        }
+        EXPECT_GT(between, 20);
+    });
+}
+
+TEST_F(ExplainTest, ExplanationsOfPlacesHaveTheReportAndTheRays) {
+    Explain(HalvedRoom(-60), "", [](const Explainer &explainer, const JobPool &jobs) {
+        const std::array<SurfacePlace, 2> places{
+            {{0, {120, 10, -60}, {120, 10, -36}}, {1, {-120, 10, -60}, {-120, 10, -36}}}};
+        const auto json = nlohmann::json::parse(ExplanationsJson(explainer, places, "maps/x.bsp", "-sh", jobs));
+        EXPECT_EQ(json["map"], "maps/x.bsp");
+        EXPECT_EQ(json["options"], "-sh");
+        ASSERT_EQ(json["places"].size(), 2u);
+        const auto &lit = json["places"][0], &dark = json["places"][1];
+        EXPECT_EQ(lit["on"], nlohmann::json({120, 10, -60}));
+        EXPECT_EQ(lit["text"], ReportOf(explainer.Explain({120, 10, -36}), {.lights = 8, .nothing = 6, .sources = 4}));
+        ASSERT_EQ(lit["rays"].size(), 1u);
+        EXPECT_EQ(lit["rays"][0]["to"], nlohmann::json({120, 10, 70}));
+        EXPECT_EQ(lit["rays"][0]["visible"], 1);
+        EXPECT_FALSE(lit["rays"][0].contains("stops"));
+        ASSERT_EQ(dark["rays"].size(), 1u);
+        EXPECT_EQ(dark["rays"][0]["visible"], 0);
+        ASSERT_EQ(dark["rays"][0]["stops"].size(), 1u);
+        EXPECT_NEAR(dark["rays"][0]["stops"][0][0].get<double>(), -2, 0.01); // the wall is 4 units thick
+    });
 }
 
 } // namespace

@@ -1,12 +1,17 @@
 // GPL-2.0-or-later. From files that a visitor hands over to the map on the screen.
 import { FormatError } from './bsp/bytes.js';
 import { readMap } from './bsp/map.js';
-import { parseErrors, parseLeakLine, parsePortals } from './bsp/side_files.js';
+import { parseErrors, parseExplanations, parseLeakLine, parsePortals } from './bsp/side_files.js';
 import { GameFiles } from './files/game_files.js';
 import { baseName, extensionOf, isKnown, kSideExtensions } from './files/opened.js';
 import { splitScript } from './files/shader_script.js';
 
-const kReaders = { leak: parseLeakLine, portals: parsePortals, errors: parseErrors };
+const kReaders = {
+    leak: parseLeakLine,
+    portals: parsePortals,
+    errors: parseErrors,
+    explanations: parseExplanations,
+};
 
 export class Opener {
     files = new GameFiles();
@@ -52,7 +57,7 @@ export class Opener {
             } else if (!isKnown(path)) {
                 this.messages.add(
                     'error',
-                    `${path} is not a file that this page opens: it takes .bsp, .pk3, .lin, .prt and .sherror.json.`,
+                    `${path} is not a file that this page opens: it takes .bsp, .pk3, .lin, .prt, .sherror.json and .explain.json.`,
                 );
             } else {
                 resources = (await this.addFile(path, blob)) || resources;
@@ -143,15 +148,17 @@ export class Opener {
             const value = kReaders[kind](text);
             if (kind === 'leak') this.viewer.setLeak(value);
             else if (kind === 'portals') this.viewer.setPortals(value);
-            else this.setErrors(value);
+            else this.setOfMap(kind, value);
         } catch (error) {
             this.report(error);
         }
     }
 
-    setErrors(errors) {
-        if (errors.map && !this.isBeside(errors.map))
-            this.messages.add('note', `The errors were measured on ${errors.map}, not on the map that is shown.`);
-        this.viewer.setErrors(errors);
+    /** Errors or explanations, which name the map that they are of. */
+    setOfMap(kind, value) {
+        if (value.map && !this.isBeside(value.map))
+            this.messages.add('note', `The ${kind} are of ${value.map}, not of the map that is shown.`);
+        if (kind === 'errors') this.viewer.setErrors(value);
+        else this.viewer.setExplanations(value);
     }
 }

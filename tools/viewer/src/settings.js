@@ -23,6 +23,7 @@ export function initialSettings() {
         leak: true,
         portals: false,
         lights: false,
+        places: false, // dots where the light is explained
         tint: 'off', // 'off', 'clusters' or 'luxels': colors in place of textures
         onlyVisible: false, // clusters that the viewer's sees
     };

@@ -6,11 +6,12 @@ import { parseTone } from './bsp/sh.js';
 import { BspTree } from './bsp/tree.js';
 import { readShader } from './files/shader_script.js';
 import { ErrorLayer } from './scene/error_layer.js';
+import { nearestPlace } from './scene/explained.js';
 import { Figure } from './scene/figure.js';
 import { GridLayer } from './scene/grid_layer.js';
 import { Lightmaps } from './scene/lightmaps.js';
 import { MapMesh } from './scene/map_mesh.js';
-import { disposeTree, leakLine, lightSpheres, portalMesh, surfaceMark } from './scene/overlays.js';
+import { disposeTree, leakLine, lightRays, lightSpheres, placeDots, portalMesh, surfaceMark } from './scene/overlays.js';
 import { Textures } from './scene/textures.js';
 import { Walk } from './scene/walk.js';
 import { initialSettings } from './settings.js';
@@ -38,6 +39,9 @@ export class Viewer {
     errorSummary = null;
     /** The surface that the visitor has clicked, from MapMesh.surfaceOn. */
     picked = null;
+    /** From parseExplanations, and its place that is nearest to the click. */
+    explanations = null;
+    explained = null;
 
     /**
      * @param {HTMLCanvasElement} canvas
@@ -61,7 +65,7 @@ export class Viewer {
         this.gridLayer = new GridLayer(this.lightUniforms);
         this.figure = new Figure(this.lightUniforms);
         this.errors = new ErrorLayer();
-        this.side = { leak: null, portals: null, lights: null, mark: null };
+        this.side = { leak: null, portals: null, lights: null, places: null, mark: null, rays: null };
         this.scene.add(this.gridLayer.mesh, this.figure.group, this.errors.points);
         this.raycaster = new THREE.Raycaster();
         this.walk = new Walk(this.camera, canvas, {
@@ -177,7 +181,7 @@ export class Viewer {
         this.textures.dispose();
         for (const name of Object.keys(this.side)) this.setSide(name, null);
         this.errors.set(null);
-        this.picked = null;
+        this.picked = this.explained = this.explanations = null;
         this.grids = { uniform: null, sparse: null, legacy: null, problems: [] };
         this.map = null;
         this.shownCluster = undefined;
@@ -284,6 +288,13 @@ export class Viewer {
         this.changed();
     }
 
+    setExplanations(explanations) {
+        this.explanations = explanations;
+        this.setSide('places', placeDots(explanations.places));
+        this.pick(null);
+        this.changed();
+    }
+
     addLights() {
         this.lightList = lightEntities(this.map.entities);
         if (this.lightList.length > 0) this.setSide('lights', lightSpheres(this.lightList, this.lightUniforms).mesh);
@@ -371,7 +382,9 @@ export class Viewer {
     pick(event) {
         if (!this.map) return;
         this.picked = event && this.mesh.surfaceOn(this.rayOf(event), this.cutHeight);
+        this.explained = this.picked && this.explanations ? nearestPlace(this.explanations.places, this.picked) : null;
         this.setSide('mark', this.picked ? surfaceMark(this.picked.triangles) : null);
+        this.setSide('rays', this.explained ? lightRays(this.explained) : null);
         this.invalidate();
     }
 

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The built page in Chromium, with the demo arena and, if they are there, with real maps.
 // DEMO and REAL name baked maps with both SH grids, TONED one with a tone and the uniform grid; PROBE the compiled
-// probe.c; EXTERNAL the arena with lightmaps in images beside it; REAL_PK3 archives, separated by ':'.
+// probe.c; EXTERNAL the arena with lightmaps in images beside it; REPORT a page of -shreport -explain; REAL_PK3
+// archives, separated by ':'.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -13,7 +14,7 @@ import { readMap } from '../src/bsp/map.js';
 import { BspTree } from '../src/bsp/tree.js';
 import { kPage, openFiles, texturesLoaded, withPage } from './browser.js';
 
-const { DEMO, TONED, EXTERNAL, REAL, PROBE } = process.env;
+const { DEMO, TONED, EXTERNAL, REPORT, REAL, PROBE } = process.env;
 const kDesktop = { viewport: { width: 1024, height: 640 } };
 const kPhone = { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
 const kProbes = 20;
@@ -272,6 +273,41 @@ test('a click tells what a surface is; a link leads back; the picture is saved',
         await page.waitForFunction(() => document.getElementById('legend').textContent.includes('no lightmap'));
         assert.deepEqual(faults, []);
     }),
+);
+
+test('a click in a report with explanations tells why a surface is lit as it is', { skip: !REPORT }, () =>
+    withPage(
+        kDesktop,
+        async (page, faults) => {
+            await page.waitForFunction(() => !document.getElementById('status').hidden);
+            await texturesLoaded(page);
+            await page.evaluate(() => {
+                const { viewer } = window.viewer;
+                viewer.camera.position.set(-264, 0, 58);
+                [viewer.walk.yaw, viewer.walk.pitch] = [0.5, -1.2]; // at the floor
+                viewer.invalidate();
+            });
+            await page.mouse.click(300, 400);
+            await page.waitForFunction(() => document.querySelector('#surface .explanation'));
+            const { at, on, away, rays } = await page.evaluate(() => {
+                const { explained, picked, side } = window.viewer.viewer;
+                const away = Math.hypot(...explained.at.map((c, axis) => c - picked.point.toArray()[axis]));
+                return { ...explained, away, rays: side.rays !== null };
+            });
+            assert.ok(Math.abs(at[2] - 24) < 1 && Math.abs(on[2]) < 1, `before the floor: ${at} at ${on}`);
+            assert.ok(away < 100 && rays, `${away} units away`);
+            const text = await page.textContent('#surface .explanation');
+            assert.ok(text.includes(`Lights at ${at.join(' ')}.`), text);
+            assert.match(text, /Nearest luxel: surface \d+.*q3map2 -light -sh -explain -?\d+ -?\d+ -?\d+ maps\/demo.bsp/s);
+            assert.equal(await page.isEnabled('input[name=places]'), true);
+            await page.keyboard.press('Escape');
+            await page.waitForFunction(() => document.getElementById('surface').hidden);
+            assert.equal(await page.evaluate(() => window.viewer.viewer.side.rays), null);
+            assert.deepEqual(await messages(page), []);
+            assert.deepEqual(faults, []);
+        },
+        REPORT,
+    ),
 );
 
 test('files beside the map, in a second drop', { skip: !DEMO }, () =>

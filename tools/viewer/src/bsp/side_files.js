@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Files beside a map: leak lines (.lin), portals (.prt), errors of grids (.sherror.json).
+// GPL-2.0-or-later. Files beside a map: leak lines (.lin), portals (.prt), errors of grids (.sherror.json), and
+// explanations of its light (.explain.json).
 import { expect } from './bytes.js';
 
 /**
@@ -53,6 +54,18 @@ export function parsePortals(text) {
     return { clusters, portals };
 }
 
+/** The object in a file of JSON. `what` names it in messages: "file of errors". */
+function parseFormat(text, what, format) {
+    let json;
+    try {
+        json = JSON.parse(text);
+    } catch {
+        expect(false, `The ${what} is no valid JSON.`);
+    }
+    expect(json?.format === format && json.version === 1, `The ${what} is not "${format}" of version 1.`);
+    return json;
+}
+
 /**
  * Errors of both grids at positions, in displayed bytes.
  * @param {string} text JSON, see docs/viewer.md
@@ -60,16 +73,8 @@ export function parsePortals(text) {
  *     position has none)
  */
 export function parseErrors(text) {
-    let json;
-    try {
-        json = JSON.parse(text);
-    } catch {
-        expect(false, 'The file of errors is no valid JSON.');
-    }
-    expect(
-        json?.format === 'q3map2-sh errors' && json.version === 1 && Array.isArray(json.positions),
-        'The file of errors is not "q3map2-sh errors" of version 1.',
-    );
+    const json = parseFormat(text, 'file of errors', 'q3map2-sh errors');
+    expect(Array.isArray(json.positions), 'The file of errors has no positions.');
     const rows = json.positions;
     const hasLegacy = rows.every((row) => row?.[4] !== null);
     const isNumber = (value, i) => Number.isFinite(value) || (i === 4 && !hasLegacy && value === null);
@@ -85,4 +90,40 @@ export function parseErrors(text) {
         sh: Float32Array.from(rows, (row) => row[3]),
         legacy: hasLegacy ? Float32Array.from(rows, (row) => row[4]) : null,
     };
+}
+
+/**
+ * Explanations of places, from `-shreport -explain`.
+ * @param {string} text JSON, see docs/viewer.md
+ * @returns {{map: string, options: string, places: Place[]}} options: of the light run that is explained
+ *
+ * @typedef {object} Place
+ * @property {number[]} at where lights and grids are explained
+ * @property {number[]} on the point of the surface before which it is
+ * @property {number} surface
+ * @property {string} text the report, as of `-explain`
+ * @property {Ray[]} rays to the strongest lights
+ *
+ * @typedef {object} Ray
+ * @property {number[]} to the light; of a sun the direction to it
+ * @property {boolean} [sun]
+ * @property {number} visible share of its light that arrives, 0 to 1
+ * @property {number[][]} [stops] where the rest of it is stopped
+ */
+export function parseExplanations(text) {
+    const json = parseFormat(text, 'file of explanations', 'q3map2-sh explanations');
+    const isPoint = (p) => Array.isArray(p) && p.length === 3 && p.every(Number.isFinite);
+    const isRay = ({ to, visible, stops = [] }) => isPoint(to) && Number.isFinite(visible) && stops.every(isPoint);
+    const isPlace = (place) =>
+        isPoint(place?.at) &&
+        isPoint(place.on) &&
+        Number.isInteger(place.surface) &&
+        typeof place.text === 'string' &&
+        Array.isArray(place.rays) &&
+        place.rays.every(isRay);
+    expect(
+        Array.isArray(json.places) && json.places.every(isPlace),
+        'The file of explanations has a place that is not complete.',
+    );
+    return { map: String(json.map ?? ''), options: String(json.options ?? ''), places: json.places };
 }

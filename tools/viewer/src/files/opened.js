@@ -1,13 +1,18 @@
 // GPL-2.0-or-later. What files a visitor hands over: maps, archives and files beside maps, with their names as paths.
 
 /** Kinds of files that belong to a map, by extension. */
-export const kSideExtensions = { '.lin': 'leak', '.prt': 'portals', '.sherror.json': 'errors' };
+export const kSideExtensions = {
+    '.lin': 'leak',
+    '.prt': 'portals',
+    '.sherror.json': 'errors',
+    '.explain.json': 'explanations',
+};
 
 const kTextures = /^(textures|models|env|gfx|maps)\/.*\.(tga|jpe?g|png|webp)$/i;
 
 /** Extension of a path, lower case, with its dot; '' if there is none. */
 export function extensionOf(path) {
-    return path.toLowerCase().match(/(\.sherror\.json|\.[^./]+)$/)?.[1] ?? '';
+    return path.toLowerCase().match(/(\.(sherror|explain)\.json|\.[^./]+)$/)?.[1] ?? '';
 }
 
 /** Whether the page has a use for a file. */
@@ -22,7 +27,7 @@ export function isKnown(path) {
 
 /** Name of a file without its folder and extension. */
 export function baseName(path) {
-    return path.slice(path.lastIndexOf('/') + 1).replace(/\.(sherror\.json|[^.]+)$/i, '');
+    return path.slice(path.lastIndexOf('/') + 1).replace(/\.((sherror|explain)\.json|[^.]+)$/i, '');
 }
 
 /** All files that were dropped; of folders those that the page has a use for. */

@@ -1,36 +1,83 @@
-// GPL-2.0-or-later. Leak lines, portals and light entities.
+// GPL-2.0-or-later. Leak lines, portals, light entities, and rays to lights.
 import * as THREE from 'three';
 import { Spheres, SphereMode } from './spheres.js';
 
 const kLeakRadius = 1.6;
+const kRayRadius = 0.7;
+const kPlaceRadius = 3;
+const kSunLength = 4096; // of rays to suns
+const [kRed, kYellow] = [0xff4d4d, 0xf2c14e];
 const kLightRadius = 7;
 const kMostLights = 8192;
 
-/** A thick line through points, drawn over everything. */
-export function leakLine(points) {
-    const vectors = points.map((p) => new THREE.Vector3(...p));
-    const material = new THREE.MeshBasicMaterial({
-        color: 0xff4d4d,
-        depthTest: false,
-        transparent: true,
-        opacity: 0.9,
-    });
-    const rods = new THREE.InstancedMesh(
-        new THREE.CylinderGeometry(kLeakRadius, kLeakRadius, 1, 6, 1),
-        material,
-        vectors.length - 1,
-    );
+/**
+ * Thick lines, drawn over everything.
+ * @param {THREE.Vector3[][]} segments pairs of ends
+ */
+function rods(segments, radius, color) {
+    const material = new THREE.MeshBasicMaterial({ color, depthTest: false, transparent: true, opacity: 0.9 });
+    const mesh = new THREE.InstancedMesh(new THREE.CylinderGeometry(radius, radius, 1, 6, 1), material, segments.length);
     const [up, matrix, turn] = [new THREE.Vector3(0, 1, 0), new THREE.Matrix4(), new THREE.Quaternion()];
-    for (let i = 0; i + 1 < vectors.length; i++) {
-        const along = vectors[i + 1].clone().sub(vectors[i]);
+    segments.forEach(([from, to], i) => {
+        const along = to.clone().sub(from);
         const length = along.length();
         turn.setFromUnitVectors(up, length > 0 ? along.divideScalar(length) : up);
-        matrix.compose(vectors[i].clone().lerp(vectors[i + 1], 0.5), turn, new THREE.Vector3(1, length, 1));
-        rods.setMatrixAt(i, matrix);
+        matrix.compose(from.clone().lerp(to, 0.5), turn, new THREE.Vector3(1, length, 1));
+        mesh.setMatrixAt(i, matrix);
+    });
+    mesh.renderOrder = 4;
+    mesh.frustumCulled = false;
+    return mesh;
+}
+
+/** A line through points. */
+export function leakLine(points) {
+    const vectors = points.map((p) => new THREE.Vector3(...p));
+    return rods(
+        vectors.slice(1).map((to, i) => [vectors[i], to]),
+        kLeakRadius,
+        kRed,
+    );
+}
+
+/**
+ * The rays from an explained place to its strongest lights: yellow to lights of which at least a part arrives, red up
+ * to what is in the way.
+ * @param {import('../bsp/side_files.js').Place} place
+ */
+export function lightRays(place) {
+    const from = new THREE.Vector3(...place.at);
+    const [lit, stopped] = [[], []];
+    for (const { to, sun, visible, stops = [] } of place.rays) {
+        const end = sun ? from.clone().addScaledVector(new THREE.Vector3(...to), kSunLength) : new THREE.Vector3(...to);
+        if (visible > 0) lit.push([from, end]);
+        for (const stop of stops) stopped.push([from, new THREE.Vector3(...stop)]);
     }
-    rods.renderOrder = 4;
-    rods.frustumCulled = false;
-    return rods;
+    const group = new THREE.Group();
+    group.add(rods(lit, kRayRadius, kYellow), rods(stopped, kRayRadius, kRed), dots([place.at], kPlaceRadius, kYellow));
+    group.add(dots(stopped.map(([, stop]) => stop.toArray()), kPlaceRadius, kRed));
+    return group;
+}
+
+/** Small balls at points, drawn over everything. */
+function dots(points, radius, color) {
+    const material = new THREE.MeshBasicMaterial({ color, depthTest: false, transparent: true });
+    const mesh = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 12, 8), material, points.length);
+    points.forEach((point, i) => mesh.setMatrixAt(i, new THREE.Matrix4().makeTranslation(...point)));
+    mesh.renderOrder = 5;
+    mesh.frustumCulled = false;
+    return mesh;
+}
+
+/** Explained places, hidden by what is before them. */
+export function placeDots(places) {
+    const mesh = dots(
+        places.map(({ at }) => at),
+        kPlaceRadius,
+        kYellow,
+    );
+    mesh.material.depthTest = true;
+    return mesh;
 }
 
 /** Triangles of a surface, tinted and drawn over everything. */
@@ -40,7 +87,7 @@ export function surfaceMark(triangles) {
     const mark = new THREE.Mesh(
         geometry,
         new THREE.MeshBasicMaterial({
-            color: 0xf2c14e,
+            color: kYellow,
             transparent: true,
             opacity: 0.22,
             side: THREE.DoubleSide,

@@ -213,6 +213,7 @@ export class Panel {
             'Parts of the map',
             false,
             this.add(checkbox('lights', 'Light entities', this.change)),
+            this.add(checkbox('places', 'Explained places', this.change)),
             this.add(checkbox('leak', 'Leak line (.lin)', this.change)),
             this.add(checkbox('portals', 'Portals (.prt)', this.change)),
             this.add(checkbox('onlyVisible', 'Only what this cluster sees', this.change)),
@@ -230,7 +231,7 @@ export class Panel {
         this.figure.enableValue('sh', Boolean(grids.uniform || grids.sparse));
         this.figure.enableValue('legacy', Boolean(grids.legacy));
         this.figure.enableValue('both', any);
-        for (const name of ['leak', 'portals', 'lights']) this[name].enable(Boolean(side[name]));
+        for (const name of ['leak', 'portals', 'lights', 'places']) this[name].enable(Boolean(side[name]));
         const measured = Boolean(errors.errors);
         this.errors.enable(measured);
         this.errors.enableValue('legacy', Boolean(errors.errors?.legacy));

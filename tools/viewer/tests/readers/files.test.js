@@ -1,9 +1,11 @@
 // GPL-2.0-or-later. Images, shader scripts and files beside maps.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { parseErrors, parseLeakLine, parsePortals } from '../../src/bsp/side_files.js';
+import { parseErrors, parseExplanations, parseLeakLine, parsePortals } from '../../src/bsp/side_files.js';
+import { baseName, extensionOf } from '../../src/files/opened.js';
 import { readShader, splitScript } from '../../src/files/shader_script.js';
 import { decodeTga } from '../../src/files/tga.js';
+import { nearestPlace } from '../../src/scene/explained.js';
 
 /** A TGA header; descriptor 32: first row on top. */
 function tgaHead(kind, width, height, bits, descriptor, palette = 0) {
@@ -137,4 +139,33 @@ test('errors of grids', () => {
     assert.throws(() => parseErrors(text.replace('errors"', 'x"')), /not "q3map2-sh errors"/);
     assert.throws(() => parseErrors(text.replace('0.5', 'null')), /not five numbers/);
     assert.equal(parseErrors(text.replace('4]', 'null]')).legacy, null);
+});
+
+test('explanations', () => {
+    const place = { at: [0, 0, 24], on: [0, 0, 0], surface: 3, text: 'Lights', rays: [{ to: [9, 9, 9], visible: 0.5 }] };
+    const text = (...places) =>
+        JSON.stringify({ format: 'q3map2-sh explanations', version: 1, map: 'maps/x.bsp', options: '-sh', places });
+    assert.deepEqual(parseExplanations(text(place)), { map: 'maps/x.bsp', options: '-sh', places: [place] });
+    assert.throws(() => parseExplanations('['), /JSON/);
+    assert.throws(() => parseExplanations(text(place).replace('"version":1', '"version":2')), /version 1/);
+    for (const fault of [{ at: [0, 0] }, { text: 5 }, { surface: 'a' }, { rays: [{ to: [1, 2, 3] }] }, { on: null }])
+        assert.throws(() => parseExplanations(text({ ...place, ...fault })), /not complete/);
+    const stopped = { to: [9, 9, 9], visible: 0, stops: [[1, 2, 'x']] };
+    assert.throws(() => parseExplanations(text({ ...place, rays: [stopped] })), /not complete/);
+    assert.equal(extensionOf('maps/x.explain.json'), '.explain.json');
+    assert.equal(baseName('maps/x.explain.json'), 'x');
+});
+
+test('the explained place of a click is the nearest one before the surface', () => {
+    const floor = Float32Array.of(0, 0, 0, 0, 64, 0, 64, 0, 0); // clockwise seen from above
+    const point = { toArray: () => [20, 20, 0] };
+    const over = { at: [80, 20, 24], on: [80, 20, 0] };
+    const under = { at: [20, 20, -10], on: [20, 20, -2] };
+    const wall = { at: [28, 20, 12], on: [4, 20, 12] };
+    const find = (...places) => nearestPlace(places, { point, triangles: floor });
+    assert.equal(find(under, over), over);
+    assert.equal(find(under), under);
+    assert.equal(find(wall, over), over);
+    assert.equal(find(wall, { ...over, at: [180, 20, 24], on: [180, 20, 0] }), wall);
+    assert.equal(find(), null);
 });
