@@ -1,7 +1,8 @@
 // GPL-2.0-or-later. Draws the pictures of docs/viewer.md again, from the demo arena baked with both SH grids.
 //
-// usage: node pictures.js DEMO.bsp
-// made with -meta -keeplights, -vis, -light -shbspx -shadaptive -bounce 8 -bouncegrid
+// usage: node pictures.js DEMO.bsp REPORT.html
+// made with -meta -keeplights, -vis, -light -shbspx -shadaptive -bounce 8 -bouncegrid;
+// and then -shreport -explain -shbspx -shadaptive -bounce 8 -bouncegrid
 import { join } from 'node:path';
 import { openFiles, texturesLoaded, withPage } from './tests/browser.js';
 
@@ -41,3 +42,23 @@ await take('viewer.jpg', kFigures, kBetweenLamps, ['Light grid', 'Figure']);
 const kSlice = { where: 'slice', height: 64, thickness: 32, cut: true };
 const kCells = { source: 'sparse', color: 'level', radius: 1536, size: 2, ...kSlice };
 await take('viewer_cells.jpg', kCells, null, ['Light grid', 'Slice and errors']);
+
+/** The box of a click on the floor, in a report with explanations. */
+await withPage(
+    { viewport: { width: 1280, height: 800 } },
+    async (page) => {
+        await page.waitForFunction(() => !document.getElementById('status').hidden);
+        await texturesLoaded(page);
+        await page.evaluate(() => {
+            const { viewer } = window.viewer;
+            viewer.camera.position.set(-380, -150, 150);
+            [viewer.walk.yaw, viewer.walk.pitch] = [0.5, -0.42];
+            viewer.invalidate();
+        });
+        await page.click('#toggle');
+        await page.mouse.click(800, 560);
+        await page.waitForTimeout(500);
+        await page.screenshot({ path: join(kOut, 'viewer_explain.jpg'), type: 'jpeg', quality: 88 });
+    },
+    process.argv[3],
+);
