@@ -69,10 +69,9 @@ struct Brush {
     const ShaderInfo *contentShader = nullptr;
     std::uint32_t contentFlags = 0, compileFlags = 0; ///< of all sides
     bool detail = false, opaque = false;
-    bool generated = false;   ///< clip brush of a model
-    Vec3f textureOrigin;      ///< center of the origin brush: added to points to get texture coordinates
-    bool mergedGroup = false; ///< from a func_group
-    int bspBrush = -1;        ///< number in the .bsp, set by BspWriter::EmitBrushes
+    bool generated = false; ///< clip brush of a model
+    Vec3f textureOrigin;    ///< center of the origin brush: added to points to get texture coordinates
+    int bspBrush = -1;      ///< number in the .bsp, set by BspWriter::EmitBrushes
 };
 
 struct Patch {
@@ -97,7 +96,6 @@ struct MapEntity {
     Vec3f origin;                    ///< value of the key origin plus the center of the origin brush
     Vec3f brushOrigin;               ///< center of the origin brush; primitives were moved by its negative
     int model = -1;                  ///< 0 the world; -1 none
-    Vec3f Origin() const { return origin; }
     /// Start of messages about the entity: "Entity 3: maps/x.map:120".
     std::string MessagePrefix() const;
 };
@@ -105,7 +103,7 @@ struct MapEntity {
 struct Map {
     std::string name; ///< of the file, for messages
     std::vector<MapEntity> entities;
-    PlaneTable planes{0.00005, 0.005};
+    PlaneTable planes{0.00005, 0.005};              ///< with the defaults of -ne and -de
     std::array<int, 3> blockSize{1024, 1024, 1024}; ///< <= 0: no forced splits along that axis
     const ShaderInfo *defaultCelShader = nullptr;
     MapEntity &World() { return entities.front(); }

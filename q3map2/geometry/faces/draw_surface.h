@@ -39,10 +39,9 @@ struct DrawSurface {
     Boundsf bounds;
     std::vector<DrawVert> verts;
     std::vector<int> indexes;
-    int width = 0, height = 0; ///< of a patch; foliage: numbers of instances and of model vertices
-    bool backSide = false;     ///< written reversed
-    bool skyBoxCopy = false;
-    int parent = -1;            ///< sky box copies: number of the original surface in the .bsp
+    int width = 0, height = 0;  ///< of a patch; foliage: numbers of instances and of model vertices
+    bool backSide = false;      ///< written reversed
+    int parent = -1;            ///< copies of sky box surfaces: number of the original in the .bsp; -1: no such copy
     bool furred = false;        ///< its fur has been made
     bool isCopy = false;        ///< by a cel, clone or back shader, or a layer of fur
     bool collisionOnly = false; ///< patches drawn as triangles instead: written with the nodraw and pointlight flags
