@@ -144,6 +144,8 @@ struct bspRnmHeader_t {
     RnmStorage storage = RnmStorage::Raw;
     std::uint32_t side = 0, pageCount = 0;
 };
+/// Largest bspRnmHeader_t::side, texels.
+inline constexpr std::uint32_t kMaxRnmSide = 16384;
 
 /// Head of the BSPX lump AMBIENT_CUBES. A bspCubeLeaf_t for each leaf and the samples follow.
 struct bspCubeHeader_t {

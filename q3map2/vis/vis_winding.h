@@ -154,6 +154,7 @@ inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge
     for (int j = 0; j < t.count; ++j) {
         if (!PlaneOfPoints(a, t.Point(j), b, plane))
             continue;
+        // Turns `s` behind the plane, by the first of its points that is not on it; none if the plane is that of `s`.
         int k = 0;
         float side = 0;
         for (; k < s.count; ++k)
@@ -163,6 +164,7 @@ inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge
             continue;
         if (side > 0)
             plane = plane.Flipped();
+        // All of `t` must be in front of it or on it.
         bool front = false, back = false;
         for (k = 0; k < t.count && !back; ++k) {
             if (k == j)
