@@ -46,6 +46,7 @@ struct TextureProjection {
     std::array<std::array<double, 4>, 2> vecs{};
 };
 
+/// A side of a brush: its plane, its shader, and how its texture lies.
 struct BrushSide {
     int planeNum = -1;                  ///< front is outside
     Plane plane;                        ///< through the points of the map source, in double
@@ -74,18 +75,20 @@ struct Brush {
     int bspBrush = -1;      ///< number in the .bsp, set by BspWriter::EmitBrushes
 };
 
+/// A curved surface: a grid of control points, of which every 3 x 3 that share borders are a biquadratic Bezier patch.
 struct Patch {
     SurfaceSettings settings;
     int primitive = 0;
     const ShaderInfo *shader = nullptr;
     int width = 0, height = 0;   ///< odd, 3 to 31
     std::vector<DrawVert> verts; ///< row * width + column
-    float longestCurve = 0;
-    Boundsf lodBounds; ///< common bounds of patches that share their level of detail; see FinishPatches
+    float longestCurve = 0;      ///< game units; see FinishPatches
+    Boundsf lodBounds;           ///< common bounds of patches that share their level of detail; see FinishPatches
     bool patchMeta = false;
     int patchSubdivisions = 0; ///< curve tolerance from keys, game units; 0: the value of -subdivisions
 };
 
+/// An entity with its brushes and patches, relative to its origin brush.
 struct MapEntity {
     Entity pairs;
     int number = 0;                  ///< in the map source
@@ -100,6 +103,7 @@ struct MapEntity {
     std::string MessagePrefix() const;
 };
 
+/// A map source. Brushes and patches of func_groups are those of the world.
 struct Map {
     std::string name; ///< of the file, for messages
     std::vector<MapEntity> entities;

@@ -33,6 +33,7 @@ ProjectionAxes ClassicAxes(const Vec3d &normal);
 /// along them to s and t.
 ProjectionAxes MatrixAxes(const Vec3d &normal);
 
+/// The projection of a side by its numbers in each of the forms.
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader);
 TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirectives &shader);
 TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal);

@@ -45,6 +45,7 @@ inline float MaxLane(const PointLanes &lanes) {
     return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
 }
 
+/// The points p with normal . p = dist; those in front have more.
 struct VisPlane {
     Vec3f normal;
     float dist = 0;

@@ -59,6 +59,7 @@ struct MeshExportOptions {
     std::string_view shaderFolder = "scripts"; ///< of the game; generated shaders are looked up there
 };
 
+/// A material of a model file.
 struct MeshMaterial {
     std::string name;
     Vec3f color{1, 1, 1}; ///< diffuse, largest component 1
@@ -66,6 +67,7 @@ struct MeshMaterial {
     bool isShaderName = false; ///< the image is named by its shader, so there is no path to turn into that of a system
 };
 
+/// A vertex of a model file.
 struct MeshVertex {
     Vec3f xyz, normal;         ///< in the map's axes and game units, in world space
     std::array<float, 2> st{}; ///< t runs downwards, as in the game
@@ -85,6 +87,7 @@ struct MeshSurface {
     std::string_view TypeName() const;
 };
 
+/// What a model file holds.
 struct MeshScene {
     std::string name; ///< of the map, without folder and extension
     std::vector<MeshMaterial> materials;

@@ -72,8 +72,8 @@ int VisibleSide(const Brush &brush) {
 
 BspWriter::BspWriter(Map &map, const BspContext &context)
     : map_(map), context_(context), worldSettings_(SettingsOf(map.World(), map, context)), skyBox_(ReadSkyBox(map)) {
-    bsp.drawIndexes = {0, 1, 2, 0, 2, 3};
-    bsp.leafs.emplace_back(); // no node refers to it
+    bsp.drawIndexes = {0, 1, 2, 0, 2, 3}; // of a triangle and of a quad: IndexRuns finds them from the start
+    bsp.leafs.emplace_back();             // no node refers to it
     surfaceFile =
         DefaultSurfaceBlock(worldSettings_, std::max(context.options.sampleSize, context.options.minSampleSize));
 }
