@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-// ---- Splits by the plane of the highest score ----
+// ---- The tree, split by the planes of the highest score ----
 
 namespace {
 

@@ -141,8 +141,8 @@ constexpr double kMaxCell = 1e9; ///< number of a cell on an axis
 } // namespace
 
 std::size_t PointTable::CellHash::operator()(const Cell &c) const {
-    constexpr std::size_t kGolden =
-        0x9E3779B97F4A7C15ull; // 2^64 / golden ratio: Fibonacci hashing, Knuth volume 3, 6.4
+    // 2^64 / golden ratio: Fibonacci hashing, Knuth, The Art of Computer Programming, volume 3, 6.4.
+    constexpr std::size_t kGolden = 0x9E3779B97F4A7C15ull;
     const auto mix = [](std::size_t h, long long v) { return (h ^ std::size_t(v)) * kGolden; };
     const std::size_t h = mix(mix(mix(0, c.x), c.y), c.z);
     return h ^ (h >> 32);

@@ -158,7 +158,7 @@ class EdgeList {
         }
         edge.direction = (Vec3d(to) - Vec3d(from)) / edge.length;
         const Vec3f d(edge.direction);
-        // Holds along an axis, and also for a few slanted edges such as along (2/3, 2/3, -1/3).
+        // Holds along an axis; also for other unit vectors whose components add up to 1, such as (2/3, 2/3, -1/3).
         edge.isAxial = std::abs(d.x + d.y + d.z) == 1;
         edges.push_back(edge);
     }
