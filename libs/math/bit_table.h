@@ -10,10 +10,11 @@
 namespace q3 {
 
 using BitWord = std::uint64_t;
+inline constexpr std::size_t kBitsPerWord = 64; ///< of a BitWord
 
 /// Number of words that hold `bits` bits.
 inline std::size_t WordsOf(std::size_t bits) {
-    return (bits + 63) / 64;
+    return (bits + kBitsPerWord - 1) / kBitsPerWord;
 }
 inline bool TestBit(const BitWord *row, std::size_t bit) {
     return (row[bit >> 6] >> (bit & 63) & 1) != 0;
@@ -34,7 +35,7 @@ inline std::size_t CountBits(std::span<const BitWord> row) {
 template <typename Visit> void ForEachBit(std::span<const BitWord> row, Visit &&visit) {
     for (std::size_t i = 0; i < row.size(); ++i)
         for (BitWord word = row[i]; word != 0; word &= word - 1)
-            visit(64 * i + std::size_t(std::countr_zero(word)));
+            visit(kBitsPerWord * i + std::size_t(std::countr_zero(word)));
 }
 
 /// A table of bits, all clear at first. Rows start at whole words, so threads may write different rows at once.

@@ -44,6 +44,8 @@ struct bspShader_t {
 };
 /// Greatest length of a shader name, without the NUL.
 inline constexpr std::size_t kMaxShaderName = sizeof(bspShader_t::shader) - 1;
+/// lightmapNum of surfaces that are lit at their vertices.
+inline constexpr std::int32_t kLightmapByVertex = -3;
 
 /// A point p is in front when normal . p - dist > 0. Planes 2k and 2k + 1 are each other's opposites.
 struct bspPlane_t {
@@ -142,6 +144,8 @@ struct bspRnmHeader_t {
     RnmStorage storage = RnmStorage::Raw;
     std::uint32_t side = 0, pageCount = 0;
 };
+/// Largest bspRnmHeader_t::side, texels.
+inline constexpr std::uint32_t kMaxRnmSide = 16384;
 
 /// Head of the BSPX lump AMBIENT_CUBES. A bspCubeLeaf_t for each leaf and the samples follow.
 struct bspCubeHeader_t {

@@ -9,7 +9,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::uint32_t kMaxRnmSide = 16384;
 constexpr std::size_t kTexelBytes = 3; ///< of lightmaps in lump 14
 constexpr std::size_t kLeastPageTexels = kLightmapPageBytes / kTexelBytes;
 

@@ -21,13 +21,14 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kDirectoryAt = 8, kEntryBytes = 8, kMaxLumps = 100;
-constexpr std::size_t kMaxText = 1023, kTextColumns = 100;
+constexpr std::size_t kDirectoryAt = 8, kEntryBytes = 8;   ///< bytes: ident and version; offset and length
+constexpr std::size_t kMaxLumps = 100;                     ///< more than any game of the family has
+constexpr std::size_t kMaxText = 1023, kTextColumns = 100; ///< characters of a lump that are shown, and of a line
 
 /// A record of games of the family: its size, and how many a map has at least.
 struct RecordKind {
     std::string_view name;
-    std::size_t bytes, least;
+    std::size_t bytes, minCount;
 };
 constexpr RecordKind kRecordKinds[] = {
     {"planes", 16, 6},
@@ -104,7 +105,7 @@ std::vector<std::string> GuessLump(std::span<const std::byte> lump) {
         return {"shaders"};
     std::vector<std::string> guesses;
     for (const RecordKind &kind : kRecordKinds)
-        if (lump.size() % kind.bytes == 0 && lump.size() / kind.bytes >= kind.least)
+        if (lump.size() % kind.bytes == 0 && lump.size() / kind.bytes >= kind.minCount)
             guesses.push_back(fmt::format("{} {}", lump.size() / kind.bytes, kind.name));
     return guesses;
 }
@@ -130,6 +131,11 @@ constexpr double kMegabyte = 1024 * 1024;
 
 /// Record sizes of RBSP, which the established program prints for IBSP files too.
 constexpr std::size_t kRbspBrushSideBytes = 12, kRbspSurfaceBytes = 148, kRbspVertBytes = 80, kRbspGridPointBytes = 30;
+
+/// The value with -0 as 0, for text.
+float WithoutNegativeZero(float value) {
+    return value + 0.0f;
+}
 
 /// Prints the table of one file.
 class InfoTable {
@@ -178,12 +184,12 @@ class InfoTable {
     }
 
     template <typename Record>
-    void Line(const std::vector<Record> &records, std::string_view name, std::size_t shownSize = 0) const {
+    void Line(const std::vector<Record> &records, std::string_view name, std::size_t shownRecordBytes = 0) const {
         const std::size_t bytes = records.size() * sizeof(Record);
-        if (shownSize == 0)
+        if (shownRecordBytes == 0)
             Line(records.size(), name, bytes);
         else
-            log_.Print("{:9} {:<14} {:9} * ({} in the file)\n", records.size(), name, records.size() * shownSize,
+            log_.Print("{:9} {:<14} {:9} * ({} in the file)\n", records.size(), name, records.size() * shownRecordBytes,
                        bytes);
     }
     void Line(std::size_t count, std::string_view name, std::size_t bytes) const {
@@ -231,6 +237,11 @@ class InfoTable {
         log_.Print("\n");
     }
 
+    void NoteConvolution(const Entity &world) const {
+        Note("coefficients are {}",
+             world.Value(kGridSHKey) == kRadiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
+    }
+
     void PrintGridSH(const Entity &world) const {
         const LightGridSH &grid = *bsp_.gridSH;
         const bspGridSHHeader_t &head = grid.header;
@@ -239,12 +250,11 @@ class InfoTable {
             head.gridBounds[0] - 1, head.gridBounds[1] - 1, head.gridBounds[2] - 1);
         Note("cells of {} x {} x {} units, {} x {} x {} points", head.gridSize[0], head.gridSize[1], head.gridSize[2],
              head.gridBounds[0], head.gridBounds[1], head.gridBounds[2]);
-        const auto shown = [](float value) { return value + 0.0f; }; // no "-0"
-        Note("from ( {} {} {} ) to ( {} {} {} )", shown(head.gridMins[0]), shown(head.gridMins[1]),
-             shown(head.gridMins[2]), shown(last[0]), shown(last[1]), shown(last[2]));
+        Note("from ( {} {} {} ) to ( {} {} {} )", WithoutNegativeZero(head.gridMins[0]),
+             WithoutNegativeZero(head.gridMins[1]), WithoutNegativeZero(head.gridMins[2]), WithoutNegativeZero(last[0]),
+             WithoutNegativeZero(last[1]), WithoutNegativeZero(last[2]));
         Note("stored in {}", bsp_.gridSHContainer == GridSHContainer::Lump ? "lump 18" : "BSPX lump LIGHTGRID_SH");
-        Note("coefficients are {}",
-             world.Value(kGridSHKey) == kRadiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
+        NoteConvolution(world);
         const GridShares shares = CountGridShares(bsp_, grid);
         PointsLine(shares.open, "lit points", grid.points.size());
         PointsLine(shares.filled, "filled points", grid.points.size());
@@ -258,10 +268,10 @@ class InfoTable {
         Note("{} nodes, {:.1f} % of the bytes; {} levels below {} x {} x {} roots", grid.nodes.size(),
              100.0 * double(grid.nodes.size() * sizeof(SparseGridNode)) / double(head.bytes), grid.levels,
              grid.roots[0], grid.roots[1], grid.roots[2]);
-        Note("from ( {} {} {} ), smallest cells of {} x {} x {} units", grid.mins[0] + 0.0f, grid.mins[1] + 0.0f,
-             grid.mins[2] + 0.0f, grid.cell[0], grid.cell[1], grid.cell[2]);
-        Note("coefficients are {}",
-             world.Value(kGridSHKey) == kRadiance ? "radiance, not convolved (-shradiance)" : "cosine-convolved");
+        Note("from ( {} {} {} ), smallest cells of {} x {} x {} units", WithoutNegativeZero(grid.mins[0]),
+             WithoutNegativeZero(grid.mins[1]), WithoutNegativeZero(grid.mins[2]), grid.cell[0], grid.cell[1],
+             grid.cell[2]);
+        NoteConvolution(world);
         const std::vector<SparseLevelCounts> levels = CountSparseLevels(grid);
         for (std::size_t level = levels.size(); level-- > 0;) {
             const SparseLevelCounts &counts = levels[level];
@@ -278,8 +288,8 @@ class InfoTable {
     template <typename... Args> void Note(fmt::format_string<Args...> format, Args &&...args) const {
         log_.Print("{:9}   {}\n", "", fmt::format(format, std::forward<Args>(args)...));
     }
-    void PointsLine(std::size_t count, std::string_view name, std::size_t of) const {
-        log_.Print("{:9}   {:<14} {:5.1f} % {:9.2f} MB\n", count, name, 100.0 * double(count) / double(of),
+    void PointsLine(std::size_t count, std::string_view name, std::size_t total) const {
+        log_.Print("{:9}   {:<14} {:5.1f} % {:9.2f} MB\n", count, name, 100.0 * double(count) / double(total),
                    double(count * sizeof(bspGridPointSH_t)) / kMegabyte);
     }
 
@@ -305,7 +315,8 @@ class InfoTable {
     void PrintCubes(const Entity &) const {
         const AmbientCubes &cubes = *bsp_.ambientCubes;
         Line(cubes.samples.size(), "ambient cubes", BytesOfLump(bsp_, BspxId::AmbientCubes));
-        const auto withCubes = std::ranges::count_if(cubes.leafs, [](const bspCubeLeaf_t &leaf) { return leaf.count > 0; });
+        const auto withCubes =
+            std::ranges::count_if(cubes.leafs, [](const bspCubeLeaf_t &leaf) { return leaf.count > 0; });
         Note("{} of {} leafs have their own, others refer to one of these", withCubes, cubes.leafs.size());
     }
 

@@ -11,23 +11,26 @@
 
 namespace q3 {
 
+/// Values of the options of -json.
 struct JsonOptions {
     bool pack = false, unpack = false;
-    bool useFlagNames = false, dropUnknownFlags = false;
+    bool useFlagNames = false, dropUnknownFlags = false; ///< see PackJsonOptions
 };
 
 /// The options of the -json stage, declared.
 std::vector<SettingGroup<JsonOptions>> JsonSettings();
-/// Takes them off `arguments`. Errors: -pack with -unpack.
+/// Takes the options of -json off `arguments`. Errors: -pack with -unpack.
 JsonOptions ParseJsonOptions(Arguments &arguments, Log &log);
 
+/// Values of the options of -analyze.
 struct AnalyzeOptions {
-    bool lumpSwap = false;
+    bool lumpSwap = false; ///< entries of the directory have the length first
 };
 
 /// The options of the -analyze stage, declared.
 std::vector<SettingGroup<AnalyzeOptions>> AnalyzeSettings();
 
+/// Values of the options of -convert.
 struct ConvertOptions {
     std::string format; ///< empty: ase
     bool readBsp = false, readMap = false;

@@ -30,7 +30,8 @@ namespace q3 {
 
 namespace {
 
-/// Letter of the shader that an editor should apply to a hidden side; '-': leave the side as it is.
+/// Letter of the shader that an editor should apply to a hidden side: 'c' caulk, 'w', 's' and 'l' caulk of liquids, 'n'
+/// nodraw, 'N' solid nodraw; '-': leave the side as it is.
 char CaulkLetter(const Brush &brush, const BrushSide &side) {
     const bool isSeen = side.visibleHull.size() >= 3 && !side.culled;
     if (isSeen || !side.shader || (side.compileFlags & C_NODRAW) != 0)
@@ -101,6 +102,8 @@ void WarnOfLimits(const Bsp &bsp, Log &log) {
     int lastArea = 0;
     for (const bspLeaf_t &leaf : bsp.leafs)
         lastArea = std::max(lastArea, leaf.area);
+    // Those of Quake III: MAX_MAP_... of qfiles.h, MAX_SUBMODELS of its collision code, and five bits of the fog in the
+    // sort key of its renderer.
     struct Limit {
         std::string_view records;
         std::size_t count, most;
@@ -153,16 +156,16 @@ void ShareModels(Map &map, const BspContext &context) {
         const std::string_view name = NameOfOriginal(entity);
         if (name.empty())
             continue;
-        const auto parent = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &other) {
+        const auto original = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &other) {
             return EqualNoCase(keys::kCloneName.Text(other.pairs), name);
         });
-        if (parent == map.entities.end() || !parent->pairs.Has("model")) {
+        if (original == map.entities.end() || !original->pairs.Has("model")) {
             context.log.Warn("clone without parent", "{}: it is a clone of {}, but {}", entity.MessagePrefix(), name,
-                             parent == map.entities.end() ? "no entity has that _clonename"
-                                                          : "that entity has no model");
+                             original == map.entities.end() ? "no entity has that _clonename"
+                                                            : "that entity has no model");
             continue;
         }
-        const std::string model(parent->pairs.Value("model"));
+        const std::string model(original->pairs.Value("model"));
         entity.pairs.Set("model", model);
     }
 }
@@ -170,7 +173,7 @@ void ShareModels(Map &map, const BspContext &context) {
 } // namespace
 
 void NumberModels(Map &map, const BspContext &context) {
-    int models = 1;
+    int models = 1; // the world is the first
     for (std::size_t i = 0; i < map.entities.size(); ++i) {
         MapEntity &entity = map.entities[i];
         if (i == 0) {
@@ -334,7 +337,7 @@ bool MapCompiler::CompileWorld() {
     CullSides(world, map_.planes, context_);
     const SideParts parts = ClipSidesIntoTree(world, tree, map_.planes, context_);
     MakeFaceSurfaces(world, geometry_, map_.planes, context_, parts);
-    ApplyIndexedTerrain(world, geometry_, 0, context_);
+    ApplyIndexedTerrain(geometry_, 0, context_);
     if (context_.options.autoCaulk) {
         result_.caulkFile = CaulkText(world);
         return false;
@@ -378,7 +381,7 @@ void MapCompiler::CompileModel(MapEntity &entity) {
     CullSides(entity, map_.planes, context_);
     const SideParts parts = ClipSidesIntoTree(entity, tree, map_.planes, context_);
     MakeFaceSurfaces(entity, geometry_, map_.planes, context_, parts);
-    ApplyIndexedTerrain(entity, geometry_, first, context_);
+    ApplyIndexedTerrain(geometry_, first, context_);
     AddEntityModels(map_, entity, geometry_, context_);
     AddShaderModels(entity, geometry_, first, map_.planes, context_);
     writer_.EmitBrushes(entity);
@@ -393,7 +396,7 @@ void MapCompiler::CompileModel(MapEntity &entity) {
     EmitModel(entity, tree, first);
 }
 
-/// Subdivision, T-junctions, derived surfaces, decals, the meta step.
+/// Takes the surfaces from `first` on through all steps that change or add surfaces before they are written.
 void MapCompiler::ShapeSurfaces(MapEntity &entity, std::size_t first) {
     if (!context_.options.noSubdivide)
         SubdivideFaces(entity, geometry_, first, map_.planes, context_);
@@ -404,7 +407,7 @@ void MapCompiler::ShapeSurfaces(MapEntity &entity, std::size_t first) {
     MakeDerivedSurfaces(geometry_, first, context_);
     ClassifySurfaces(geometry_, derived, map_.planes, context_);
     const std::size_t added = geometry_.surfaces.size();
-    ApplyDecals(decals_, geometry_, first, context_, entity.Origin());
+    ApplyDecals(decals_, geometry_, first, context_, entity.origin);
     MakePatchMeshes(entity, geometry_, first, context_);
     ClassifySurfaces(geometry_, added, map_.planes, context_);
     MakeMetaSurfaces(geometry_, first, map_.planes, context_);
@@ -435,6 +438,7 @@ CompiledMap MapCompiler::Compile() {
     if (context_.options.skyFix)
         writer_.EmitSkyImages();
     writer_.EmitPlanes();
+    writer_.RemapShaders();
     writer_.bsp.entities = GameEntities(map_, context_.options);
     result_.bsp = std::move(writer_.bsp);
     result_.surfaceFile = std::move(writer_.surfaceFile);

@@ -65,7 +65,7 @@ ConvertGridOptions ParseConvertGridOptions(Arguments &arguments, float gameAmbie
     return options;
 }
 
-// ---- The formats in which a map can hold its light grid ----
+// ---- The conversion, and the table of formats ----
 
 /// The SH grid of a map, and the grids made from it that several formats share.
 class GridConversion {
@@ -125,14 +125,16 @@ namespace {
 
 /// As the established program writes them, for engines that leave no points out too.
 constexpr LegacyTarget kPlainReader{};
-/// r_ambientScale is 0.6. 32 * identityLight is added after the shift of overbright bits, which is 8 before it.
+/// ioquake3 shows 0.6 * (ambient << (2 - b)) + 32 * 2^-b, where 0.6 is r_ambientScale, 2 r_mapOverBrightBits and b its
+/// overbright bits. In bytes of the lump, which are shifted, the addition is 32 * 2^-b / 2^(2 - b) = 8.
 constexpr LegacyTarget kIoquake3{.ambientScale = 0.6, .ambientAdded = 8, .angleSteps = 256, .skipsSolid = true};
-/// The same with float points, without the constant.
+/// The same for its floats of lightgrid.raw, to which it adds nothing.
 constexpr LegacyTarget kIoquake3Raw{.ambientScale = 0.6, .angleSteps = 256, .skipsSolid = true};
-/// It finds points in solids by the map, not by their light.
+/// rend2 finds points in solids by the map, not by their light.
 constexpr LegacyTarget kRend2Raw{.angleSteps = 256};
 constexpr double kRend2Scale = std::numbers::pi / 255; ///< it divides by pi, and 1 is full light
-/// Weights of directed light in the one color that Daemon keeps.
+/// Weight k of directed light in ambient + k * directed, the one color that Daemon keeps: of maps without and with
+/// deluxemaps.
 constexpr double kDaemonDirected = 0.4, kDaemonDeluxeDirected = 0.25;
 
 void StoreFull(const GridConversion &from, Bsp &bsp, GridSHContainer container) {

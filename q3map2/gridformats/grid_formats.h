@@ -41,7 +41,7 @@ std::vector<SettingGroup<ConvertGridOptions>> ConvertGridSettings();
 /// Takes them off `arguments`. Errors: no list of formats.
 ConvertGridOptions ParseConvertGridOptions(Arguments &arguments, float gameAmbientFactor, Log &log);
 
-// ---- The formats in which a map can hold its light grid: -gridformats and -convertgrid ----
+// ---- The table of formats, and the conversion ----
 
 class GridConversion;
 

@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "q3map2/gridformats/grid_source.h"
+#include "q3map2/light/grid/light_grid.h"
 #include "q3map2/light/grid/probe_integrator.h"
 
 #include <algorithm>
@@ -16,10 +17,9 @@ namespace q3 {
 
 namespace {
 
-constexpr std::int64_t kMaxPoints = 0x100000; ///< of a legacy grid, as the light stage allows
 constexpr std::int32_t kContentsSolid = 1, kContentsTranslucent = 0x20000000;
-/// Boxes are shrunk by 0.125 on each side, so that open space that they just touch does not count. Game units.
-constexpr float kBoxShrink = -0.125f;
+/// The epsilon of BspSpace::AnyOpen: opaque brushes count as 0.125 game units smaller on each side.
+constexpr float kBrushMargin = -0.125f;
 
 /// Calls f(x, y, z, index) for each point of a layout in its order.
 template <typename F> void EachPoint(const GridLayout &layout, const F &f) {
@@ -60,7 +60,7 @@ class PointSampler {
             const Vec3f at(points_.layout.Position(x, y, z));
             if (!solid[index])
                 points_.use[index] = PointUse::Open;
-            else if (space_.AnyOpen(at - Cell(), at + Cell(), kBoxShrink))
+            else if (space_.AnyOpen(at - Cell(), at + Cell(), kBrushMargin))
                 points_.use[index] = PointUse::Solid;
             else
                 return;
@@ -89,7 +89,7 @@ class PointSampler {
         }
         const auto isOpen = [this](std::size_t i) { return points_.use[i] == PointUse::Open; };
         const Vec3f mins(layout.Position(x, y, z));
-        if (std::ranges::any_of(corners, isOpen) || !space_.AnyOpen(mins, mins + Cell(), kBoxShrink))
+        if (std::ranges::any_of(corners, isOpen) || !space_.AnyOpen(mins, mins + Cell(), kBrushMargin))
             return;
         for (const std::size_t i : corners)
             points_.use[i] = PointUse::SoleSource;
@@ -135,9 +135,9 @@ GridLayout LegacyLayout(const Bsp &bsp) {
         throw Error("the map has no world model, so no place for a light grid");
     const Vec3f cell = LegacyCell(bsp);
     const GridLayout layout = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, cell.Array());
-    if (layout.Count() > std::max(kMaxPoints, std::int64_t(bsp.gridPoints.size())))
+    if (layout.Count() > std::max(kMaxLegacyPoints, std::int64_t(bsp.gridPoints.size())))
         throw Error("the legacy light grid has {} points with the gridsize {} {} {}, expected at most {}",
-                    layout.Count(), cell.x, cell.y, cell.z, kMaxPoints);
+                    layout.Count(), cell.x, cell.y, cell.z, kMaxLegacyPoints);
     return layout;
 }
 

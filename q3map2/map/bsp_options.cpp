@@ -33,7 +33,7 @@ namespace {
 using Group = SettingGroup<BspOptions>;
 
 constexpr int kMinSurfaceVerts = 3, kMaxScore = 1 << 30;
-constexpr int kMaxSampleSize = 16384, kMaxBevelSnap = 65536; ///< game units
+constexpr int kMaxBevelSnap = 65536; ///< game units
 constexpr SettingRange kVerts{kMinSurfaceVerts, std::numeric_limits<int>::max()}, kSampleSize{1, kMaxSampleSize};
 constexpr SettingRange kScore{-1, kMaxScore};
 constexpr SettingRange kEpsilon{.low = 0, .high = 1, .aboveLow = true, .belowHigh = true};

@@ -15,6 +15,9 @@
 
 namespace q3 {
 
+/// Largest edge of a luxel, game units.
+inline constexpr int kMaxSampleSize = 16384;
+
 /// Declared, with units and ranges, in bsp_options.cpp.
 struct BspOptions {
     bool meta = false, patchMeta = false;

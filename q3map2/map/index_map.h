@@ -19,7 +19,9 @@ struct IndexMap {
     std::vector<float> offsets;       ///< heights of layers, game units; missing ones are 0
     std::string shader;               ///< without "textures/" and the layer's number
 
+    /// The layer at x and y of a point; outside the image that of its border.
     int LayerAt(const Vec3f &p) const;
+    /// The height of a layer, game units.
     float OffsetOf(int layer) const;
 };
 

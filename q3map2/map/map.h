@@ -46,6 +46,7 @@ struct TextureProjection {
     std::array<std::array<double, 4>, 2> vecs{};
 };
 
+/// A side of a brush: its plane, its shader, and how its texture lies.
 struct BrushSide {
     int planeNum = -1;                  ///< front is outside
     Plane plane;                        ///< through the points of the map source, in double
@@ -69,24 +70,25 @@ struct Brush {
     const ShaderInfo *contentShader = nullptr;
     std::uint32_t contentFlags = 0, compileFlags = 0; ///< of all sides
     bool detail = false, opaque = false;
-    bool generated = false;   ///< clip brush of a model
-    Vec3f textureOrigin;      ///< center of the origin brush: added to points to get texture coordinates
-    bool mergedGroup = false; ///< from a func_group
-    int bspBrush = -1;        ///< number in the .bsp, set by BspWriter::EmitBrushes
+    bool generated = false; ///< clip brush of a model
+    Vec3f textureOrigin;    ///< center of the origin brush: added to points to get texture coordinates
+    int bspBrush = -1;      ///< number in the .bsp, set by BspWriter::EmitBrushes
 };
 
+/// A curved surface: a grid of control points, of which every 3 x 3 that share borders are a biquadratic Bezier patch.
 struct Patch {
     SurfaceSettings settings;
     int primitive = 0;
     const ShaderInfo *shader = nullptr;
     int width = 0, height = 0;   ///< odd, 3 to 31
     std::vector<DrawVert> verts; ///< row * width + column
-    float longestCurve = 0;
-    Boundsf lodBounds; ///< common bounds of patches that share their level of detail; see FinishPatches
+    float longestCurve = 0;      ///< game units; see FinishPatches
+    Boundsf lodBounds;           ///< common bounds of patches that share their level of detail; see FinishPatches
     bool patchMeta = false;
     int patchSubdivisions = 0; ///< curve tolerance from keys, game units; 0: the value of -subdivisions
 };
 
+/// An entity with its brushes and patches, relative to its origin brush.
 struct MapEntity {
     Entity pairs;
     int number = 0;                  ///< in the map source
@@ -97,15 +99,15 @@ struct MapEntity {
     Vec3f origin;                    ///< value of the key origin plus the center of the origin brush
     Vec3f brushOrigin;               ///< center of the origin brush; primitives were moved by its negative
     int model = -1;                  ///< 0 the world; -1 none
-    Vec3f Origin() const { return origin; }
     /// Start of messages about the entity: "Entity 3: maps/x.map:120".
     std::string MessagePrefix() const;
 };
 
+/// A map source. Brushes and patches of func_groups are those of the world.
 struct Map {
     std::string name; ///< of the file, for messages
     std::vector<MapEntity> entities;
-    PlaneTable planes{0.00005, 0.005};
+    PlaneTable planes{0.00005, 0.005};              ///< with the defaults of -ne and -de
     std::array<int, 3> blockSize{1024, 1024, 1024}; ///< <= 0: no forced splits along that axis
     const ShaderInfo *defaultCelShader = nullptr;
     MapEntity &World() { return entities.front(); }

@@ -12,9 +12,9 @@ namespace q3 {
 
 namespace {
 
-constexpr double kWindingEpsilon = 0x1p-24; ///< game units
-/// Least determinant of three planes that meet in a point.
-constexpr double kParallel = 1e-9;
+constexpr double kWindingEpsilon = 0x1p-24; ///< game units; half the step of floats just above 1
+/// Least determinant of the unit normals of three planes that meet in a point.
+constexpr double kMinDeterminant = 1e-9;
 /// Greatest distance of a corner in front of the other planes. Game units.
 constexpr double kCornerMargin = 0.1;
 constexpr double kShortEdge = 0.1; ///< game units: the ends of shorter edges are welded
@@ -44,8 +44,9 @@ Boundsd CornerBox(const std::vector<Plane> &planes) {
             const Vec3d cross = Cross(planes[i].normal, planes[j].normal);
             for (std::size_t k = j + 1; k < count; ++k) {
                 const double determinant = Dot(cross, planes[k].normal);
-                if (!(std::abs(determinant) >= kParallel))
+                if (!(std::abs(determinant) >= kMinDeterminant))
                     continue;
+                // Cramer's rule for n . p = d of the three planes.
                 const Vec3d p = (Cross(planes[j].normal, planes[k].normal) * planes[i].dist +
                                  Cross(planes[k].normal, planes[i].normal) * planes[j].dist + cross * planes[k].dist) /
                                 determinant;
@@ -91,9 +92,9 @@ Winding<double> ChoppedPolygon(const std::vector<Plane> &planes, std::size_t sel
 }
 
 Boundsd PolygonBox(const std::vector<Plane> &planes) {
-    constexpr double limit = 4 * kMaxWorldCoord; // game units
+    constexpr double kLimit = 4 * kMaxWorldCoord; // game units
     Boundsd world, box;
-    world.Add({-limit, -limit, -limit}), world.Add({limit, limit, limit});
+    world.Add({-kLimit, -kLimit, -kLimit}), world.Add({kLimit, kLimit, kLimit});
     for (std::size_t i = 0; i < planes.size(); ++i)
         for (const Vec3d &p : ChoppedPolygon(planes, i, world))
             box.Add(p);
@@ -130,7 +131,8 @@ void WeldShortEdges(Winding<double> &w) {
     }
 }
 
-/// Rank of a shader: the content shader of a brush is the one of its sides with the highest rank.
+/// Rank of a shader: liquid, fog, clip, not solid, solid. The content shader of a brush is the one of its sides with
+/// the highest rank.
 int ContentRank(const ShaderInfo &shader, const Game &game) {
     const SurfaceParm *clip = game.FindParm("playerclip");
     if (shader.compileFlags & C_LIQUID)
@@ -228,7 +230,7 @@ std::unique_ptr<Brush> BrushFromPlanes(std::span<const Plane> planes, const Shad
         };
         if (side.planeNum < 0 || sharesPlane(side.planeNum))
             continue;
-        if (sharesPlane(side.planeNum ^ 1))
+        if (sharesPlane(OppositePlane(side.planeNum)))
             return nullptr;
         if (brush->sides.empty() && firstShader) {
             side.shader = firstShader;

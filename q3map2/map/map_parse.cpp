@@ -74,9 +74,9 @@ class MapReader : public MapEntityHandler {
 
 /// Estimates the number of entities from the "classname" keys.
 std::size_t MapReader::EntityEstimate(std::string_view text) {
-    constexpr std::string_view word = "\"classname\"";
+    constexpr std::string_view kWord = "\"classname\"";
     std::size_t count = 1;
-    for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + word.size()))
+    for (std::size_t at = text.find(kWord); at != std::string_view::npos; at = text.find(kWord, at + kWord.size()))
         ++count;
     return count;
 }
@@ -144,7 +144,7 @@ bool MapReader::CheckPlanes(Brush &brush) const {
         const auto hasPlane = [&kept](int number) {
             return std::ranges::any_of(kept, [&](const BrushSide &other) { return other.planeNum == number; });
         };
-        if (hasPlane(side.planeNum ^ 1)) {
+        if (hasPlane(OppositePlane(side.planeNum))) {
             Warn(brush, "mirrored plane", "mirrored plane: the brush is left out");
             return false;
         }
@@ -276,12 +276,13 @@ void MapReader::FinishWorld(const MapEntity &world) {
     else if (!options.celShader.empty())
         map_.defaultCelShader = &context_.shaders.Get(options.celShader);
     std::string_view text = keys::kBlockSize.Text(world.pairs);
+    constexpr double kMaxBlock = 4 * kMaxWorldCoord; // game units; twice the width of the world
     std::vector<int> sizes;
     while (sizes.size() < 3) {
         const std::optional<double> number = TakeNumber(text);
         if (!number)
             break;
-        sizes.push_back(int(std::clamp(*number, 0.0, 4 * kMaxWorldCoord)));
+        sizes.push_back(int(std::clamp(*number, 0.0, kMaxBlock)));
     }
     if (sizes.size() == 3)
         map_.blockSize = {sizes[0], sizes[1], sizes[2]};
@@ -349,7 +350,7 @@ void MapReader::PrintCounts() const {
         for (const Brush &brush : entity.brushes) {
             detail += brush.detail;
             areaPortals += (brush.compileFlags & C_AREAPORTAL) != 0;
-            for (std::size_t i = 0; i < brush.sides.size(); ++i)
+            for (std::size_t i = 0; i < brush.sides.size(); ++i) // the first six are the axial ones
                 (i < 6 ? boxBevels : edgeBevels) += brush.sides[i].bevel;
         }
     }

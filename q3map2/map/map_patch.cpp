@@ -47,13 +47,13 @@ struct CellPoint {
     std::size_t patch = 0;
 };
 
-constexpr int kCellBits = 20;                     ///< of a cell's number along an axis
-constexpr double kFirstCell = kMaxWorldCoord + 8; ///< added to numbers along an axis, so that none is negative
+constexpr int kCellBits = 20;                      ///< of a cell's number along an axis
+constexpr double kCellOffset = kMaxWorldCoord + 8; ///< added to numbers along an axis, so that none is negative
 
 std::uint64_t CellOf(const Vec3f &p, int stepX, int stepY, int stepZ) {
     const auto index = [](float v, int step) {
         const double inside = std::clamp(double(v), -kMaxWorldCoord, kMaxWorldCoord);
-        return std::uint64_t(std::floor(inside / double(kTouching)) + kFirstCell) + std::uint64_t(step + 1);
+        return std::uint64_t(std::floor(inside / double(kTouching)) + kCellOffset) + std::uint64_t(step + 1);
     };
     return (index(p.x, stepX) << (2 * kCellBits)) | (index(p.y, stepY) << kCellBits) | index(p.z, stepZ);
 }
@@ -88,7 +88,9 @@ PatchGroups TouchingPatches(const std::deque<Patch> &patches) {
         if (i > 0 && points[i].cell == points[i - 1].cell)
             continue;
         const CellSpan own = cellAt(points[i].cell);
-        for (int neighbor = 14; neighbor < 27; ++neighbor) // half of the 26, so that each pair is visited once
+        // A neighbor's number is 9 (x + 1) + 3 (y + 1) + z + 1 of the steps to it. 13 is the cell itself; the numbers
+        // above are half of its neighbors, so that each pair of cells is visited once.
+        for (int neighbor = 14; neighbor < 27; ++neighbor)
             JoinCells(own, cellAt(CellOf(points[i].xyz, neighbor / 9 - 1, neighbor / 3 % 3 - 1, neighbor % 3 - 1)),
                       groups);
     }
@@ -158,17 +160,17 @@ void FinishPatches(std::deque<Patch> &patches) {
         Boundsf bounds;
     };
     PatchGroups groups = TouchingPatches(patches);
-    std::vector<Group> found(patches.size());
+    std::vector<Group> byRoot(patches.size());
     for (std::size_t i = 0; i < patches.size(); ++i) {
-        Group &group = found[groups.Of(i)];
+        Group &group = byRoot[groups.Of(i)];
         group.longestCurve =
             std::max(group.longestCurve, LongestCurve(patches[i].width, patches[i].height, patches[i].verts.data()));
         for (const DrawVert &v : patches[i].verts)
             group.bounds.Add(v.xyz);
     }
     for (std::size_t i = 0; i < patches.size(); ++i) {
-        patches[i].longestCurve = found[groups.Of(i)].longestCurve;
-        patches[i].lodBounds = found[groups.Of(i)].bounds;
+        patches[i].longestCurve = byRoot[groups.Of(i)].longestCurve;
+        patches[i].lodBounds = byRoot[groups.Of(i)].bounds;
     }
 }
 

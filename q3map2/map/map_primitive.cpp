@@ -16,7 +16,7 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kMaxSides = 1024; ///< of a brush
-constexpr int kMaxPatchSize = 31;       ///< control points
+constexpr int kMaxPatchSize = 31;       ///< control points a side: the greatest odd number below the 32 of engines
 constexpr std::string_view kTextures = "textures/";
 /// CONTENTS_DETAIL, the only bit that still has a meaning in the contents word of a side.
 constexpr int kDetailContents = 0x8000000;
@@ -297,12 +297,12 @@ bool InWorld(const Patch &patch) {
 void MoveBack(MapEntity &group, PlaneTable &planes, const BspContext &context) {
     if (group.origin == Vec3f{})
         return;
-    const bool far = !InWorld(group.origin);
-    if (far || group.brushOrigin == Vec3f{})
+    const bool isFar = !InWorld(group.origin);
+    if (isFar || group.brushOrigin == Vec3f{})
         context.WarnAt("group with an origin", group.number, 0,
-                       far ? "the origin of a func_group is outside the world: it has no effect"
-                           : "a func_group has the key origin but no origin brush: it is moved by the key");
-    MoveEntity(group, far ? group.brushOrigin : group.origin, planes);
+                       isFar ? "the origin of a func_group is outside the world: it has no effect"
+                             : "a func_group has the key origin but no origin brush: it is moved by the key");
+    MoveEntity(group, isFar ? group.brushOrigin : group.origin, planes);
     const auto leaves = [&](const auto &primitive) {
         if (!InWorld(primitive))
             context.WarnAt("moved out of the world", group.number, primitive.primitive,
@@ -329,17 +329,14 @@ void MoveEntity(MapEntity &entity, const Vec3f &by, PlaneTable &planes) {
 void JoinWorld(MapEntity &group, MapEntity &world, PlaneTable &planes, const BspContext &context) {
     MoveBack(group, planes, context);
     for (Brush &brush : group.brushes) {
-        brush.mergedGroup = true;
         brush.textureOrigin = {};
         if (brush.opaque)
             world.brushes.push_front(std::move(brush));
         else
             world.brushes.push_back(std::move(brush));
     }
-    for (Brush &brush : group.colorVolumes) {
-        brush.mergedGroup = true;
+    for (Brush &brush : group.colorVolumes)
         world.colorVolumes.push_back(std::move(brush));
-    }
     world.patches.insert(world.patches.begin(), std::make_move_iterator(group.patches.begin()),
                          std::make_move_iterator(group.patches.end()));
 }

@@ -36,8 +36,9 @@ class MapScanner {
     void Expect(std::string_view token);
     /// The next number of this line. Malformed text counts as the number at its start, else 0, after a warning.
     double Number();
+    /// The same for a token that was read.
     double NumberOf(const std::string &token) const;
-    /// The same for whole numbers, without a warning.
+    /// The next whole number of this line; malformed text counts likewise, without a warning.
     int Integer();
     /// Skips to the "}" of a block whose "{" was already read. False if the text ends first.
     bool SkipBlock();

@@ -26,9 +26,7 @@ constexpr double kMaxProjection = 1e30;
 /// Images per game unit. Along a shorter axis the whole world spans less than a ten-thousandth of an image.
 constexpr double kMinAxis = 1e-9;
 /// Least sine of the angle between axes on a side.
-constexpr double kParallelAxes = 1e-4;
-/// Game units per texel of sides whose own axes are unusable; the default of editors.
-constexpr double kDefaultScale = 0.5;
+constexpr double kMinAxisSine = 1e-4;
 
 const BaseAxes &BaseAxesOf(const Vec3d &normal) {
     const BaseAxes *best = nullptr;
@@ -60,7 +58,8 @@ Rotation RotationOf(double degrees) {
     return {std::sin(angle), std::cos(angle)};
 }
 
-std::size_t MainAxis(const Vec3d &axis) {
+/// Number of the world axis along which a base axis is.
+std::size_t WorldAxis(const Vec3d &axis) {
     return axis.x != 0 ? 0 : axis.y != 0 ? 1 : 2;
 }
 
@@ -90,7 +89,7 @@ ProjectionAxes MatrixAxes(const Vec3d &normal) {
 
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader) {
     const BaseAxes &base = BaseAxesOf(normal);
-    const std::size_t sAxis = MainAxis(base.s), tAxis = MainAxis(base.t);
+    const std::size_t sAxis = WorldAxis(base.s), tAxis = WorldAxis(base.t);
     const Rotation rotation = RotationOf(texture.rotate);
     const std::array<int, 2> size{shader.textureWidth, shader.textureHeight};
     TextureProjection projection;
@@ -132,12 +131,12 @@ bool HasExtent(const TextureProjection &projection, const Vec3d &normal) {
             if (const double value = projection.vecs[row][i]; std::abs(value) < kMaxProjection)
                 axes[row][i] = value;
     const double s = Length(axes[0]), t = Length(axes[1]);
-    return s > kMinAxis && t > kMinAxis && std::abs(Dot(normal, Cross(axes[0], axes[1]))) > kParallelAxes * s * t;
+    return s > kMinAxis && t > kMinAxis && std::abs(Dot(normal, Cross(axes[0], axes[1]))) > kMinAxisSine * s * t;
 }
 
 TextureProjection DefaultProjection(const Vec3d &normal, const GeometryDirectives &shader) {
     TextureAxes plain;
-    plain.scale = {kDefaultScale, kDefaultScale};
+    plain.scale = {kDefaultTextureScale, kDefaultTextureScale};
     return ProjectClassic(plain, normal, shader);
 }
 

@@ -19,6 +19,9 @@ struct TextureAxes {
 /// Rows (s, t) of the texture matrix of brushDef and brushDef3, in units of the image size.
 using TextureMatrix = std::array<std::array<double, 3>, 2>;
 
+/// Game units per texel of sides whose own axes are unusable: the scale that editors give new sides.
+inline constexpr double kDefaultTextureScale = 0.5;
+
 /// Two perpendicular unit vectors along which the texture coordinates of a side are measured.
 struct ProjectionAxes {
     Vec3d s, t;
@@ -26,9 +29,11 @@ struct ProjectionAxes {
 /// Axes of the classic form, before rotation: s along a world axis, t against one. `normal`, here and below: as in the
 /// plane table, that is snapped.
 ProjectionAxes ClassicAxes(const Vec3d &normal);
-/// Axes of brush primitives, in the plane of the side: the texture matrix maps coordinates along them to s and t.
+/// Axes of brush primitives, in the plane of the side, as GtkRadiant defines them: the texture matrix maps coordinates
+/// along them to s and t.
 ProjectionAxes MatrixAxes(const Vec3d &normal);
 
+/// The projection of a side by its numbers in each of the forms.
 TextureProjection ProjectClassic(const TextureAxes &texture, const Vec3d &normal, const GeometryDirectives &shader);
 TextureProjection ProjectValve(const TextureAxes &texture, const GeometryDirectives &shader);
 TextureProjection ProjectMatrix(const TextureMatrix &matrix, const Vec3d &normal);

@@ -59,7 +59,7 @@ bool PlaneTable::IsAxial(int number) const {
 int PlaneTable::Find(const Vec3d &normal, double dist, std::span<const Vec3d> points) {
     Vec3d n = AsStored(normal);
     double d = double(float(dist));
-    constexpr double kMinLength = 0.5;
+    constexpr double kMinLength = 0.5; // a unit normal that was rounded is longer by far
     if (!(Length(n) >= kMinLength) || !IsFinite(n) || !std::isfinite(d))
         return -1;
     if (SnapNormal(n)) {
@@ -75,15 +75,16 @@ int PlaneTable::Find(const Vec3d &normal, double dist, std::span<const Vec3d> po
     if (zeros >= 2 && std::abs(d - std::rint(d)) < distanceEpsilon_)
         d = std::rint(d);
     const std::size_t hash = HashOf(d, kHashes);
-    // The chain before, its own and the next; kHashes - 1 is one back.
+    // Equal planes may have distances in neighboring chains: searches the chain before its own, which is kHashes - 1
+    // steps on, its own, and the next.
     for (const std::size_t step : {kHashes - 1, std::size_t(0), std::size_t(1)})
         for (int i = chains_[(hash + step) % kHashes]; i >= 0; i = next_[std::size_t(i)]) {
             if (!Equal(i, n, d))
                 continue;
-            bool near = true;
+            bool holdsPoints = true;
             for (const Vec3d &p : points)
-                near = near && std::abs((*this)[i].Distance(p)) < distanceEpsilon_;
-            if (near)
+                holdsPoints = holdsPoints && std::abs((*this)[i].Distance(p)) < distanceEpsilon_;
+            if (holdsPoints)
                 return i;
         }
     return Append(n, d);
@@ -92,6 +93,7 @@ int PlaneTable::Find(const Vec3d &normal, double dist, std::span<const Vec3d> po
 int PlaneTable::Append(const Vec3d &normal, double dist) {
     const int first = Count();
     const bool swapped = normal.x == -1 || normal.y == -1 || normal.z == -1;
+    // Adding 0 turns -0 into 0.
     const Plane asked{normal + Vec3d{}, dist}, opposite{-normal + Vec3d{}, -dist + 0.0};
     planes_.push_back(swapped ? opposite : asked);
     planes_.push_back(swapped ? asked : opposite);

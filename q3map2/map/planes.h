@@ -9,9 +9,18 @@
 
 namespace q3 {
 
-/// Planes in pairs: i and i ^ 1 are opposite. In axial pairs the even number has the positive normal. Stored with the
-/// precision of float. Find snaps normals to a nearby axis or coordinate plane, and distances of axial planes to nearby
-/// whole numbers.
+/// The number of the plane with the opposite normal, in a PlaneTable.
+constexpr int OppositePlane(int planeNum) {
+    return planeNum ^ 1;
+}
+/// The even number of a pair of opposite planes.
+constexpr int EvenPlane(int planeNum) {
+    return planeNum & ~1;
+}
+
+/// Planes in pairs: 2 i and 2 i + 1 are opposite. In axial pairs the even number has the positive normal. Stored with
+/// the precision of float. Find snaps normals to a nearby axis or coordinate plane, and distances of axial planes to
+/// nearby whole numbers.
 class PlaneTable {
   public:
     PlaneTable(double normalEpsilon, double distanceEpsilon)

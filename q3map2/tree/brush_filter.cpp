@@ -72,7 +72,7 @@ Polygon SectionOf(const BrushFragment &piece, const Plane &plane, const PlaneTab
     for (const BrushFragment::Side &side : piece.sides) {
         if (section.empty())
             break;
-        ChopPolygon(section, planes[side.planeNum ^ 1], 0.0);
+        ChopPolygon(section, planes[OppositePlane(side.planeNum)], 0.0);
     }
     Polygon rounded;
     for (const Vec3d &p : section)
@@ -102,14 +102,14 @@ std::array<std::optional<BrushFragment>, 2> SplitPiece(BrushFragment piece, int 
             if (!cut[i].empty())
                 parts[i].sides.push_back({side.planeNum, std::move(cut[i])});
     }
-    const bool front = IsSolid(parts[0]), back = IsSolid(parts[1]);
-    if (!front && !back)
+    const bool hasFront = IsSolid(parts[0]), hasBack = IsSolid(parts[1]);
+    if (!hasFront && !hasBack)
         return halves;
-    if (!front || !back) {
-        halves[front ? 0 : 1] = std::move(piece);
+    if (!hasFront || !hasBack) {
+        halves[hasFront ? 0 : 1] = std::move(piece);
         return halves;
     }
-    parts[0].sides.push_back({planeNum ^ 1, Reversed(section)});
+    parts[0].sides.push_back({OppositePlane(planeNum), Reversed(section)});
     parts[1].sides.push_back({planeNum, section});
     for (std::size_t i = 0; i < 2; i++)
         if (VolumeOf(parts[i], planes) >= kMinVolume)
@@ -148,7 +148,7 @@ void MarkAreaPortals(const Brush &brush, Tree &tree, int leaf, const PlaneTable 
             continue;
         for (const int number : tree.nodes[std::size_t(leaf)].portals) {
             TreePortal &portal = tree.portals[std::size_t(number)];
-            if (portal.onNode >= 0 && (portal.planeNum & ~1) == (side.planeNum & ~1) &&
+            if (portal.onNode >= 0 && EvenPlane(portal.planeNum) == EvenPlane(side.planeNum) &&
                 !EdgeAxisSeparates(side.winding, portal.polygon, planes[side.planeNum].normal) &&
                 !EdgeAxisSeparates(portal.polygon, side.winding, planes[side.planeNum].normal))
                 portal.compileFlags |= C_AREAPORTAL;
@@ -167,11 +167,11 @@ class BrushFilter {
   private:
     const Tree &tree_;
     const PlaneTable &planes_;
-    long long brushes_ = 0, references_ = 0, lost_ = 0;
+    long long brushCount_ = 0, referenceCount_ = 0, lostCount_ = 0;
 };
 
 template <typename Reached> void BrushFilter::Add(const Brush &brush, const Reached &reached) {
-    brushes_++;
+    brushCount_++;
     std::vector<std::pair<int, BrushFragment>> pending;
     pending.emplace_back(tree_.head, WholeBrush(brush));
     while (!pending.empty()) {
@@ -180,7 +180,7 @@ template <typename Reached> void BrushFilter::Add(const Brush &brush, const Reac
         const TreeNode &node = tree_.nodes[std::size_t(at)];
         if (node.IsLeaf()) {
             reached(at);
-            references_++;
+            referenceCount_++;
             continue;
         }
         auto halves = SplitPiece(std::move(piece), node.planeNum, planes_);
@@ -188,15 +188,15 @@ template <typename Reached> void BrushFilter::Add(const Brush &brush, const Reac
             if (halves[i])
                 pending.emplace_back(node.children[i], std::move(*halves[i]));
         if (!halves[0] && !halves[1])
-            lost_++;
+            lostCount_++;
     }
 }
 
 void BrushFilter::Report(Log &log, std::string_view name) const {
-    log.VerboseCount(brushes_, name);
-    log.VerboseCount(references_, "cluster references");
-    if (lost_ > 0)
-        log.VerboseCount(lost_, "pieces of brushes too thin to split");
+    log.VerboseCount(brushCount_, name);
+    log.VerboseCount(referenceCount_, "cluster references");
+    if (lostCount_ > 0)
+        log.VerboseCount(lostCount_, "pieces of brushes too thin to split");
 }
 
 /// Inserts at the front: leafs list their newest brush first, and engines test it first.
@@ -218,10 +218,8 @@ void FilterStructuralBrushes(const MapEntity &entity, Tree &tree, PlaneTable &pl
             PushBrush(node, i);
             if (brush.opaque)
                 node.opaque = true;
-            else if (brush.compileFlags & C_AREAPORTAL) {
-                node.areaPortal = true;
+            else if (brush.compileFlags & C_AREAPORTAL)
                 MarkAreaPortals(brush, tree, leaf, planes);
-            }
         });
     }
     filter.Report(context.log, "structural brushes");

@@ -86,7 +86,7 @@ void WarnOfLightsInDetail(const Map &map, const BspContext &context) {
     for (const MapEntity &entity : map.entities) {
         if (!ShinesFromOrigin(entity.pairs))
             continue;
-        const Vec3f origin = entity.Origin();
+        const Vec3f origin = entity.origin;
         for (const Brush &brush : map.entities.front().brushes) {
             if (!brush.detail || !InSolidBrush(brush, origin, map.planes))
                 continue;
@@ -113,7 +113,7 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, Sol
         const MapEntity &entity = map.entities[i];
         if (!StartsFlood(entity))
             continue;
-        const int leaf = tree.LeafAt(entity.Origin() + kLift, map.planes);
+        const int leaf = tree.LeafAt(entity.origin + kLift, map.planes);
         if (tree.nodes[std::size_t(leaf)].opaque) {
             if (warnings == SolidWarnings::Print)
                 context.log.Warn("entity in solid", "{}: the {} stands in solid", entity.MessagePrefix(),
@@ -205,7 +205,7 @@ std::vector<Vec3f> LeakLine(const Tree &tree, const Map &map) {
         line.emplace_back(sum / double(polygon.size()));
     }
     if (path.entity >= 0)
-        line.push_back(map.entities[std::size_t(path.entity)].Origin());
+        line.push_back(map.entities[std::size_t(path.entity)].origin);
     return line;
 }
 
@@ -313,7 +313,8 @@ namespace {
 /// Whether the portal lies on the side of a brush with these bounds that makes it an area portal.
 bool IsOfAreaPortal(const TreePortal &portal, const Brush &brush, const BrushSide &side) {
     constexpr float kSlack = 1; // a portal may reach this far beyond the brush; game units
-    if (portal.polygon.empty() || !(portal.compileFlags & C_AREAPORTAL) || (portal.planeNum ^ side.planeNum) > 1)
+    if (portal.polygon.empty() || !(portal.compileFlags & C_AREAPORTAL) ||
+        EvenPlane(portal.planeNum) != EvenPlane(side.planeNum))
         return false;
     return WindingBounds(portal.polygon).Touches(brush.bounds, kSlack);
 }

@@ -9,8 +9,6 @@
 
 namespace q3 {
 
-// ---- Flood fill from entities: finds leaks, makes leafs outside opaque ----
-
 enum class Sealing {
     Sealed,
     Leaked, ///< the flood from an entity reaches the outside

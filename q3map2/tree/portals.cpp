@@ -17,8 +17,8 @@ namespace q3 {
 namespace {
 
 constexpr double kPadding = 8;         ///< around the bounds of the tree, game units
-constexpr double kNodeEpsilon = 0.001; ///< for cuts by planes of nodes
-constexpr double kBorderEpsilon = 0.1; ///< for cuts by portals around the node
+constexpr double kNodeEpsilon = 0.001; ///< for cuts by planes of nodes, game units
+constexpr double kBorderEpsilon = 0.1; ///< for cuts by portals around the node, game units
 constexpr std::size_t kMaxPortals = 1 << 24;
 
 Plane Flipped(const Plane &plane) {
@@ -54,7 +54,7 @@ class PortalMaker {
   public:
     PortalMaker(Tree &tree, const PlaneTable &planes, Log &log) : tree_(tree), planes_(planes), log_(log) {}
     void Make();
-    int TinyCount() const { return tiny_; }
+    int TinyCount() const { return tinyCount_; }
 
   private:
     TreeNode &Node(int number) { return tree_.nodes[std::size_t(number)]; }
@@ -75,7 +75,7 @@ class PortalMaker {
     const PlaneTable &planes_;
     Log &log_;
     std::vector<std::array<std::size_t, 2>> positions_; ///< of each portal in the lists of its two nodes
-    int tiny_ = 0;
+    int tinyCount_ = 0;
 };
 
 int PortalMaker::NewPortal(TreePortal portal) {
@@ -103,13 +103,13 @@ void PortalMaker::Detach(int portal) {
 
 void PortalMaker::DropTiny(Polygon &polygon) {
     if (!polygon.empty() && IsTiny(polygon))
-        polygon.clear(), tiny_++;
+        polygon.clear(), tinyCount_++;
 }
 
 void PortalMaker::MakeHeadPortals() {
     tree_.outside = int(tree_.nodes.size());
     tree_.nodes.emplace_back();
-    std::array<Plane, 6> sides;
+    std::array<Plane, 6> sides; // facing inwards: at the least x, y, z, then at the greatest
     for (std::size_t axis = 0; axis < 3; axis++) {
         sides[axis].normal[axis] = 1;
         sides[axis].dist = double(float(double(tree_.bounds.mins[axis]) - kPadding));
@@ -134,7 +134,7 @@ void PortalMaker::SetBounds(int node) {
             for (const Vec3f &p : Portal(portal).polygon)
                 bounds.Add(p);
     if (bounds.Empty() || bounds.mins.x >= bounds.maxs.x) {
-        log_.Warn("node without volume", "a node of the tree has no volume ({} tiny portals so far)", tiny_);
+        log_.Warn("node without volume", "a node of the tree has no volume ({} tiny portals so far)", tinyCount_);
         // A node without portals gets an empty box at the corner of its parent's box.
         const int parent = Node(node).parent;
         const Vec3f corner = parent >= 0 ? Node(parent).bounds.mins : Vec3f{};

@@ -9,12 +9,12 @@
 
 namespace q3 {
 
-// ---- Builds the tree: chooses split planes and distributes the faces ----
+// ---- The tree, split by the planes of the highest score ----
 
 namespace {
 
-constexpr double kClipEpsilon = 0.2; ///< game units
-constexpr std::size_t kMaxNodes = std::size_t(1) << 20;
+constexpr double kClipEpsilon = 0.2;                    ///< game units
+constexpr std::size_t kMaxNodes = std::size_t(1) << 20; ///< a million, which bounds time and memory
 /// Budget of plane-face tests for a node; reached with tens of thousands of tilted brushes. Once it is spent, only
 /// kSampledPlanes of the remaining candidate planes, evenly spaced, are tested.
 constexpr std::int64_t kTestBudget = std::int64_t(1) << 20;
@@ -22,8 +22,8 @@ constexpr std::size_t kSampledPlanes = 32;
 /// Score of a plane: kScorePerFace for each face on it, minus as much for each face that it cuts, plus kAxialBonus if
 /// it is axial, plus the highest priority of its faces. With -altsplit: kAltBase minus the number of nodes that it
 /// splits already, minus its faces, minus kScorePerFace for each cut, minus the difference of the numbers of faces on
-/// both sides, plus the bonus.
-constexpr double kScorePerFace = 5, kAxialBonus = 5, kAltBase = 20000;
+/// both sides, plus the highest sum of priority and kAltAreaBonus times area (square game units) of its faces.
+constexpr double kScorePerFace = 5, kAxialBonus = 5, kAltBase = 20000, kAltAreaBonus = 10;
 
 class TreeBuilder {
   public:
@@ -46,18 +46,18 @@ class TreeBuilder {
     /// Faces of a list that lie on one plane.
     struct PlaneGroup {
         int planeNum = 0;
-        int faces = 0;            ///< their number
+        int faceCount = 0;
         std::size_t bestFace = 0; ///< position in the list of the face with the highest bonus
         double bonus = 0;         ///< of that face
-        double bound = 0;         ///< upper bound of the plane's score
+        double maxScore = 0;      ///< upper bound of the plane's score
     };
 
     Pending Root();
     Choice BlockSplit(const Boundsf &bounds) const;
     Choice ChooseSplit(const std::vector<int> &list);
     void FillGroups(const std::vector<int> &list);
-    double BoundOf(const PlaneGroup &group) const;
-    double ValueOf(const PlaneGroup &group, const std::vector<int> &list, double toBeat);
+    double MaxScore(const PlaneGroup &group) const;
+    double Score(const PlaneGroup &group, const std::vector<int> &list, double toBeat);
     double BonusOf(const TreeFace &face) const;
     PolygonSide SideOfFace(int face, int planeNum) const;
     void SplitFace(int number, const Plane &plane, std::array<std::vector<int>, 2> &parts);
@@ -70,9 +70,9 @@ class TreeBuilder {
     PlaneTable &planes_;
     const BspOptions &options_;
     std::vector<PlaneGroup> groups_;
-    std::unordered_map<int, std::size_t> groupOf_;
-    std::unordered_map<int, int> uses_; ///< number of nodes split by a plane
-    std::int64_t sideTests_ = 0;
+    std::unordered_map<int, std::size_t> groupOf_; ///< index in groups_ by plane
+    std::unordered_map<int, int> nodesSplitBy_;    ///< number of nodes split by a plane
+    std::int64_t sideTests_ = 0;                   ///< see Tree::sideTests
 };
 
 TreeBuilder::Choice TreeBuilder::BlockSplit(const Boundsf &bounds) const {
@@ -91,8 +91,7 @@ TreeBuilder::Choice TreeBuilder::BlockSplit(const Boundsf &bounds) const {
 }
 
 double TreeBuilder::BonusOf(const TreeFace &face) const {
-    const double area = options_.altSplit ? 10 * WindingArea(face.polygon) : 0;
-    return face.priority + area;
+    return face.priority + (options_.altSplit ? kAltAreaBonus * WindingArea(face.polygon) : 0);
 }
 
 void TreeBuilder::FillGroups(const std::vector<int> &list) {
@@ -104,7 +103,7 @@ void TreeBuilder::FillGroups(const std::vector<int> &list) {
         if (added)
             groups_.push_back({face.planeNum, 0, i, bonus, 0});
         PlaneGroup &group = groups_[it->second];
-        group.faces++;
+        group.faceCount++;
         if (bonus > group.bonus)
             group.bestFace = i, group.bonus = bonus;
     }
@@ -128,16 +127,16 @@ PolygonSide TreeBuilder::SideOfFace(int face, int planeNum) const {
 }
 
 /// Upper bound of the score: as if the plane split no face.
-double TreeBuilder::BoundOf(const PlaneGroup &group) const {
+double TreeBuilder::MaxScore(const PlaneGroup &group) const {
     if (!options_.altSplit)
-        return kScorePerFace * group.faces + (planes_.IsAxial(group.planeNum) ? kAxialBonus : 0) + group.bonus;
-    const auto used = uses_.find(group.planeNum);
-    return kAltBase - (used == uses_.end() ? 0 : used->second) - group.faces + group.bonus;
+        return kScorePerFace * group.faceCount + (planes_.IsAxial(group.planeNum) ? kAxialBonus : 0) + group.bonus;
+    const auto used = nodesSplitBy_.find(group.planeNum);
+    return kAltBase - (used == nodesSplitBy_.end() ? 0 : used->second) - group.faceCount + group.bonus;
 }
 
 /// Score of the plane, higher is better. Once it falls below `toBeat` counting stops: then only an upper bound.
-double TreeBuilder::ValueOf(const PlaneGroup &group, const std::vector<int> &list, double toBeat) {
-    double value = group.bound;
+double TreeBuilder::Score(const PlaneGroup &group, const std::vector<int> &list, double toBeat) {
+    double score = group.maxScore;
     int front = 0, back = 0;
     for (const int face : list) {
         if (faces_[std::size_t(face)].planeNum == group.planeNum)
@@ -146,10 +145,10 @@ double TreeBuilder::ValueOf(const PlaneGroup &group, const std::vector<int> &lis
         sideTests_++;
         front += side == PolygonSide::Front;
         back += side == PolygonSide::Back;
-        if (side == PolygonSide::Cross && (value -= kScorePerFace) < toBeat)
+        if (side == PolygonSide::Cross && (score -= kScorePerFace) < toBeat)
             break;
     }
-    return options_.altSplit ? value - std::abs(front - back) : value;
+    return options_.altSplit ? score - std::abs(front - back) : score;
 }
 
 TreeBuilder::Choice TreeBuilder::ChooseSplit(const std::vector<int> &list) {
@@ -158,26 +157,26 @@ TreeBuilder::Choice TreeBuilder::ChooseSplit(const std::vector<int> &list) {
     FillGroups(list);
     // By descending upper bound, so that most candidates end early.
     for (PlaneGroup &group : groups_)
-        group.bound = BoundOf(group);
+        group.maxScore = MaxScore(group);
     std::sort(groups_.begin(), groups_.end(), [](const PlaneGroup &a, const PlaneGroup &b) {
-        return a.bound != b.bound ? a.bound > b.bound : a.bestFace < b.bestFace;
+        return a.maxScore != b.maxScore ? a.maxScore > b.maxScore : a.bestFace < b.bestFace;
     });
     const PlaneGroup *best = nullptr;
-    double bestValue = std::numeric_limits<double>::lowest();
+    double bestScore = std::numeric_limits<double>::lowest();
     const std::int64_t testLimit = sideTests_ + kTestBudget;
     for (std::size_t at = 0, step = 1; at < groups_.size(); at += step) {
         const PlaneGroup &group = groups_[at];
-        if (best && group.bound < bestValue)
+        if (best && group.maxScore < bestScore)
             break;
-        if (best && group.bound == bestValue && group.bestFace > best->bestFace)
+        if (best && group.maxScore == bestScore && group.bestFace > best->bestFace)
             continue;
         if (step == 1 && sideTests_ > testLimit)
             step = (groups_.size() - at) / kSampledPlanes + 1;
-        const double value = ValueOf(group, list, bestValue);
-        if (!best || value > bestValue || (value == bestValue && group.bestFace < best->bestFace))
-            best = &group, bestValue = value;
+        const double score = Score(group, list, bestScore);
+        if (!best || score > bestScore || (score == bestScore && group.bestFace < best->bestFace))
+            best = &group, bestScore = score;
     }
-    uses_[best->planeNum]++;
+    nodesSplitBy_[best->planeNum]++;
     return {best->planeNum, faces_[std::size_t(list[best->bestFace])].compileFlags};
 }
 
@@ -203,7 +202,7 @@ void TreeBuilder::SplitFace(int number, const Plane &plane, std::array<std::vect
 void TreeBuilder::Partition(const Pending &work, int planeNum, std::array<std::vector<int>, 2> &parts) {
     const Plane plane = planes_[planeNum];
     for (const int number : work.faces) {
-        if (faces_[std::size_t(number)].planeNum == (planeNum & ~1))
+        if (faces_[std::size_t(number)].planeNum == EvenPlane(planeNum))
             continue;
         const PolygonSide side = SideOfFace(number, planeNum);
         if (side == PolygonSide::Front)
@@ -265,7 +264,7 @@ Tree TreeBuilder::Build() {
         node.structural = !(choice.flags & C_DETAIL);
         node.children = {firstChild, firstChild + 1};
         tree.nodes.resize(tree.nodes.size() + 2);
-        for (const std::size_t i : {std::size_t(1), std::size_t(0)}) {
+        for (const std::size_t i : {std::size_t(1), std::size_t(0)}) { // the front is taken off the stack first
             tree.nodes[std::size_t(firstChild) + i].parent = work.node;
             pending.push_back({firstChild + int(i), std::move(parts[i]), bounds[i]});
         }
@@ -315,7 +314,7 @@ namespace {
 
 constexpr std::size_t kMinSides = 4; ///< fewest sides that enclose a volume
 
-/// Faces with higher priority split earlier.
+/// Faces with higher priority split earlier: hints, other structural faces, portals, detail.
 int PriorityOf(std::uint32_t flags) {
     int priority = 0;
     if (flags & C_HINT)
@@ -333,7 +332,7 @@ int PriorityOf(std::uint32_t flags) {
 TreeFace FaceOf(const Brush &brush, const BrushSide &side, const Polygon &polygon) {
     TreeFace face;
     face.polygon = polygon;
-    face.planeNum = side.planeNum & ~1;
+    face.planeNum = EvenPlane(side.planeNum);
     face.compileFlags = side.compileFlags & ~std::uint32_t(C_DETAIL);
     if (brush.detail)
         face.compileFlags |= C_DETAIL;

@@ -19,7 +19,7 @@ inline constexpr double kSideEpsilon = 0.1;
 struct TreeFace {
     Polygon polygon;
     int planeNum = 0; ///< even
-    int priority = 0;
+    int priority = 0; ///< faces with higher priority split earlier
     std::uint32_t compileFlags = 0;
 };
 
@@ -44,7 +44,7 @@ struct TreeNode {
     std::vector<int> portals;       ///< numbers of TreePortal
 
     // Leafs.
-    bool opaque = false, areaPortal = false, skyBox = false;
+    bool opaque = false, skyBox = false;
     int cluster = -1, area = -1;
     int floodSteps = 0;       ///< number of leafs on the shortest path to an entity, this leaf included; 0: not reached
     int floodEntity = -1;     ///< an entity in this leaf where a flood started (index in the map)

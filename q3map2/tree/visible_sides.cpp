@@ -33,14 +33,14 @@ bool IsHidden(const BrushSide &side, const Brush &other, const PlaneTable &plane
         if (cover.compileFlags & C_NODRAW)
             return false;
         const Plane &plane = planes[cover.planeNum];
-        bool on = true;
+        bool isInPlane = true;
         for (const Vec3f &p : side.winding) {
             const double d = plane.Distance(Vec3d(p));
             if (d > kOnPlane)
                 return false;
-            on = on && d >= -kOnPlane;
+            isInPlane = isInPlane && d >= -kOnPlane;
         }
-        if (on && cover.culled && Dot(normal, plane.normal) > 0)
+        if (isInPlane && cover.culled && Dot(normal, plane.normal) > 0)
             return false;
     }
     return true;
@@ -83,8 +83,9 @@ bool SamePoints(const Polygon &a, const Polygon &b) {
 }
 
 bool Coincide(const BrushSide &a, const BrushSide &b) {
-    return (a.planeNum & ~1) == (b.planeNum & ~1) && a.winding.size() == b.winding.size() && !a.winding.empty() &&
-           !(a.culled && b.culled) && MayBeCulled(a) && MayBeCulled(b) && SamePoints(a.winding, b.winding);
+    return EvenPlane(a.planeNum) == EvenPlane(b.planeNum) && a.winding.size() == b.winding.size() &&
+           !a.winding.empty() && !(a.culled && b.culled) && MayBeCulled(a) && MayBeCulled(b) &&
+           SamePoints(a.winding, b.winding);
 }
 
 /// Whether the side hides a side that coincides with it.
@@ -143,7 +144,7 @@ void CullSides(MapEntity &entity, const PlaneTable &planes, const BspContext &co
 
 namespace {
 
-constexpr double kEpsilon = 0.1;
+constexpr double kHullEpsilon = 0.1; ///< tolerance of points on a plane or an edge, game units
 
 /// Extends the convex hull to hold `p`. Points are clockwise seen from the tip of `normal`.
 void AddPoint(Polygon &hull, const Vec3f &p, const Vec3d &normal) {
@@ -153,8 +154,8 @@ void AddPoint(Polygon &hull, const Vec3f &p, const Vec3d &normal) {
     for (std::size_t i = 0; i < count; i++) {
         const Vec3d from(hull[i]), edge = Normalize(Vec3d(hull[(i + 1) % count]) - from);
         const double d = Dot(Vec3d(p) - from, Cross(normal, edge));
-        outside = outside || d >= kEpsilon;
-        seen[i] = d >= -kEpsilon;
+        outside = outside || d >= kHullEpsilon;
+        seen[i] = d >= -kHullEpsilon;
     }
     if (!outside)
         return;
@@ -196,12 +197,12 @@ std::vector<Polygon> VisiblePieces(const BrushSide &side, const Tree &tree, cons
                 pieces.push_back(std::move(piece));
             continue;
         }
-        if ((node.planeNum & ~1) == (side.planeNum & ~1)) {
+        if (EvenPlane(node.planeNum) == EvenPlane(side.planeNum)) {
             pending.emplace_back(node.children[node.planeNum == side.planeNum ? 0 : 1], std::move(piece));
             continue;
         }
         Polygon front, back;
-        ClipPolygon(piece, planes[node.planeNum], kEpsilon, front, back);
+        ClipPolygon(piece, planes[node.planeNum], kHullEpsilon, front, back);
         if (front.empty() && back.empty())
             front = back = std::move(piece);
         if (!back.empty())
@@ -249,6 +250,8 @@ constexpr double kPartEpsilon = 0.1;
 constexpr double kTouching = 0.2;
 /// A wall covers the part of a side over which it is at this height. Game units.
 constexpr float kCoverHeight = 0.25f;
+/// Walls whose boxes are this far from that of a side cannot cover it: more than kCoverHeight and rounding. Game units.
+constexpr float kFarFromSide = 1;
 
 /// Whether the brush is an opaque solid with a side that is drawn: undrawn ones only block players or fill models.
 bool IsWall(const Brush &brush) {
@@ -265,7 +268,7 @@ bool MayBeParted(const BrushSide &side) {
            !side.shader->autosprite && !side.shader->geometry.noClip && !side.shader->geometry.indexed;
 }
 
-/// Whether an edge of a separates polygons of one plane by more than kTouching.
+/// Whether an edge of `a` separates polygons of one plane by more than kTouching.
 bool EdgeSeparates(const Polygon &a, const Polygon &b, const Vec3d &normal) {
     for (std::size_t i = 0; i < a.size(); ++i) {
         const Vec3d from(a[i]), edge = Normalize(Vec3d(a[(i + 1) % a.size()]) - from), out = Cross(normal, edge);
@@ -337,18 +340,18 @@ void VisibleParts::CutOutDetail(const Brush &brush, const BrushSide &side, std::
     const Boundsf box = WindingBounds(side.winding);
     const Vec3f up = Vec3f(planes_[side.planeNum].normal) * kCoverHeight;
     for (const Brush *wall : walls_) {
-        if (wall->bounds.mins.x > box.maxs.x + 1)
+        if (wall->bounds.mins.x > box.maxs.x + kFarFromSide)
             break;
-        if (wall == &brush || !wall->bounds.Touches(box, 1))
+        if (wall == &brush || !wall->bounds.Touches(box, kFarFromSide))
             continue;
         std::vector<Polygon> rest;
         for (Polygon &piece : pieces) {
             for (Vec3f &p : piece)
                 p += up;
-            for (Polygon &one : OutsideOf(*wall, piece)) {
-                for (Vec3f &p : one)
+            for (Polygon &uncovered : OutsideOf(*wall, piece)) {
+                for (Vec3f &p : uncovered)
                     p -= up;
-                rest.push_back(std::move(one));
+                rest.push_back(std::move(uncovered));
             }
         }
         pieces = std::move(rest);

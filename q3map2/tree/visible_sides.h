@@ -22,11 +22,11 @@ SideParts ClipSidesIntoTree(MapEntity &entity, const Tree &tree, const PlaneTabl
 /// Finds brush sides whose visible part is divided by walls.
 class VisibleParts {
   public:
-    /// brushes: those of the entity, of which opaque detail brushes are walls. Keeps references.
+    /// `brushes`: those of the entity, of which opaque detail brushes are walls. Keeps references.
     VisibleParts(const std::deque<Brush> &brushes, const PlaneTable &planes);
 
     /// The parts of a side between walls: the convex hulls of its connected pieces. Empty if it is in one part, or if
-    /// hulls of its parts touch. pieces: the convex parts of the side in open leafs of the tree.
+    /// hulls of its parts touch. `pieces`: the convex parts of the side in open leafs of the tree.
     std::vector<Polygon> Of(const Brush &brush, const BrushSide &side, std::vector<Polygon> pieces) const;
 
   private:

@@ -41,13 +41,13 @@ class ChainSearch {
         StartLink(first, base);
         for (std::size_t depth = 0;;) {
             ChainLink &last = *links_[depth];
-            if (last.nextPortal == last.candidates.size()) {
+            if (last.nextCandidate == last.candidates.size()) {
                 if (depth == 0)
                     return;
                 --depth;
                 continue;
             }
-            const std::size_t candidate = last.nextPortal++, q = std::size_t(last.candidates[candidate]);
+            const std::size_t candidate = last.nextCandidate++, q = std::size_t(last.candidates[candidate]);
             if (!last.MaySee(q))
                 continue;
             ChainLink &next = Link(depth + 1);
@@ -68,11 +68,13 @@ class ChainSearch {
     void StartLink(ChainLink &link, std::size_t portal) const {
         link.lastPortal = portal;
         link.candidates = map_.PortalsAfter(portal);
-        link.nextPortal = 0;
+        link.nextCandidate = 0;
         if (settings_.reference || !link.HasPass())
             link.separators[0].count = link.separators[1].count = 0;
     }
 
+    /// Portals that may be seen through the last portal of the chain and then q, which is candidate number `candidate`,
+    /// here and below.
     const BitWord *PassageRow(const ChainLink &last, std::size_t candidate, std::size_t q) const {
         return settings_.passages ? settings_.passages->Row(last.lastPortal, candidate) : mightSee_.Row(q);
     }
@@ -107,6 +109,7 @@ class ChainSearch {
         next.unseenWords = {next.unseenStorage.data(), count};
     }
 
+    /// Makes `next` the chain with q at its end. False: no portal that is not seen yet can be seen through it.
     bool Extend(const ChainLink &last, std::size_t candidate, std::size_t q, ChainLink &next) {
         SetBit(seen_, q);
         if (!HasUnseen(last, candidate, q))
@@ -115,6 +118,7 @@ class ChainSearch {
         return true;
     }
 
+    /// The same with clipped windings: q counts as seen only if something of it is left.
     bool ExtendClipped(ChainLink &last, std::size_t candidate, std::size_t q, ChainLink &next) {
         const FlowPortal &portal = map_.Portal(q);
         const float ahead = base_->plane.Distance(portal.center), behind = portal.plane.Distance(base_->center);
@@ -149,7 +153,7 @@ class ChainSearch {
         std::size_t count = 0;
         for (const std::uint32_t i : link.unseenWords) {
             for (BitWord word = link.mightSee[i] & ~seen_[i]; word != 0; word &= word - 1) {
-                const std::size_t t = 64 * i + std::size_t(std::countr_zero(word));
+                const std::size_t t = kBitsPerWord * i + std::size_t(std::countr_zero(word));
                 if (link.Hides(map_.Portal(t)))
                     ClearBit(link.storage.data(), t);
             }
@@ -227,7 +231,7 @@ void StoreResult(const VisMap &map, std::size_t p, std::span<const BitWord> seen
         if (!symmetric || !map.Portal(p).hasTwin)
             continue;
         for (; cleared != 0; cleared &= cleared - 1) {
-            const std::size_t q = 64 * word + std::size_t(std::countr_zero(cleared));
+            const std::size_t q = kBitsPerWord * word + std::size_t(std::countr_zero(cleared));
             if (map.Portal(q).hasTwin)
                 ClearBit(mightSee.Row(q ^ 1), p ^ 1);
         }
@@ -302,10 +306,11 @@ void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSetting
     FlowRun run(map, order, settings, jobs, mightSee);
     Progress progress(log, std::int64_t(order.size()));
     run.Run([&](std::size_t done) { progress.Update(std::int64_t(done), 0); });
-    const double all = std::max(progress.Seconds(), 1e-9) * workers;
+    constexpr double kShortest = 1e-9; // seconds; no division by zero
+    const double workerSeconds = std::max(progress.Seconds(), kShortest) * workers;
     progress.Finish();
     log.Verbose("threads waited {:.1f} % of the time for each other\n",
-                std::max(0.0, 100 * (1 - run.BusySeconds() / all)));
+                std::max(0.0, 100 * (1 - run.BusySeconds() / workerSeconds)));
 }
 
 } // namespace q3

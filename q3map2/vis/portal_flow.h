@@ -34,14 +34,14 @@ struct Separators {
 struct ChainLink {
     explicit ChainLink(std::size_t words) : storage(words), unseenStorage(words), mightSee(storage.data()) {}
 
-    std::vector<BitWord> storage;
-    std::vector<std::uint32_t> unseenStorage;
-    const BitWord *mightSee;       ///< portals that may be seen through the chain
-    std::size_t low = 0, high = 0; ///< range of words of `mightSee` that may be nonzero; others are not read
+    std::vector<BitWord> storage;             ///< of mightSee, unless that is a row of the table
+    std::vector<std::uint32_t> unseenStorage; ///< of unseenWords
+    const BitWord *mightSee;                  ///< portals that may be seen through the chain
+    std::size_t low = 0, high = 0;            ///< range of words of `mightSee` that may be nonzero; others are not read
     std::span<const std::uint32_t> unseenWords; ///< words of `mightSee` that may hold portals not seen yet
     std::size_t lastPortal = 0;                 ///< the last portal of the chain
     std::span<const int> candidates;            ///< portals that lead out of the leaf behind lastPortal
-    std::size_t nextPortal = 0;                 ///< index in `candidates` of the portal to try next
+    std::size_t nextCandidate = 0;              ///< index in `candidates` of the portal to try next
     int length = 1;                             ///< number of portals of the chain
     WindingView source, pass;                   ///< clipped windings of the first and of the last portal
     WindingBuffer sourceBuffers[2], passBuffers[2];

@@ -93,8 +93,8 @@ PortalGraph BuildPortalGraph(const PortalFile &file, std::string_view name) {
 namespace {
 
 constexpr double kConvexTolerance = 0.2; ///< a union with dents up to this depth counts as convex, game units
-constexpr float kSamePoint = 0.1f;       ///< corners closer than this on each axis are equal
-constexpr float kCollinear = 0.005f;     ///< corners closer than this to the line of their neighbors are dropped
+constexpr float kSamePoint = 0.1f;       ///< corners closer than this on each axis are equal, game units
+constexpr float kCollinear = 0.005f;     ///< corners this near to the line of their neighbors are dropped, game units
 
 /// A polygon that bounds a leaf.
 struct Border {
@@ -186,7 +186,8 @@ float DistanceOutside(const Vec3f &n, const Vec3f &from, const Vec3f &to, const 
     return Dot(p - origin, outward);
 }
 
-/// The union of two polygons with a common edge, if it is convex.
+/// The union of two polygons with a common edge, if it is convex within kCollinear. Edge i of `f`, which begins at
+/// f[i], is edge j of `g` reversed.
 std::optional<Winding<float>> Join(const Winding<float> &f, const Winding<float> &g, const Vec3f &normal) {
     const std::size_t m = f.size(), n = g.size();
     std::size_t i = 0, j = n;
@@ -199,6 +200,8 @@ std::optional<Winding<float>> Join(const Winding<float> &f, const Winding<float>
     }
     if (i == m)
         return std::nullopt;
+    // At each end of the common edge, the distance of the next corner of `g` from the next edge of `f`. If it is about
+    // 0, the two edges are in line, and the end is no corner of the union.
     const Vec3f &p1 = f[i], &p2 = f[(i + 1) % m];
     const float first = DistanceOutside(normal, f[(i + m - 1) % m], p1, g[(j + 2) % n], p1);
     const float second = DistanceOutside(normal, p2, f[(i + 2) % m], g[(j + n - 1) % n], p2);

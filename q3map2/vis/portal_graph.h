@@ -31,12 +31,14 @@ struct GraphFace {
     VisPlane plane;
 };
 
+/// A leaf of the graph: a cluster of the tree.
 struct GraphLeaf {
     std::vector<int> portals; ///< portals out of it, in the order of the file
     std::vector<GraphFace> faces;
     int mergedInto = -1; ///< leaf into which this one was merged; -1: not merged
 };
 
+/// Leafs, and the portals that lead from one to another.
 struct PortalGraph {
     std::vector<GraphPortal> portals;
     std::vector<GraphLeaf> leafs; ///< by cluster
@@ -55,6 +57,7 @@ PortalGraph BuildPortalGraph(const PortalFile &file, std::string_view name);
 /// across hint portals. Returns the number of leafs that were merged into another.
 int MergeLeafs(PortalGraph &graph, bool keepHints);
 
+/// Numbers of pairs of portals that were merged, and of those that were both hint portals.
 struct MergedPortals {
     int pairs = 0, hintPairs = 0;
 };

@@ -27,8 +27,8 @@ VisStageOptions ParseVisOptions(Arguments &arguments, Log &log) {
 
 namespace {
 
-/// A flag of VisOptions.
-auto Vis(bool VisOptions::*field) {
+/// A setting of this flag of VisStageOptions::vis.
+auto VisFlag(bool VisOptions::*field) {
     return [field](auto &o) -> auto & {
         return o.vis.*field;
     };
@@ -46,26 +46,26 @@ std::vector<SettingGroup<VisStageOptions>> VisSettings() {
               {{.name = "-fast",
                 .help = "Rough visibility, quickly: only which way portals face decides",
                 .details = "For test compiles: little is hidden, so the game runs slower."},
-               Vis(&VisOptions::fast)},
+               VisFlag(&VisOptions::fast)},
               {{.name = "-merge",
                 .help = "Merge leafs that are convex together, then their portals: quicker, less exact",
                 .details = "Leafs are merged through hint portals too."},
-               Vis(&VisOptions::merge)},
+               VisFlag(&VisOptions::merge)},
               {{.name = "-hint", .help = "As -merge, but leafs on both sides of a hint brush stay apart"},
-               Vis(&VisOptions::keepHints)},
+               VisFlag(&VisOptions::keepHints)},
               {{.name = "-mergeportals", .help = "Merge portals between the same two leafs only"},
-               Vis(&VisOptions::mergePortals)},
+               VisFlag(&VisOptions::mergePortals)},
               {{.name = "-nopassage",
                 .help = "Portal flow without passages: slower, less exact",
                 .details = "Wins over `-passageOnly`."},
-               Vis(&VisOptions::noPassage)},
+               VisFlag(&VisOptions::noPassage)},
               {{.name = "-passageOnly", .help = "Passages without portal flow: quicker, less exact"},
-               Vis(&VisOptions::passageOnly)},
-              {{.name = "-nosort", .help = "Process portals in the order of the file"}, Vis(&VisOptions::noSort)},
+               VisFlag(&VisOptions::passageOnly)},
+              {{.name = "-nosort", .help = "Process portals in the order of the file"}, VisFlag(&VisOptions::noSort)},
               {{.name = "-plain",
                 .help = "Compute as the original q3map2 does, one portal after the other on one thread",
                 .details = "Each direction is computed separately, and the lump is that of the original program."},
-               Vis(&VisOptions::plain)},
+               VisFlag(&VisOptions::plain)},
               {{.name = "-v", .help = "A second -v: print how many clusters see how many others"},
                &VisStageOptions::histogram}}}};
 }
@@ -74,7 +74,9 @@ std::vector<SettingGroup<VisStageOptions>> VisSettings() {
 
 namespace {
 
-constexpr std::uint64_t kMaxPassageBytes = std::uint64_t(4) << 30;
+constexpr std::uint64_t kMaxPassageBytes = std::uint64_t(4) << 30; ///< 4 GB
+/// The lump begins with two 32-bit numbers: of clusters, and of bytes of a row.
+constexpr std::size_t kVisHeaderBytes = 8;
 
 std::string_view PluralEnd(int count) {
     return count == 1 ? "" : "s";
@@ -198,11 +200,11 @@ int Visibility::Count(int from) const {
 }
 
 std::vector<std::uint8_t> Visibility::Lump() const {
-    std::vector<std::uint8_t> lump(8 + rows.size());
+    std::vector<std::uint8_t> lump(kVisHeaderBytes + rows.size());
     const std::int32_t head[2] = {std::int32_t(clusters), std::int32_t(rowBytes)};
-    for (std::size_t i = 0; i < 8; ++i)
+    for (std::size_t i = 0; i < kVisHeaderBytes; ++i)
         lump[i] = std::uint8_t(std::uint32_t(head[i / 4]) >> 8 * (i % 4) & 255);
-    std::copy(rows.begin(), rows.end(), lump.begin() + 8);
+    std::copy(rows.begin(), rows.end(), lump.begin() + kVisHeaderBytes);
     return lump;
 }
 
@@ -212,8 +214,8 @@ Visibility ComputeVisibility(const PortalFile &file, std::string_view name, cons
     Merge(graph, options, log);
     Visibility result;
     result.clusters = file.clusters;
-    result.rowBytes = 8 * WordsOf(std::size_t(file.clusters));
-    log.Print("visdatasize:{}\n", 8 + std::size_t(result.clusters) * result.rowBytes);
+    result.rowBytes = sizeof(BitWord) * WordsOf(std::size_t(file.clusters));
+    log.Print("visdatasize:{}\n", kVisHeaderBytes + std::size_t(result.clusters) * result.rowBytes);
     LogFarPlane(options.farPlane, log);
     const VisMap map(graph, !options.plain);
     const MightSeeTable mightSee = PortalVisibility(map, options, jobs, log);
@@ -231,7 +233,7 @@ Visibility ComputeVisibility(const PortalFile &file, std::string_view name, cons
 void PrintStatistics(const Visibility &visibility, bool histogram, Log &log) {
     if (visibility.clusters == 0)
         return;
-    std::map<int, int> clustersOf;
+    std::map<int, int> clustersOf; // number of clusters by number of clusters that they see
     double total = 0, squares = 0;
     for (int c = 0; c < visibility.clusters; ++c) {
         const int count = visibility.Count(c);
@@ -240,16 +242,16 @@ void PrintStatistics(const Visibility &visibility, bool histogram, Log &log) {
         squares += double(count) * count;
     }
     if (histogram)
-        for (const auto &[count, clusters] : clustersOf)
-            log.Verbose("{:4} cluster{} exactly {:4} visible cluster{}\n", clusters, clusters == 1 ? " has" : "s have",
+        for (const auto &[count, seeing] : clustersOf)
+            log.Verbose("{:4} cluster{} exactly {:4} visible cluster{}\n", seeing, seeing == 1 ? " has" : "s have",
                         count, PluralEnd(count));
-    const double all = visibility.clusters, average = total / all;
-    const double deviation = std::sqrt(std::max(0.0, squares / all - average * average));
+    const double clusters = visibility.clusters, average = total / clusters;
+    const double deviation = std::sqrt(std::max(0.0, squares / clusters - average * average));
     const int least = clustersOf.begin()->first, most = clustersOf.rbegin()->first;
     log.Print("Total clusters: {}\nTotal visible clusters: {:.0f}\n", visibility.clusters, total);
-    log.Print("Average clusters visible: {:.2f} ({:.3f}%/total)\n", average, 100 * average / all);
+    log.Print("Average clusters visible: {:.2f} ({:.3f}%/total)\n", average, 100 * average / clusters);
     const auto line = [&](std::string_view what, std::string_view value, double number) {
-        log.Print("  {}: {} ({:.3f}%/total)\n", what, value, 100 * number / all);
+        log.Print("  {}: {} ({:.3f}%/total)\n", what, value, 100 * number / clusters);
     };
     line("Standard deviation", fmt::format("{:.2f}", deviation), deviation);
     line("Minimum", fmt::format("{}", least), least);

@@ -32,6 +32,7 @@ struct FarPlane {
 /// optionally the letter of a mode: o (Origins), e (Exact), r (RadiusOnly).
 FarPlane FarPlaneOf(const Entity &world);
 
+/// What the passes of the vis stage do.
 struct VisOptions {
     bool fast = false;         ///< -fast: flood only
     bool merge = false;        ///< -merge, -hint: merge leafs, then portals

@@ -42,9 +42,9 @@ bool IsTooFar(const FarPlane &farPlane, const FlowPortal &p, const FlowPortal &t
     return length - radii > farPlane.distance;
 }
 
-/// Whether a point of `t` is in front of the plane (with sign -1: behind it) by more than 0.1 game units.
+/// Whether a point of `t` is in front of the plane (with sign -1: behind it) by more than kEpsilon.
 bool AnyPointInFront(const VisPlane &plane, const FlowPortal &t, double sign) {
-    constexpr double kEpsilon = 0.1;
+    constexpr double kEpsilon = 0.1; // game units
     for (int i = 0; i < t.winding.count; ++i)
         if (sign * DistanceOf(plane, t.winding.Point(i)) > kEpsilon)
             return true;
@@ -54,7 +54,7 @@ bool AnyPointInFront(const VisPlane &plane, const FlowPortal &t, double sign) {
 /// AnyPointInFront, decided for most portals by the bounding sphere. The center is the mean of the points: if it is in
 /// front, some point is too.
 inline bool ReachesFront(const VisPlane &plane, const FlowPortal &t, float sign) {
-    constexpr float kRounding = 0.5f;
+    constexpr float kRounding = 0.5f; // game units: more than the float error of the distance of the center
     const float center = sign * plane.Distance(t.center);
     if (center > kOnEpsilon + kRounding)
         return true;

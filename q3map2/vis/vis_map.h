@@ -77,6 +77,7 @@ class Passages {
     BitTable table_;
 };
 
+/// How portal flow searches.
 struct FlowSettings {
     const Passages *passages = nullptr; ///< nullptr: none
     bool clip = true;                   ///< clip windings by separators; else only passages restrict chains

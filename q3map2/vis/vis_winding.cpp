@@ -10,8 +10,8 @@ namespace {
 // edge the origin. Planes through the edge are lines through the origin; the one that has all of `t` on one side and
 // touches it passes through the point of `t` with the greatest slope u / v.
 
-constexpr float kNoSlope = -1e30f;
-constexpr float kMinHeight = 1e-3f; ///< units; v of points in the plane of `s` is raised to it
+constexpr float kNoSlope = -1e30f;  ///< below any slope
+constexpr float kMinHeight = 1e-3f; ///< game units; v of points in the plane of `s` is raised to it
 
 /// An edge of `s`: u of a point p is Dot(inward, p) - origin: its distance from the edge times |inward|.
 struct InwardEdge {

@@ -45,6 +45,7 @@ inline float MaxLane(const PointLanes &lanes) {
     return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
 }
 
+/// The points p with normal . p = dist; those in front have more.
 struct VisPlane {
     Vec3f normal;
     float dist = 0;
@@ -154,6 +155,7 @@ inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge
     for (int j = 0; j < t.count; ++j) {
         if (!PlaneOfPoints(a, t.Point(j), b, plane))
             continue;
+        // Turns `s` behind the plane, by the first of its points that is not on it; none if the plane is that of `s`.
         int k = 0;
         float side = 0;
         for (; k < s.count; ++k)
@@ -163,6 +165,7 @@ inline bool SeparatorOfEdge(const WindingView &s, const WindingView &t, int edge
             continue;
         if (side > 0)
             plane = plane.Flipped();
+        // All of `t` must be in front of it or on it.
         bool front = false, back = false;
         for (k = 0; k < t.count && !back; ++k) {
             if (k == j)

@@ -61,7 +61,6 @@ TEST_F(MapTest, NumbersOfEntitiesAndPrimitivesAreThoseOfTheFile) {
     const std::deque<Brush> &world = map.World().brushes;
     ASSERT_EQ(world.size(), 3u);
     EXPECT_EQ(world[0].settings.entity, 1) << "a group's brush is in front and keeps its number";
-    EXPECT_TRUE(world[0].mergedGroup);
     EXPECT_EQ(world[1].primitive, 2);
 }
 

@@ -46,7 +46,7 @@ bool ParseFlagNumber(std::string_view text, std::uint32_t &value) {
     return result.ec == std::errc() && result.ptr == end;
 }
 
-// ---- Converts a compiled map of one game for another: surface and content flags ----
+// ---- A compiled map of one game for another ----
 
 namespace {
 
@@ -55,7 +55,7 @@ class FlagTranslator {
   public:
     FlagTranslator(const Game &from, const Game &to, FlagKind kind) : from_(from), to_(to), kind_(kind) {
         for (const SurfaceParm &parm : to.surfaceParms)
-            used_ |= ParmBits(parm, kind);
+            targetBits_ |= ParmBits(parm, kind);
     }
 
     std::uint32_t Translate(std::uint32_t flags) {
@@ -63,7 +63,7 @@ class FlagTranslator {
         for (const auto &[name, bits] : SplitFlags(flags, from_, kind_))
             if (const std::uint32_t translated = BitsInTarget(bits))
                 result |= translated;
-            else if ((bits & used_) == 0)
+            else if ((bits & targetBits_) == 0)
                 result |= bits;
             else
                 lost_.insert(name == "?" ? fmt::format("0x{:x}", bits) : std::string(name));
@@ -84,8 +84,8 @@ class FlagTranslator {
 
     const Game &from_, &to_;
     FlagKind kind_;
-    std::uint32_t used_ = 0;     ///< bits that have a meaning in the target game
-    std::set<std::string> lost_; ///< names of dropped flags, or their bits in hexadecimal
+    std::uint32_t targetBits_ = 0; ///< bits that have a meaning in the target game
+    std::set<std::string> lost_;   ///< names of dropped flags, or their bits in hexadecimal
 };
 
 } // namespace

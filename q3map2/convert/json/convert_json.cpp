@@ -128,8 +128,6 @@ void UnpackJson(const Bsp &bsp, const Game &game, const fs::path &folder, Log &l
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const JsonLump &kUniformGrid = RowOf(kJsonLumps, BspxId::LightGridSH);
 
 /// Reads the files of one folder.

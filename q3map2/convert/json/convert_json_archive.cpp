@@ -13,8 +13,8 @@ namespace q3 {
 
 namespace {
 
-constexpr std::uint32_t kPlainNan = 0x7FC00000;
-constexpr std::size_t kMaxName = 63;
+constexpr std::uint32_t kPlainNan = 0x7FC00000; ///< bits of the NaN that the word NaN of JSON text stands for
+constexpr std::size_t kMaxName = 63;            ///< bytes of a name: the field of 64 ends in NUL
 constexpr std::string_view kBytesSuffix = "Bytes";
 
 /// The field of a name: padded with zeros.

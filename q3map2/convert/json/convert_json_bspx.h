@@ -5,6 +5,7 @@
 #include "q3map2/convert/json/convert_json_archive.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string_view>
@@ -31,6 +32,8 @@ inline constexpr std::string_view kJsonGridSHHeader = "header", kJsonGridSHPoint
 // The functions of a lump are in a source of its own.
 void WriteJsonGridSH(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
 void ReadJsonGridSH(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
+/// Appends each code to the list that is being written, as an E5BGR9 color of four numbers.
+void WriteColorCodes(JsonWriter &writer, std::span<const std::uint32_t> codes, const Game &game);
 void WriteJsonLightmaps(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
 void ReadJsonLightmaps(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 void WriteJsonVertexLight(const std::filesystem::path &path, const Bsp &bsp, const Game &game);

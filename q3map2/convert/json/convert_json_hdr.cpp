@@ -15,22 +15,12 @@ constexpr std::string_view kJsonCodes = "colors";
 constexpr std::string_view kJsonRnmStorage = "storage", kJsonRnmSide = "side", kJsonRnmPages = "lightmapNums";
 constexpr std::string_view kJsonRnmRaw = "raw", kJsonRnmRescaled = "rescaled";
 
-void WriteCodeList(JsonWriter &writer, std::span<const std::uint32_t> codes, const Game &game) {
-    for (const std::uint32_t code : codes) {
-        writer.Element();
-        JsonE5bgr9 color{code};
-        JsonRecordWriter archive(writer, game);
-        Describe(archive, color);
-        archive.Finish();
-    }
-}
-
 void WriteCodeFile(const std::filesystem::path &path, std::span<const std::uint32_t> codes, const Game &game) {
     JsonWriter writer(path);
     writer.BeginObject();
     writer.Member(kJsonCodes);
     writer.BeginList();
-    WriteCodeList(writer, codes, game);
+    WriteColorCodes(writer, codes, game);
     writer.EndList();
     writer.EndObject();
     writer.Finish();
@@ -89,7 +79,7 @@ class RnmJsonReader {
                 source.Fail(fmt::format("expected \"{}\" or \"{}\"", kJsonRnmRaw, kJsonRnmRescaled));
             rnm_.header.storage = word == kJsonRnmRaw ? RnmStorage::Raw : RnmStorage::Rescaled;
         } else if (source.name == kJsonRnmSide) {
-            rnm_.header.side = std::uint32_t(Whole(source, source.nodes[0], 1 << 14));
+            rnm_.header.side = std::uint32_t(Whole(source, source.nodes[0], std::int32_t(kMaxRnmSide)));
         } else if (source.name == kJsonRnmPages) {
             if (source.nodes[0].kind != JsonNode::Array)
                 source.Fail("expected an array");
@@ -115,6 +105,16 @@ class RnmJsonReader {
 
 } // namespace
 
+void WriteColorCodes(JsonWriter &writer, std::span<const std::uint32_t> codes, const Game &game) {
+    for (const std::uint32_t code : codes) {
+        writer.Element();
+        JsonE5bgr9 color{code};
+        JsonRecordWriter archive(writer, game);
+        Describe(archive, color);
+        archive.Finish();
+    }
+}
+
 void WriteJsonRnm(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
     const RnmLightmaps &rnm = *bsp.rnm;
     JsonWriter writer(path);
@@ -134,7 +134,7 @@ void WriteJsonRnm(const std::filesystem::path &path, const Bsp &bsp, const Game 
     writer.BeginList();
     for (const RnmPage &page : rnm.pages)
         for (const std::vector<std::uint32_t> &map : page.maps)
-            WriteCodeList(writer, map, game);
+            WriteColorCodes(writer, map, game);
     writer.EndList();
     writer.EndObject();
     writer.Finish();

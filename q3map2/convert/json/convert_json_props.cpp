@@ -61,7 +61,9 @@ class PropReader {
         const std::string_view text = node.kind == JsonNode::Text ? source_.Text(node) : std::string_view();
         std::uint32_t crc = 0;
         const char *const end = text.data() + text.size();
-        if (text.size() != 10 || !text.starts_with("0x") || std::from_chars(text.data() + 2, end, crc, 16).ptr != end)
+        constexpr std::size_t kCrcText = 10; // bytes of "0x" and eight digits
+        if (text.size() != kCrcText || !text.starts_with("0x") ||
+            std::from_chars(text.data() + 2, end, crc, 16).ptr != end)
             Fail(name, "expected 0x and eight hexadecimal digits");
         return crc;
     }
@@ -77,15 +79,15 @@ class PropReader {
 
     std::uint32_t Color(std::size_t at) const {
         const JsonNode &node = source_.nodes[at];
-        bool valid = node.kind == JsonNode::Array && node.count == 4;
+        bool isValid = node.kind == JsonNode::Array && node.count == 4;
         std::uint32_t code = 0;
-        for (std::uint32_t i = 0; i < 4 && valid; ++i) {
+        for (std::uint32_t i = 0; i < 4 && isValid; ++i) {
             const JsonNode &part = source_.nodes[at + 1 + i];
-            valid = part.kind == JsonNode::Integer && part.integer >= 0 &&
-                    part.integer <= (i < 3 ? kJsonMaxMantissa : kJsonMaxExponent);
-            code |= std::uint32_t(valid ? part.integer : 0) << 9 * i;
+            isValid = part.kind == JsonNode::Integer && part.integer >= 0 &&
+                      part.integer <= (i < 3 ? kJsonMaxMantissa : kJsonMaxExponent);
+            code |= std::uint32_t(isValid ? part.integer : 0) << 9 * i;
         }
-        if (!valid)
+        if (!isValid)
             Fail(kPropMeshes, "expected colors of three mantissas in 0..511 and an exponent in 0..31");
         return code;
     }
@@ -107,13 +109,7 @@ void WriteProp(JsonWriter &writer, const PropLight &light, const bspPropLight_t 
     for (const bspPropMesh_t &mesh : std::span(light.meshes).subspan(prop.firstMesh, prop.meshCount)) {
         writer.Element();
         writer.BeginList();
-        for (const std::uint32_t code : std::span(light.colors).subspan(mesh.firstColor, mesh.colorCount)) {
-            writer.Element();
-            JsonE5bgr9 color{code};
-            JsonRecordWriter archive(writer, game);
-            Describe(archive, color);
-            archive.Finish();
-        }
+        WriteColorCodes(writer, std::span(light.colors).subspan(mesh.firstColor, mesh.colorCount), game);
         writer.EndList();
     }
     writer.EndList();

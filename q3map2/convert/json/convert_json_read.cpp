@@ -20,8 +20,8 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kBlockBytes = 1 << 16;
-constexpr std::size_t kMaxWord = 16; ///< longer than any word searched for
+constexpr std::size_t kBlockBytes = 1 << 16; ///< of a read
+constexpr std::size_t kMaxWord = 16;         ///< longer than any word searched for
 // Bytes 0x80..0xFF of strings pass the parser as U+10FF80..U+10FFFF, which in UTF-8 are these two bytes, then 0xBE or
 // 0xBF, then 0x80..0xBF.
 constexpr std::string_view kByteMark = "\xF4\x8F";
@@ -51,7 +51,7 @@ bool JsonFilter::ReadBlock() {
 
 bool JsonFilter::Refill() {
     out_.clear();
-    at_ = 0;
+    outAt_ = 0;
     while (out_.size() < kBlockBytes && Peek() != kEnd)
         Step();
     return !out_.empty();
@@ -141,17 +141,17 @@ void JsonFilter::FilterWord(char sign) {
     std::string word;
     while (IsLetter(Peek()) && word.size() < kMaxWord)
         word += char(Take());
-    const bool infinite = word == "Infinity" || word == "Inf";
-    const bool number = infinite || word == "NaN";
-    const char first = number ? '"' : sign ? sign : word[0];
+    const bool isInfinity = word == "Infinity" || word == "Inf";
+    const bool isNumber = isInfinity || word == "NaN";
+    const char first = isNumber ? '"' : sign ? sign : word[0];
     EmitHeldComma(first);
     previous_ = first;
-    if (number)
+    if (isNumber)
         out_ += '"';
-    if (sign == '-' || (sign && !number))
+    if (sign == '-' || (sign && !isNumber))
         out_ += sign;
-    out_ += infinite ? "Infinity" : word;
-    if (number)
+    out_ += isInfinity ? "Infinity" : word;
+    if (isNumber)
         out_ += '"';
 }
 
@@ -195,9 +195,9 @@ void JsonFilter::RestoreBytes(std::string &text) {
 
 namespace {
 
-constexpr std::size_t kMaxDepth = 16;
-constexpr std::size_t kMaxNodes = 1 << 20;
-constexpr std::size_t kMaxShown = 120;
+constexpr std::size_t kMaxDepth = 16;      ///< of nested objects and arrays in a record
+constexpr std::size_t kMaxNodes = 1 << 20; ///< values of a record
+constexpr std::size_t kMaxShown = 120;     ///< bytes of a text in a message
 
 /// NaN and infinities as the filter spells them.
 bool SpecialNumber(std::string_view text, float &value) {
@@ -214,10 +214,10 @@ bool SpecialNumber(std::string_view text, float &value) {
 }
 
 /// Receives the tokens of nlohmann's parser and builds one record at a time.
-class Handler {
+class RecordBuilder {
   public:
-    Handler(const std::filesystem::path &path, std::string_view list,
-            const std::function<void(const JsonRecord &)> &record)
+    RecordBuilder(const std::filesystem::path &path, std::string_view list,
+                  const std::function<void(const JsonRecord &)> &record)
         : list_(list), deliver_(record) {
         record_.file = path.string();
     }
@@ -267,7 +267,7 @@ class Handler {
     bool start_array(std::size_t) {
         if (depth_ == 1 && open_.empty() && !list_.empty() && record_.name == list_) {
             record_.inList = true;
-            listed_ = 0;
+            listedCount_ = 0;
             depth_ = 2;
             return true;
         }
@@ -319,7 +319,7 @@ class Handler {
             record_.nodes.clear();
             record_.chars.clear();
             keyLength_ = 0;
-            record_.index = record_.inList ? listed_++ : members_++;
+            record_.index = record_.inList ? listedCount_++ : memberCount_++;
         } else {
             record_.nodes[open_.back()].count++;
         }
@@ -359,10 +359,10 @@ class Handler {
     std::string_view list_;
     const std::function<void(const JsonRecord &)> &deliver_;
     JsonRecord record_;
-    std::vector<std::size_t> open_; ///< objects and arrays of the record that are not closed
-    std::size_t depth_ = 0;         ///< 0: outside, 1: in the top-level object, 2: in the list
-    std::size_t members_ = 0, listed_ = 0;
-    std::size_t keyAt_ = 0, keyLength_ = 0;
+    std::vector<std::size_t> open_;                 ///< objects and arrays of the record that are not closed
+    std::size_t depth_ = 0;                         ///< 0: outside, 1: in the top-level object, 2: in the list
+    std::size_t memberCount_ = 0, listedCount_ = 0; ///< records so far
+    std::size_t keyAt_ = 0, keyLength_ = 0;         ///< name of the next value, in JsonRecord::chars
 };
 
 } // namespace
@@ -390,8 +390,8 @@ void JsonRecord::Fail(std::string_view text) const {
 void ReadJsonRecords(const std::filesystem::path &path, std::string_view list,
                      const std::function<void(const JsonRecord &)> &record) {
     JsonFilter filter(path);
-    Handler handler(path, list, record);
-    nlohmann::json::sax_parse(JsonFilterIterator(filter), JsonFilterIterator(), &handler);
+    RecordBuilder builder(path, list, record);
+    nlohmann::json::sax_parse(JsonFilterIterator(filter), JsonFilterIterator(), &builder);
 }
 
 std::string ShownText(std::string_view text) {

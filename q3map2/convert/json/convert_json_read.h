@@ -23,9 +23,9 @@ class JsonFilter {
   public:
     explicit JsonFilter(const std::filesystem::path &path);
 
-    bool AtEnd() { return at_ == out_.size() && !Refill(); }
-    const char &Current() const { return out_[at_]; }
-    void Advance() { at_++; }
+    bool AtEnd() { return outAt_ == out_.size() && !Refill(); }
+    const char &Current() const { return out_[outAt_]; }
+    void Advance() { outAt_++; }
 
     /// Undoes the change of bytes in one string.
     static void RestoreBytes(std::string &text);
@@ -58,11 +58,11 @@ class JsonFilter {
 
     std::filesystem::path path_;
     std::unique_ptr<std::FILE, Close> file_;
-    std::string in_, out_;
-    std::size_t inAt_ = 0, at_ = 0;
+    std::string in_, out_;             ///< a block of the file, and what it became
+    std::size_t inAt_ = 0, outAt_ = 0; ///< position in each
     bool inString_ = false, escaped_ = false;
-    bool heldComma_ = false;
-    char previous_ = '['; ///< last byte outside strings that was passed on and is not blank
+    bool heldComma_ = false; ///< a comma was read that is passed on unless a bracket closes
+    char previous_ = '[';    ///< last byte outside strings that was passed on and is not blank
 };
 
 /// Input iterator over the filtered text; the default value is the end.

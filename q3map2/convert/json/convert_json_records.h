@@ -97,7 +97,7 @@ template <typename JsonArchive> void Describe(JsonArchive &a, bspDrawVert_t &ver
 
 template <typename JsonArchive> void Describe(JsonArchive &a, bspDrawSurface_t &surface) {
     auto styles = kJsonStyles, vertexStyles = kJsonStyles;
-    auto lightmapNum = Slots(surface.lightmapNum, -3);
+    auto lightmapNum = Slots(surface.lightmapNum, kLightmapByVertex);
     auto lightmapX = Slots(surface.lightmapX);
     auto lightmapY = Slots(surface.lightmapY);
     a.Field("shaderNum", surface.shaderNum);

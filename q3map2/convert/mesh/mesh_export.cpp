@@ -18,15 +18,12 @@
 
 namespace q3 {
 
-// ---- The drawn triangles of a map with their materials and lightmap images, ready to be written as a
-// model file.
-
 // ---- Which lightmap image a surface shows ----
 
 namespace {
 
 constexpr std::string_view kImagePrefix = "/lm_", kImageExtension = ".tga";
-constexpr int kMaxExternalImages = 100000;
+constexpr int kMaxExternalImages = 100000; ///< files that are looked for
 
 /// 12 from "maps/x/lm_0012.tga".
 std::optional<int> ExternalImageNumber(std::string_view path) {
@@ -47,14 +44,14 @@ std::string LightmapImage::Name() const {
 }
 
 MeshLightmaps::MeshLightmaps(const Bsp &bsp, const std::filesystem::path &bspPath, const std::filesystem::path &script)
-    : internal_(int(bsp.lightmaps.size() / kLightmapPageBytes)) {
+    : internalCount_(int(bsp.lightmaps.size() / kLightmapPageBytes)) {
     const auto folder = bspPath.parent_path() / bspPath.stem();
     std::error_code ignored;
-    while (external_ < kMaxExternalImages &&
-           std::filesystem::exists(folder / (LightmapImage{external_, LightmapImage::Place::External}.Name() +
+    while (externalCount_ < kMaxExternalImages &&
+           std::filesystem::exists(folder / (LightmapImage{externalCount_, LightmapImage::Place::External}.Name() +
                                              std::string(kImageExtension)),
                                    ignored))
-        ++external_;
+        ++externalCount_;
     if (std::filesystem::exists(script, ignored))
         ReadScript(script);
 }
@@ -80,7 +77,7 @@ void MeshLightmaps::ReadScript(const std::filesystem::path &script) {
 std::optional<LightmapImage> MeshLightmaps::Of(const bspDrawSurface_t &surface, std::string_view shader) const {
     if (surface.lightmapNum >= 0)
         return LightmapImage{surface.lightmapNum,
-                             internal_ == 0 ? LightmapImage::Place::External : LightmapImage::Place::InBsp};
+                             internalCount_ == 0 ? LightmapImage::Place::External : LightmapImage::Place::InBsp};
     const auto found = byShader_.find(LowerCase(shader));
     if (found == byShader_.end())
         return std::nullopt;
@@ -121,10 +118,10 @@ class MeshSceneBuilder {
         AddModel(0, {});
         for (const Entity &entity : ParseEntities(bsp_.entities, bspPath_.string()))
             AddEntity(entity);
-        if (withoutTriangles_ > 0)
+        if (leftOutCount_ > 0)
             log_.Print("{:9} curves and flares left out: they have no triangles (curves of maps compiled with "
                        "-patchmeta do)\n",
-                       withoutTriangles_);
+                       leftOutCount_);
         return std::move(scene_);
     }
 
@@ -177,7 +174,7 @@ class MeshSceneBuilder {
         if (!image)
             return MaterialOf(std::string(kNoLightmap), "");
         if (options_.deluxemapsAsTexCoord)
-            ++image->number;
+            ++image->number; // the image of light directions follows that of the light
         if (!lightmaps_->Exists(*image))
             log_.Warn("lightmap out of range",
                       "{}: the map has {} lightmaps and {} external ones; exported all the same", image->Name(),
@@ -207,7 +204,7 @@ class MeshSceneBuilder {
     void AddSurface(int model, int number, const Vec3f &origin) {
         const bspDrawSurface_t &from = bsp_.drawSurfaces[std::size_t(number)];
         if (from.surfaceType != MST_PLANAR && from.surfaceType != MST_TRIANGLE_SOUP) {
-            ++withoutTriangles_;
+            ++leftOutCount_;
             return;
         }
         if (from.numIndexes < 3)
@@ -221,7 +218,7 @@ class MeshSceneBuilder {
             to.verts.push_back(Vertex(bsp_.drawVerts[std::size_t(from.firstVert + i)], origin));
         const std::int32_t *indexes = bsp_.drawIndexes.data() + from.firstIndex;
         for (std::int32_t i = 0; i + 2 < from.numIndexes; i += 3)
-            to.triangles.push_back({indexes[i], indexes[i + 2], indexes[i + 1]});
+            to.triangles.push_back({indexes[i], indexes[i + 2], indexes[i + 1]}); // to counterclockwise
     }
 
     MeshVertex Vertex(const bspDrawVert_t &from, const Vec3f &origin) const {
@@ -239,7 +236,7 @@ class MeshSceneBuilder {
     Log &log_;
     std::optional<MeshLightmaps> lightmaps_;
     std::map<std::string, std::size_t> lightmapMaterials_; ///< number by name
-    std::size_t withoutTriangles_ = 0;
+    std::size_t leftOutCount_ = 0;                         ///< surfaces without triangles
     MeshScene scene_;
 };
 
@@ -264,8 +261,6 @@ std::string MeshName(std::string_view text) {
         name, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '"' || c == '\x7F'; }, '_');
     return name;
 }
-
-// ---- Maps as model files: Wavefront, and the ASCII scene format of 3D Studio Max ----
 
 // ---- Maps as Wavefront models ----
 
@@ -483,7 +478,7 @@ std::string AseText(const MeshScene &scene) {
     return out.Take();
 }
 
-// ---- Maps as model files ----
+// ---- Files ----
 
 namespace {
 

@@ -17,9 +17,6 @@
 
 namespace q3 {
 
-// ---- The drawn triangles of a map with their materials and lightmap images, ready to be written as a
-// model file.
-
 /// A lightmap image: a page of the .bsp, which -export writes, or an external one that shaders name.
 struct LightmapImage {
     enum class Place { InBsp, External };
@@ -38,10 +35,10 @@ class MeshLightmaps {
     MeshLightmaps(const Bsp &bsp, const std::filesystem::path &bspPath, const std::filesystem::path &script);
 
     /// Number of pages in the file, and of external images up to the first gap.
-    int InternalCount() const { return internal_; }
-    int ExternalCount() const { return external_; }
+    int InternalCount() const { return internalCount_; }
+    int ExternalCount() const { return externalCount_; }
     bool Exists(const LightmapImage &image) const {
-        return image.number < (image.place == LightmapImage::Place::External ? external_ : internal_);
+        return image.number < (image.place == LightmapImage::Place::External ? externalCount_ : internalCount_);
     }
     /// The surface's own number (in a file without pages that of an external image), else the image that its shader
     /// draws. Nothing: the surface has no lightmap.
@@ -50,7 +47,7 @@ class MeshLightmaps {
   private:
     void ReadScript(const std::filesystem::path &script);
 
-    int internal_ = 0, external_ = 0;
+    int internalCount_ = 0, externalCount_ = 0;
     std::map<std::string, int, std::less<>> byShader_; ///< number of the external image by lower-case shader name
 };
 
@@ -62,6 +59,7 @@ struct MeshExportOptions {
     std::string_view shaderFolder = "scripts"; ///< of the game; generated shaders are looked up there
 };
 
+/// A material of a model file.
 struct MeshMaterial {
     std::string name;
     Vec3f color{1, 1, 1}; ///< diffuse, largest component 1
@@ -69,6 +67,7 @@ struct MeshMaterial {
     bool isShaderName = false; ///< the image is named by its shader, so there is no path to turn into that of a system
 };
 
+/// A vertex of a model file.
 struct MeshVertex {
     Vec3f xyz, normal;         ///< in the map's axes and game units, in world space
     std::array<float, 2> st{}; ///< t runs downwards, as in the game
@@ -88,6 +87,7 @@ struct MeshSurface {
     std::string_view TypeName() const;
 };
 
+/// What a model file holds.
 struct MeshScene {
     std::string name; ///< of the map, without folder and extension
     std::vector<MeshMaterial> materials;

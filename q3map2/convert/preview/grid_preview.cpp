@@ -5,6 +5,7 @@
 #include "common/image/image.h"
 #include "common/text/text.h"
 #include "q3map2/convert/preview/grid_preview_map.h"
+#include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,11 +49,6 @@ constexpr std::array kGlyphs = {
     Glyph{'/', {1, 1, 2, 4, 8, 16, 16}},      Glyph{'(', {2, 4, 8, 8, 8, 4, 2}},
     Glyph{')', {8, 4, 2, 2, 2, 4, 8}},        Glyph{'+', {0, 4, 4, 31, 4, 4, 0}},
 };
-
-float SrgbCurve(float linear) {
-    const float value = std::clamp(linear, 0.0f, 1.0f);
-    return value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1 / 2.4f) - 0.055f;
-}
 
 } // namespace
 
@@ -102,14 +98,15 @@ View PlanView() {
 
 View ObjectView() {
     constexpr float degree = std::numbers::pi_v<float> / 180;
-    const float around = 225 * degree, above = 35 * degree;
+    const float around = 225 * degree, above = 35 * degree; // from east by north to south-west; from the horizon
     const Vec3f toCamera(std::cos(around) * std::cos(above), std::sin(around) * std::cos(above), std::sin(above));
     const Vec3f right = Normalize(Cross(Vec3f(0, 0, 1), toCamera));
     return {right, Cross(toCamera, right), toCamera};
 }
 
 Vec3f ToDisplay(const Vec3f &linear) {
-    return {SrgbCurve(linear.x), SrgbCurve(linear.y), SrgbCurve(linear.z)};
+    const auto curve = [](float channel) { return SrgbFromLinear(std::clamp(channel, 0.0f, 1.0f)); };
+    return {curve(linear.x), curve(linear.y), curve(linear.z)};
 }
 
 void DrawSphere(Canvas &canvas, float x, float y, float radius, const View &view,
@@ -133,24 +130,43 @@ void DrawSphere(Canvas &canvas, float x, float y, float radius, const View &view
         }
 }
 
-// ---- A picture of what the light grids of a map hold ----
+// ---- The picture: a plan of the map, and spheres lit by its grids ----
 
 namespace {
 
+// Lengths and positions are in pixels.
 constexpr int kWidth = 1600, kHeight = 1000;
+constexpr int kTitleScale = 3, kTextScale = 2, kSmallScale = 1; ///< of letters
+constexpr int kTitleTop = 22, kTextBesideTitleTop = 28;
+
 constexpr int kPlanLeft = 20, kPlanTop = 60, kPlanSide = 860;
-constexpr int kPairsLeft = 900, kPairsTop = 60, kPairWidth = 228, kPairHeight = 215;
-constexpr int kColumns = 3, kRows = 4;
-constexpr float kPairRadius = 52, kSingleRadius = 72;
-constexpr int kLattice = 27; ///< pixels between the small spheres of the plan
+constexpr int kPlanHeightLeft = kPlanLeft + 150; ///< of the text that says the height of the plan
+constexpr int kCaptionTops[] = {kPlanTop + kPlanSide + 14, kPlanTop + kPlanSide + 40};
+constexpr int kLattice = 27; ///< between the small spheres of the plan
 constexpr float kSmallRadius = 10;
-constexpr int kPlanSubsamples = 2;
+constexpr int kPlanSubsamples = 2; ///< per axis of a pixel
+
+// Legend of the sizes of cells: a square in the color of the size, the size, a gap.
+constexpr int kLegendLeft = kPlanLeft + 560, kLegendSquare = 14, kLegendStep = 18, kLegendGap = 12;
+
+// Numbers of the positions in the plan, in a frame. Their centers keep a distance from the border of the plan.
+constexpr int kMarkFrame = 2, kMarkPaddingX = 4, kMarkPaddingY = 3, kMarkMarginX = 14, kMarkMarginY = 10;
+
+// A box for each position, with a sphere lit by the SH grid and one by the legacy grid, or the first alone. Positions
+// within the box.
+constexpr int kPairsLeft = 900, kPairsTop = 60, kPairWidth = 228, kPairHeight = 215, kPairGap = 8;
+constexpr int kColumns = 3, kRows = 4;
+constexpr int kNumberLeft = 10, kNumberTop = 10, kCoordinatesLeft = 48, kCoordinatesTop = 14;
+constexpr float kPairRadius = 52, kSphereGap = 3, kSingleRadius = 72;
+constexpr int kPairCenterTop = 104, kSingleCenterTop = 112, kSphereNameTop = 176;
+
 constexpr float kMinCellPixels = 3; ///< smaller cells of a sparse grid have no outlines
 constexpr float kOutlineAlpha = 0.75f;
 constexpr int kLegendSizes = 6; ///< sizes of cells in the legend
 constexpr float kMinExposure = 1.0f / 64, kMaxExposure = 16;
-constexpr float kContrastWeight = 8;   ///< weight of color contrast, relative to brightness
-constexpr float kGroundFactor = 0.35f; ///< factor of the light on the ground, so that spheres stand out
+constexpr float kContrastWeight = 8;               ///< weight of color contrast, relative to brightness
+constexpr float kGroundFactor = 0.35f;             ///< factor of the light on the ground, so that spheres stand out
+constexpr Vec3f kDarkGround{0.03f, 0.03f, 0.033f}; ///< linear color of the ground without light
 
 constexpr Vec3f kPaper{0.11f, 0.115f, 0.13f}, kSolid{0.05f, 0.052f, 0.06f}, kInk{0.93f, 0.93f, 0.93f};
 constexpr Vec3f kFaint{0.6f, 0.62f, 0.66f}, kMark{1.0f, 0.86f, 0.25f};
@@ -174,7 +190,8 @@ struct Plan {
     float Y(const Vec3f &p) const { return (center.y - p.y) * scale + (kPlanTop + kPlanSide / 2); }
 };
 
-/// Rank of a position: brightness of opposite sides, plus weighted contrast of their colors; axis maxima.
+/// Rank of a position: the greatest sum of the brightness of two opposite sides, plus the weighted greatest contrast of
+/// the colors of two opposite sides, over the three axes.
 float InterestOf(const SHSample &sample) {
     float brightness = 0, contrast = 0;
     for (const Vec3f &axis : {Vec3f(1, 0, 0), Vec3f(0, 1, 0), Vec3f(0, 0, 1)}) {
@@ -219,7 +236,7 @@ class Preview {
         for (const Vec3f &position : positions_) {
             const SHSample sample = sh_.At(position);
             float most = 0;
-            for (int direction = 0; direction < 27; direction++)
+            for (int direction = 0; direction < 27; direction++) // the steps -1, 0, 1 on each axis
                 most = std::max(most, MaxComponent(LightOn(sample, Normalize(Vec3f(float(direction % 3 - 1),
                                                                                    float(direction / 3 % 3 - 1),
                                                                                    float(direction / 9 - 1))))));
@@ -254,7 +271,7 @@ class Preview {
                     continue;
                 const Vec3f position = plan_.World(float(atX) + 0.5f, float(atY) + 0.5f);
                 const Vec3f light = LightOn(sh_.At(position), {0, 0, 1}) * (exposure_ * kGroundFactor);
-                canvas_.Blend(atX, atY, ToDisplay(light + Vec3f(0.03f, 0.03f, 0.033f)), float(open) / samples);
+                canvas_.Blend(atX, atY, ToDisplay(light + kDarkGround), float(open) / samples);
             }
     }
 
@@ -278,12 +295,12 @@ class Preview {
 
     /// Legend of the outlines above the plan: colors and edges of cells, game units.
     void DrawCellSizes() {
-        int x = kPlanLeft + 560;
+        int x = kLegendLeft;
         for (int size = 0; size < std::min(sparse_->levels, kLegendSizes); size++) {
-            canvas_.Rectangle(x, 28, 14, 14, SparseCellColor(size));
+            canvas_.Rectangle(x, kTextBesideTitleTop, kLegendSquare, kLegendSquare, SparseCellColor(size));
             const std::string text = fmt::format("{:g}", double(sparse_->cell[0]) * double(1 << size));
-            canvas_.Text(x + 18, 28, 2, kFaint, text);
-            x += 18 + Canvas::TextWidth(2, text) + 12;
+            canvas_.Text(x + kLegendStep, kTextBesideTitleTop, kTextScale, kFaint, text);
+            x += kLegendStep + Canvas::TextWidth(kTextScale, text) + kLegendGap;
         }
     }
 
@@ -306,59 +323,65 @@ class Preview {
 
     void DrawMark(std::size_t index) {
         const std::string number = std::to_string(index + 1);
-        const int x = std::clamp(int(plan_.X(positions_[index])), kPlanLeft + 14, kPlanLeft + kPlanSide - 14);
-        const int y = std::clamp(int(plan_.Y(positions_[index])), kPlanTop + 10, kPlanTop + kPlanSide - 10);
-        const int width = Canvas::TextWidth(2, number) + 8, height = 2 * Canvas::kGlyphHeight + 6;
-        canvas_.Rectangle(x - width / 2 - 2, y - height / 2 - 2, width + 4, height + 4, kMark);
+        const int x =
+            std::clamp(int(plan_.X(positions_[index])), kPlanLeft + kMarkMarginX, kPlanLeft + kPlanSide - kMarkMarginX);
+        const int y =
+            std::clamp(int(plan_.Y(positions_[index])), kPlanTop + kMarkMarginY, kPlanTop + kPlanSide - kMarkMarginY);
+        const int width = Canvas::TextWidth(kTextScale, number) + 2 * kMarkPaddingX;
+        const int height = kTextScale * Canvas::kGlyphHeight + 2 * kMarkPaddingY;
+        canvas_.Rectangle(x - width / 2 - kMarkFrame, y - height / 2 - kMarkFrame, width + 2 * kMarkFrame,
+                          height + 2 * kMarkFrame, kMark);
         canvas_.Rectangle(x - width / 2, y - height / 2, width, height, kSolid);
-        canvas_.TextCentered(x + 1, y - Canvas::kGlyphHeight, 2, kMark, number);
+        canvas_.TextCentered(x + 1, y - kTextScale * Canvas::kGlyphHeight / 2, kTextScale, kMark, number);
     }
 
     void DrawPair(std::size_t index) {
         const int left = kPairsLeft + int(index) % kColumns * kPairWidth;
         const int top = kPairsTop + int(index) / kColumns * kPairHeight;
         const Vec3f &position = positions_[index];
-        canvas_.Rectangle(left, top, kPairWidth - 8, kPairHeight - 8, kSolid);
-        canvas_.Text(left + 10, top + 10, 2, kMark, std::to_string(index + 1));
-        canvas_.Text(left + 48, top + 14, 1, kFaint,
+        canvas_.Rectangle(left, top, kPairWidth - kPairGap, kPairHeight - kPairGap, kSolid);
+        canvas_.Text(left + kNumberLeft, top + kNumberTop, kTextScale, kMark, std::to_string(index + 1));
+        canvas_.Text(left + kCoordinatesLeft, top + kCoordinatesTop, kSmallScale, kFaint,
                      fmt::format("AT {:.0f} {:.0f} {:.0f}", position.x, position.y, position.z));
-        const float middle = float(left + (kPairWidth - 8) / 2), y = float(top + 104);
+        const float middle = float(left + (kPairWidth - kPairGap) / 2);
         if (!legacy_) {
-            DrawSphere(canvas_, middle, y + 8, kSingleRadius, ObjectView(), Shading(sh_.At(position)));
+            DrawSphere(canvas_, middle, float(top + kSingleCenterTop), kSingleRadius, ObjectView(),
+                       Shading(sh_.At(position)));
             return;
         }
-        const float apart = kPairRadius + 1.5f;
+        const float y = float(top + kPairCenterTop), apart = kPairRadius + kSphereGap / 2;
         DrawSphere(canvas_, middle - apart, y, kPairRadius, ObjectView(), Shading(sh_.At(position)));
         DrawSphere(canvas_, middle + apart, y, kPairRadius, ObjectView(), Shading(legacy_->At(position)));
-        canvas_.TextCentered(int(middle - apart), top + 176, 2, kInk, "SH");
-        canvas_.TextCentered(int(middle + apart), top + 176, 2, kFaint, "LEGACY");
+        canvas_.TextCentered(int(middle - apart), top + kSphereNameTop, kTextScale, kInk, "SH");
+        canvas_.TextCentered(int(middle + apart), top + kSphereNameTop, kTextScale, kFaint, "LEGACY");
     }
 
     void DrawCaptions() {
-        canvas_.Text(kPlanLeft, 22, 3, kInk, "SH GRID");
-        canvas_.Text(kPlanLeft + 150, 28, 2, kFaint, fmt::format("PLAN AT Z {:.0f}, NORTH UP", plan_.height));
+        canvas_.Text(kPlanLeft, kTitleTop, kTitleScale, kInk, "SH GRID");
+        canvas_.Text(kPlanHeightLeft, kTextBesideTitleTop, kTextScale, kFaint,
+                     fmt::format("PLAN AT Z {:.0f}, NORTH UP", plan_.height));
         const shgrid_grid &grid = sh_.Grid();
         if (sparse_ != nullptr)
             DrawCellSizes();
-        canvas_.Text(kPlanLeft, kPlanTop + kPlanSide + 14, 2, kFaint,
+        canvas_.Text(kPlanLeft, kCaptionTops[0], kTextScale, kFaint,
                      sparse_ != nullptr
                          ? fmt::format("{} POINTS, SMALLEST CELL {:.4g} X {:.4g} X {:.4g}", grid.count, grid.cell[0],
                                        grid.cell[1], grid.cell[2])
                          : fmt::format("{} X {} X {} POINTS, CELL {:.4g} X {:.4g} X {:.4g}", grid.bounds[0],
                                        grid.bounds[1], grid.bounds[2], grid.cell[0], grid.cell[1], grid.cell[2]));
-        canvas_.Text(kPlanLeft, kPlanTop + kPlanSide + 40, 2, kFaint,
+        canvas_.Text(kPlanLeft, kCaptionTops[1], kTextScale, kFaint,
                      fmt::format("EXPOSURE {:.2g}, LINEAR TO SRGB. SMALL SPHERES: SEEN FROM ABOVE", exposure_));
         if (legacy_) {
-            canvas_.Text(kPairsLeft, 22, 3, kInk, "SH GRID  AND  LEGACY GRID");
-            canvas_.Text(kPairsLeft, kPlanTop + kPlanSide + 14, 2, kFaint,
+            canvas_.Text(kPairsLeft, kTitleTop, kTitleScale, kInk, "SH GRID  AND  LEGACY GRID");
+            canvas_.Text(kPairsLeft, kCaptionTops[0], kTextScale, kFaint,
                          sh_.HasTone() ? "LEFT: SH, WITH TONE. RIGHT: AMBIENT + DIRECTED, BLENDED"
                                        : "LEFT: SH. RIGHT: AMBIENT + DIRECTED, BLENDED");
-            canvas_.Text(kPairsLeft, kPlanTop + kPlanSide + 40, 2, kFaint,
+            canvas_.Text(kPairsLeft, kCaptionTops[1], kTextScale, kFaint,
                          "AS AN ENGINE DOES. SEEN FROM SOUTH-WEST ABOVE");
         } else {
-            canvas_.Text(kPairsLeft, 22, 3, kInk, "SH GRID");
-            canvas_.Text(kPairsLeft, kPlanTop + kPlanSide + 14, 2, kFaint, "THE MAP HAS NO LEGACY GRID TO COMPARE");
-            canvas_.Text(kPairsLeft, kPlanTop + kPlanSide + 40, 2, kFaint, "SEEN FROM SOUTH-WEST ABOVE");
+            canvas_.Text(kPairsLeft, kTitleTop, kTitleScale, kInk, "SH GRID");
+            canvas_.Text(kPairsLeft, kCaptionTops[0], kTextScale, kFaint, "THE MAP HAS NO LEGACY GRID TO COMPARE");
+            canvas_.Text(kPairsLeft, kCaptionTops[1], kTextScale, kFaint, "SEEN FROM SOUTH-WEST ABOVE");
         }
     }
 

@@ -18,8 +18,6 @@
 
 namespace q3 {
 
-// ---- What the light grids of a map show at a position ----
-
 // ---- Cells of the sparse SH grid by position ----
 
 std::optional<SparseCell> SparseCellAt(const SparseGridSH &grid, const Vec3f &position) {
@@ -169,18 +167,18 @@ LegacySample LegacyPreview::At(const Vec3f &position) const {
 
 namespace {
 
-constexpr std::uint32_t kContentsSolid = 1, kSurfSky = 4;
-constexpr std::int32_t kTopSide = 5;        ///< number of the brush side that faces up
+constexpr std::uint32_t kContentsSolid = 1, kSurfSky = 4; ///< CONTENTS_SOLID, SURF_SKY
+constexpr std::int32_t kTopSide = 5;                      ///< number of the brush side that faces up
 constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested per position, so that damaged brush lists stay cheap
 constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< coordinates that engines allow
-constexpr float kFloorDepth = 128, kFloorStep = 16;  ///< range and step of the search for a floor
-constexpr float kClearance = 24;                     ///< free distance around a position
-constexpr int kHeights = 96, kHeightSamples = 64;    ///< probes for the best height, per axis
-constexpr int kAreaSamples = 256;
-constexpr int kCandidateColumns = 40, kCandidateLevels = 24;
+constexpr float kFloorDepth = 128, kFloorStep = 16;  ///< range and step of the search for a floor, game units
+constexpr float kClearance = 24;                     ///< free distance around a position, game units
+constexpr int kHeights = 96, kHeightSamples = 64;    ///< heights that are compared, and probes of each, per axis
+constexpr int kAreaSamples = 256;                    ///< probes of the open area, per axis
+constexpr int kCandidateColumns = 40, kCandidateLevels = 24; ///< possible positions, per horizontal axis and along z
 constexpr std::array<std::string_view, 6> kPlaceClasses = {"info_player_", "team_", "item_",
                                                            "weapon_",      "ammo_", "holdable_"};
-constexpr Vec3f kPlayMargin{384, 384, 160}; ///< around entities of these classes
+constexpr Vec3f kPlayMargin{384, 384, 160}; ///< around entities of these classes, game units
 constexpr float kBaseWeight = 0.6f;         ///< weight of a dark position; light adds up to 1
 constexpr float kFarthest = 1e18f;          ///< distance that counts where no position is chosen yet
 
@@ -274,7 +272,7 @@ std::vector<Candidate> Weigh(const std::vector<Vec3f> &positions, const std::fun
 } // namespace
 
 PreviewMap::PreviewMap(const Bsp &bsp)
-    : bsp_(bsp), arena_(ClustersSeenFrom(bsp, Places(bsp))), space_(PlaySpace(bsp)) {}
+    : bsp_(bsp), seenByPlayers_(ClustersSeenFrom(bsp, Places(bsp))), space_(PlaySpace(bsp)) {}
 
 bool PreviewMap::InBrush(const bspBrush_t &brush, const Vec3f &position, std::int32_t &budget) const {
     if (!(bsp_.shaders[std::size_t(brush.shaderNum)].contentFlags & kContentsSolid))
@@ -303,7 +301,7 @@ const bspBrush_t *PreviewMap::BrushAt(const bspLeaf_t &leaf, const Vec3f &positi
 
 bool PreviewMap::IsOpen(const Vec3f &position) const {
     const bspLeaf_t &leaf = LeafAt(position);
-    if (leaf.cluster < 0 || (!arena_.empty() && !arena_[std::size_t(leaf.cluster)]))
+    if (leaf.cluster < 0 || (!seenByPlayers_.empty() && !seenByPlayers_[std::size_t(leaf.cluster)]))
         return false;
     return !BrushAt(leaf, position);
 }

@@ -104,8 +104,8 @@ class PreviewMap {
     std::vector<Vec3f> Candidates() const;
 
     const Bsp &bsp_;
-    std::vector<bool> arena_; ///< by cluster: players can see it; empty: all
-    Boundsf space_;           ///< around player starts and items; the world bounds when there are none
+    std::vector<bool> seenByPlayers_; ///< by cluster: players can see it; empty: all
+    Boundsf space_;                   ///< around player starts and items; the world bounds when there are none
 };
 
 } // namespace q3

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. HDR images as ordinary pictures.
 #include "q3map2/convert/preview/tone_picture.h"
 
+#include "q3map2/shader/image_formats.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,15 +14,14 @@ constexpr std::string_view kFilmic = "filmic";
 constexpr double kMostStops = 64;
 constexpr float kMostLight = 1e30f; ///< infinity becomes this, so that ratios of channels stay numbers
 
-/// Narkowicz's fit of the ACES curve: 0.8 at 1, never above 1.
+/// The ACES curve as fitted by Narkowicz, "ACES Filmic Tone Mapping Curve", 2016: 0.8 at 1, never above 1.
 float FilmicCurve(float m) {
     const float x = std::min(m, 1e4f); // above, the curve is level
     return std::min(1.0f, x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f));
 }
 
 std::uint8_t SrgbByte(float linear) {
-    const float encoded = linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-    return std::uint8_t(std::clamp(encoded, 0.0f, 1.0f) * 255 + 0.5f);
+    return std::uint8_t(std::clamp(SrgbFromLinear(linear), 0.0f, 1.0f) * 255 + 0.5f);
 }
 
 } // namespace

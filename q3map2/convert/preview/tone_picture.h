@@ -10,6 +10,7 @@
 
 namespace q3 {
 
+/// Values of the options of -tonemap.
 struct ToneMapOptions {
     double exposure = 0;                 ///< stops
     std::string toneOperator = "filmic"; ///< or clamp
@@ -18,7 +19,7 @@ struct ToneMapOptions {
 
 /// The options of the -tonemap stage, declared.
 std::vector<SettingGroup<ToneMapOptions>> ToneMapSettings();
-/// Takes them off `arguments`.
+/// Takes the options of -tonemap off `arguments`.
 ToneMapOptions ParseToneMapOptions(Arguments &arguments, Log &log);
 
 /// Colors times 2^exposure, scaled so that their largest channel m becomes min(m, 1) (clamp) or that of a filmic curve,

@@ -29,7 +29,7 @@ constexpr double kSpacing = 256;       ///< between points that are not corners,
 
 using ThreePoints = std::array<Vec3d, 3>;
 
-/// Corners that span a large triangle.
+/// Corners that span a large triangle: the first, the farthest from it, and the farthest from the line through both.
 ThreePoints SpreadCorners(std::span<const Vec3d> winding) {
     const Vec3d &first = winding.front();
     const auto nearer = [&](const Vec3d &a, const Vec3d &b) { return Length(a - first) < Length(b - first); };
@@ -66,7 +66,8 @@ PlanePoints PrintedPoints(ThreePoints points, int decimals, const Vec3d &front) 
     return printed;
 }
 
-/// value * 2^-24: half the spacing of the floats that follow it if it is a power of two, else up to twice that.
+/// |value| 2^-24: half the distance from a power of two to the next float; between half of it and all of it for other
+/// values.
 double HalfStep(double value) {
     return std::abs(value) * double(std::numeric_limits<float>::epsilon()) / 2;
 }
@@ -74,6 +75,8 @@ double HalfStep(double value) {
 /// A unit vector that rounds to `normal`, whose length differs from 1 as its components were rounded to float. If there
 /// is none, the normalized normal.
 Vec3d UnitStoredAs(const Vec3d &normal) {
+    // Each component may be off by `slack`, a share t of which is subtracted: |normal - t slack|^2 = 1 to first order
+    // for t = excess / reach with excess = (|normal|^2 - 1) / 2 and reach = normal . slack.
     Vec3d slack;
     double reach = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -218,12 +221,12 @@ std::vector<bool> BrushesInTheOpen(const Bsp &bsp) {
 
 namespace {
 
-constexpr int kDetailFlag = 0x8000000;
+constexpr int kDetailFlag = 0x8000000; ///< CONTENTS_DETAIL
 /// Tolerance of written texture coordinates: more digits would only repeat the float rounding of the .bsp. Texels.
 constexpr double kStoredError = 2e-4;
-constexpr double kOriginSize = 8; ///< half an edge of origin brushes, game units
+constexpr double kOriginHalfEdge = 8; ///< of origin brushes, game units
 /// Scale of default texture axes: of sides whose axes are unknown, and of all sides with -fast. Game units per texel.
-constexpr double kUnknownScale = 0.25, kFastScale = 0.5;
+constexpr double kUnknownScale = 0.25, kFastScale = kDefaultTextureScale;
 /// Shaders of sides whose texture axes are unknown (-wtf), and of sides without a shader.
 constexpr std::string_view kUnknownTexture = "common/WTF", kUnnamedTexture = "common/caulk";
 
@@ -332,18 +335,18 @@ void Decompiler::WriteOriginBrush(const Vec3d &origin) {
         for (const std::size_t axis : {2u, 1u, 0u}) {
             Plane plane;
             plane.normal[axis] = sign;
-            plane.dist = sign * origin[axis] + kOriginSize;
+            plane.dist = sign * origin[axis] + kOriginHalfEdge;
             Winding<double> corners;
             for (const auto &[u, v] : {std::pair{-1.0, -1.0}, {-1.0, 1.0}, {1.0, 1.0}, {1.0, -1.0}}) {
                 Vec3d corner = origin;
-                corner[axis] += sign * kOriginSize;
-                corner[(axis + 1) % 3] += u * kOriginSize, corner[(axis + 2) % 3] += v * kOriginSize;
+                corner[axis] += sign * kOriginHalfEdge;
+                corner[(axis + 1) % 3] += u * kOriginHalfEdge, corner[(axis + 2) % 3] += v * kOriginHalfEdge;
                 corners.push_back(corner);
             }
             const ProjectionAxes axes = ClassicAxes(plane.normal);
             TextureProjection texture;
             for (std::size_t row = 0; row < 2; ++row) {
-                const Vec3d along = (row == 0 ? axes.s : axes.t) / (2 * kOriginSize);
+                const Vec3d along = (row == 0 ? axes.s : axes.t) / (2 * kOriginHalfEdge);
                 texture.vecs[row] = {along.x, along.y, along.z, 0.5 - Dot(along, origin)};
             }
             const PlanePoints points = PointsOfPlane(plane, corners);
@@ -402,13 +405,13 @@ void Decompiler::WriteBrush(std::size_t brush, std::size_t model, const Vec3d &o
                           name_, brush);
         return;
     }
-    const bool detail = IsDetail(brush, model);
+    const bool isDetail = IsDetail(brush, model);
     std::vector<SideWords> words;
     for (const RebuiltSide &side : sides)
-        words.push_back(WordsOfSide(side, origin, samples, detail ? kDetailFlag : 0));
+        words.push_back(WordsOfSide(side, origin, samples, isDetail ? kDetailFlag : 0));
     writer_.WriteBrush(int(brush), words);
     ++brushCount_;
-    detailCount_ += detail;
+    detailCount_ += isDetail;
 }
 
 SideWords Decompiler::WordsOfSide(const RebuiltSide &side, const Vec3d &origin, const TextureSamples &samples,

@@ -6,6 +6,7 @@
 #include "q3map2/map/map_brush.h"
 #include "q3map2/map/map_primitive.h"
 #include "q3map2/map/map_scanner.h"
+#include "q3map2/map/map_texture.h"
 
 #include <fmt/ranges.h>
 
@@ -168,7 +169,7 @@ SideWords SourceConverter::WordsOfSide(const BrushSide &side, const SideText &te
     for (std::size_t i = 0; i < 3; ++i)
         words.points[i] = PointText(text.points[i]);
     if (side.planeNum < 0) { // collinear points: kept, so that readers of the result warn of them too
-        words.texture = DefaultTexture(form_, {0, 0, 1}, 0.5);
+        words.texture = DefaultTexture(form_, {0, 0, 1}, kDefaultTextureScale);
         return words;
     }
     Plane plane = side.plane;

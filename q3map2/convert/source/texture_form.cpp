@@ -54,7 +54,7 @@ bool IsBetween(const Vec3d &p, const Vec3d &a, const Vec3d &b) {
 /// Trusts corners of the side most, and vertices between two others least: the compiler inserted these at T-junctions,
 /// with texture coordinates of a point beside the vertex.
 void SetTrust(std::vector<Corner> &corners, const Winding<double> &winding) {
-    constexpr double kClipped = 0.1, kBetween = 1e-3;
+    constexpr double kClipped = 0.1, kBetween = 1e-3; // weights of other vertices, and of those between two others
     for (Corner &corner : corners) {
         const auto isThere = [&](const Vec3d &p) { return Length(p - corner.xyz) < kMaxRounding; };
         const auto isBetweenOthers = [&] {
@@ -78,6 +78,7 @@ std::optional<TextureProjection> Fitted(std::span<const Corner> corners, std::sp
         center += corners[i].xyz * weight;
         mean = {mean[0] + corners[i].st[0] * weight, mean[1] + corners[i].st[1] * weight};
     }
+    // Normal equations of coordinate = mean + a x + b y, where x and y are relative to the center along the two axes.
     double xx = 0, xy = 0, yy = 0;
     std::array<double, 2> xs{}, ys{};
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -90,7 +91,8 @@ std::optional<TextureProjection> Fitted(std::span<const Corner> corners, std::sp
         }
     }
     const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 1e-9 * xx * yy) || !(xx > 0) || !(yy > 0))
+    constexpr double kMinDeterminant = 1e-9; // relative to xx yy: 1 minus the squared correlation of x and y
+    if (!(determinant > kMinDeterminant * xx * yy) || !(xx > 0) || !(yy > 0))
         return std::nullopt;
     TextureProjection fitted;
     for (std::size_t row = 0; row < 2; ++row) {
@@ -101,15 +103,15 @@ std::optional<TextureProjection> Fitted(std::span<const Corner> corners, std::sp
     return fitted;
 }
 
-double At(const TextureProjection &projection, std::size_t i, const Vec3d &p) {
-    const auto &row = projection.vecs[i];
-    return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
+/// s or t of a point by a row of a projection.
+double CoordinateAt(const std::array<double, 4> &row, const Vec3d &p) {
+    return Dot(Vec3d{row[0], row[1], row[2]}, p) + row[3];
 }
 
 /// Distance between the projection and the texture coordinates of a corner, texels.
 double Misfit(const TextureProjection &projection, const Corner &corner, const GeometryDirectives &shader) {
-    return std::max(std::abs(At(projection, 0, corner.xyz) - corner.st[0]) * shader.textureWidth,
-                    std::abs(At(projection, 1, corner.xyz) - corner.st[1]) * shader.textureHeight);
+    return std::max(std::abs(CoordinateAt(projection.vecs[0], corner.xyz) - corner.st[0]) * shader.textureWidth,
+                    std::abs(CoordinateAt(projection.vecs[1], corner.xyz) - corner.st[1]) * shader.textureHeight);
 }
 
 double TexelsPerUnit(const TextureProjection &projection, const GeometryDirectives &shader) {
@@ -179,7 +181,8 @@ std::array<double, 2> WithoutTexMod(const std::array<float, 2> &st, const Geomet
     const double a = double(m[0][0]), b = double(m[0][1]), c = double(m[1][0]), d = double(m[1][1]);
     const double determinant = a * d - b * c;
     const double s = double(st[0]), t = double(st[1]);
-    if (!(std::abs(determinant) > 1e-12))
+    constexpr double kSingular = 1e-12; // determinant of a transform that cannot be undone
+    if (!(std::abs(determinant) > kSingular))
         return {s, t};
     const double x = s - double(m[0][2]), y = t - double(m[1][2]);
     return {(d * x - b * y) / determinant, (a * y - c * x) / determinant};
@@ -266,7 +269,7 @@ std::optional<TextureProjection> TextureSamples::Find(std::string_view shader, c
         std::vector<Corner> added;
         std::array<double, 2> wholeImages{};
         for (std::size_t i = 0; i < 2 && best; ++i)
-            wholeImages[i] = std::round(At(*best, i, cover.triangle->xyz[0]) - cover.triangle->st[0][i]);
+            wholeImages[i] = std::round(CoordinateAt(best->vecs[i], cover.triangle->xyz[0]) - cover.triangle->st[0][i]);
         for (std::size_t k = 0; k < 3; ++k) {
             const auto &[s, t] = cover.triangle->st[k];
             added.push_back({cover.triangle->xyz[k], {s + wholeImages[0], t + wholeImages[1]}});
@@ -370,7 +373,7 @@ std::vector<FormNumber> ClassicNumbers(const TextureRequest &request) {
     std::array<double, 2> scales{1 / lengths[0], sign / lengths[1]};
     double degrees = (sAngle + std::remainder(tAngle - sAngle, 2 * std::numbers::pi) / 2) * kDegreesPerRadian;
     // An angle outside -90 < degrees <= 90, but for rounding, becomes its opposite with both scales negated.
-    constexpr double kRounding = 1e-9;
+    constexpr double kRounding = 1e-9; // degrees
     if (degrees > 90 + kRounding || degrees <= -90 + kRounding) {
         degrees += degrees > 0 ? -180 : 180;
         scales = {-scales[0], -scales[1]};
@@ -400,10 +403,6 @@ TextureProjection Projected(MapForm form, const std::vector<double> &n, const Te
     return ProjectClassic(texture, request.normal, request.shader);
 }
 
-double CoordinateAt(const std::array<double, 4> &row, const Vec3d &p) {
-    return Dot(Vec3d{row[0], row[1], row[2]}, p) + row[3];
-}
-
 /// Largest difference from the requested projection at a corner, texels. `wraps`: modulo whole images, since the
 /// classic form drops them from offsets.
 double Difference(const TextureProjection &a, const TextureRequest &request, bool wraps) {
@@ -421,7 +420,8 @@ double Difference(const TextureProjection &a, const TextureRequest &request, boo
 }
 
 int DecimalsFor(const FormNumber &number, int digits) {
-    const double reference = std::max({std::abs(number.value), number.reference, 1e-30});
+    constexpr double kMinReference = 1e-30; // zero has no logarithm
+    const double reference = std::max({std::abs(number.value), number.reference, kMinReference});
     return std::max(0, digits - 1 - int(std::floor(std::log10(reference))));
 }
 
@@ -473,8 +473,8 @@ std::string WithoutExponent(const std::string &text) {
     if (e == std::string::npos)
         return text == "-0" ? "0" : text;
     const int exponent = IntegerFromText(text.substr(e + 1));
-    const bool negative = text.front() == '-';
-    std::string digits = text.substr(negative, e - negative);
+    const bool isNegative = text.front() == '-';
+    std::string digits = text.substr(isNegative, e - isNegative);
     std::erase(digits, '.');
     if (exponent < 0)
         digits = "0." + std::string(std::size_t(-exponent - 1), '0') + digits;
@@ -482,7 +482,7 @@ std::string WithoutExponent(const std::string &text) {
         digits.append(std::size_t(exponent) + 1 - digits.size(), '0');
     else if (digits.size() > std::size_t(exponent) + 1)
         digits.insert(std::size_t(exponent) + 1, ".");
-    return negative ? "-" + digits : digits;
+    return isNegative ? "-" + digits : digits;
 }
 
 } // namespace
@@ -510,14 +510,14 @@ TextureWords TextureInForm(MapForm form, const TextureRequest &request) {
                                             : form == MapForm::Primitive ? MatrixNumbers(request)
                                                                          : ValveNumbers(request);
     if (numbers.empty())
-        return {DefaultTexture(form, request.normal, 0.5), std::numeric_limits<double>::infinity()};
+        return {DefaultTexture(form, request.normal, kDefaultTextureScale), std::numeric_limits<double>::infinity()};
     TextureWords best;
     for (int digits = request.corners.empty() ? kAllDigits : kFewestDigits; digits <= kAllDigits; ++digits) {
         TextureWords words = Rounded(form, numbers, digits, request);
-        const bool good = words.error <= request.tolerance;
-        if (best.words.empty() || words.error < best.error || good)
+        const bool isGood = words.error <= request.tolerance;
+        if (best.words.empty() || words.error < best.error || isGood)
             best = std::move(words);
-        if (good)
+        if (isGood)
             break;
     }
     return best;
@@ -527,7 +527,7 @@ std::vector<std::string> DefaultTexture(MapForm form, const Vec3d &normal, doubl
     const std::string each = ExactText(scale);
     if (form == MapForm::Classic)
         return {"0", "0", "0", each, each};
-    constexpr double kImageSide = 64; // texels
+    constexpr double kImageSide = 64; // texels; see the header
     const std::string images = ExactText(1 / (kImageSide * scale));
     if (form == MapForm::Primitive)
         return {images, "0", "0", "0", images, "0"};

@@ -15,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxProjectors = 1024;
+constexpr std::size_t kMaxProjectors = 1024; ///< of a map
 constexpr std::string_view kLostDecal = "decal without surface";
 constexpr double kMinDistance = 0.125;    ///< from a decal to its target, game units
 constexpr double kClipEpsilon = 0.0625;   ///< game units
@@ -43,10 +43,12 @@ Vec3d StartOf(const MapEntity &entity) {
 /// the triangle is parallel to `direction`.
 bool ProjectTexture(const std::array<Vec3d, 3> &corners, const std::array<DrawVert, 3> &verts, const Vec3d &direction,
                     DecalProjector &projector) {
-    const auto flat = [&](const Vec3d &v) { return v - direction * Dot(v, direction); };
-    const Vec3d e1 = flat(corners[1] - corners[0]), e2 = flat(corners[2] - corners[0]);
+    const auto across = [&](const Vec3d &v) { return v - direction * Dot(v, direction); };
+    const Vec3d e1 = across(corners[1] - corners[0]), e2 = across(corners[2] - corners[0]);
+    // gradient . e1 = s1 and gradient . e2 = s2, solved in the span of e1 and e2 by their Gram matrix ((a, b), (b, c)).
     const double a = Dot(e1, e1), b = Dot(e1, e2), c = Dot(e2, e2), det = a * c - b * b;
-    if (!(det > 1e-9 * std::max(1., a * c)))
+    constexpr double kMinDeterminant = 1e-9; // relative to a c: the squared sine of the angle between e1 and e2
+    if (!(det > kMinDeterminant * std::max(1., a * c)))
         return false;
     for (std::size_t axis = 0; axis < 2; ++axis) {
         const double s1 = double(verts[1].st[axis]) - double(verts[0].st[axis]);
@@ -195,7 +197,7 @@ bool TakesDecals(const DrawSurface &surface) {
     case SurfaceKind::Patch:
         return true;
     case SurfaceKind::Triangles:
-    case SurfaceKind::ForcedMeta:
+    case SurfaceKind::ForcedMeta: // models: only with a shader that a script defines
         return !surface.shader->scriptText.empty();
     default:
         return false;

@@ -137,11 +137,14 @@ PatchCut CutPatchSurface(const DrawSurface &surface, const Plane &plane, double 
     return {PatchCut::Cut, std::move(lowSurface), std::move(highSurface)};
 }
 
-// ---- Fog volumes: cuts faces and patches at their borders and sets fog numbers of surfaces ----
+// ---- Fogs of the map, and the surfaces in them ----
 
 namespace {
 
-constexpr double kFogEpsilon = 0.1;  ///< game units
+constexpr double kFogEpsilon = 0.1; ///< tolerance of points on a border, game units
+/// Model surfaces are in a fog if they overlap its box, this much larger on each side, by at least kMinFogOverlap on
+/// each axis. Game units.
+constexpr double kFogMargin = 1, kMinFogOverlap = 1;
 constexpr std::size_t kMaxFogs = 31; ///< engines have five bits for the fog in their sort key
 
 /// Index of the side whose normal is most opposite to `direction`; -1: none.
@@ -235,7 +238,7 @@ class WorldFogger {
         const int planeNum = geometry_.surfaces[number].planeNum;
         std::vector<Polygon> outside;
         for (const BrushSide &side : brush.sides) {
-            if (side.planeNum < 0 || (planeNum >= 0 && side.planeNum == (planeNum ^ 1)))
+            if (side.planeNum < 0 || (planeNum >= 0 && side.planeNum == OppositePlane(planeNum)))
                 continue;
             if (side.planeNum == planeNum)
                 return false;
@@ -257,6 +260,7 @@ class WorldFogger {
         return true;
     }
 
+    /// At the bottom and the top of the brush only.
     bool CutPatch(std::size_t number, const Brush &brush) {
         constexpr std::size_t kBottom = 4, kTop = 5; // numbers of sides, see Brush
         for (std::size_t i = kBottom; i <= kTop && i < brush.sides.size(); ++i) {
@@ -337,14 +341,14 @@ int FogOfModelSurface(const DrawSurface &surface, const Vec3f &origin, const Map
         if (fog.brush < 0)
             continue;
         const Boundsf &box = map.entities[std::size_t(fog.entity)].brushes[std::size_t(fog.brush)].bounds;
-        double shared = 1;
+        double overlap = 1; // volume, cubic game units
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double low = std::max(double(bounds.mins[axis] + origin[axis]), double(box.mins[axis]) - 1);
-            const double high = std::min(double(bounds.maxs[axis] + origin[axis]), double(box.maxs[axis]) + 1);
-            shared *= high - low >= 1 ? high - low : 0;
+            const double low = std::max(double(bounds.mins[axis] + origin[axis]), double(box.mins[axis]) - kFogMargin);
+            const double high = std::min(double(bounds.maxs[axis] + origin[axis]), double(box.maxs[axis]) + kFogMargin);
+            overlap *= high - low >= kMinFogOverlap ? high - low : 0;
         }
-        if (shared > most)
-            best = int(i), most = shared;
+        if (overlap > most)
+            best = int(i), most = overlap;
     }
     return best;
 }
@@ -380,6 +384,7 @@ void MakeFogHull(const Map &map, Geometry &geometry, const BspContext &context) 
         hull.bounds.Add(vert.xyz);
         hull.verts.push_back(vert);
     }
+    // Two triangles a face, which face inwards; corner i has its bits x, y, z set at maxs.
     hull.indexes = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                     2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
     geometry.surfaces.push_back(std::move(hull));

@@ -20,7 +20,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMaxCopyChain = 16; ///< copies of copies
+constexpr int kMaxCopyDepth = 16; ///< of copies of copies
 
 DrawSurface CopyOf(const DrawSurface &surface, const ShaderInfo &shader) {
     DrawSurface copy = surface;
@@ -39,39 +39,39 @@ const ShaderInfo *CelShaderFor(const DrawSurface &surface) {
     return cel;
 }
 
-/// Appends the copies of surface `number`. chain[i]: number of copying steps from an original to surface i.
-void AppendCopies(std::size_t number, std::vector<int> &chain, Geometry &geometry, const BspContext &context) {
+/// Appends the copies of surface `number`. copyDepths[i]: number of copying steps from an original to surface i.
+void AppendCopies(std::size_t number, std::vector<int> &copyDepths, Geometry &geometry, const BspContext &context) {
     const DrawSurface surface = geometry.surfaces[number]; // a copy: appending invalidates references
-    const auto add = [&](DrawSurface copy, int links) {
+    const auto add = [&](DrawSurface copy, int depth) {
         geometry.surfaces.push_back(std::move(copy));
-        chain.push_back(links);
+        copyDepths.push_back(depth);
     };
     if (const ShaderInfo *cel = CelShaderFor(surface)) {
         DrawSurface copy = CopyOf(surface, *cel);
         copy.planar = false;
         copy.planeNum = -1;
-        add(std::move(copy), kMaxCopyChain);
+        add(std::move(copy), kMaxCopyDepth); // is not copied again
     }
-    const int links = chain[number];
-    if (links >= kMaxCopyChain)
+    const int depth = copyDepths[number];
+    if (depth >= kMaxCopyDepth)
         return;
-    const GeometryDirectives &geo = surface.shader->geometry;
-    if (!geo.cloneShader.empty())
-        add(CopyOf(surface, context.shaders.Get(geo.cloneShader)), links + 1);
-    if (!geo.backShader.empty()) {
-        DrawSurface copy = CopyOf(surface, context.shaders.Get(geo.backShader));
+    const GeometryDirectives &directives = surface.shader->geometry;
+    if (!directives.cloneShader.empty())
+        add(CopyOf(surface, context.shaders.Get(directives.cloneShader)), depth + 1);
+    if (!directives.backShader.empty()) {
+        DrawSurface copy = CopyOf(surface, context.shaders.Get(directives.backShader));
         copy.backSide = !surface.backSide;
-        add(std::move(copy), kMaxCopyChain);
+        add(std::move(copy), kMaxCopyDepth); // is not copied again
     }
 }
 
 } // namespace
 
 void MakeDerivedSurfaces(Geometry &geometry, std::size_t first, const BspContext &context) {
-    std::vector<int> chain(geometry.surfaces.size(), 0);
+    std::vector<int> copyDepths(geometry.surfaces.size(), 0);
     for (std::size_t i = first; i < geometry.surfaces.size(); ++i)
         if (geometry.surfaces[i].shader != nullptr && !geometry.surfaces[i].Empty())
-            AppendCopies(i, chain, geometry, context);
+            AppendCopies(i, copyDepths, geometry, context);
 }
 
 // ---- Flares of lights and shaders ----
@@ -141,9 +141,9 @@ void MakeShaderFlare(std::size_t surface, const Vec3f &origin, Geometry &geometr
 
 namespace {
 
-constexpr std::size_t kMaxInstances = 8192;
-constexpr double kMinUp = 0.5;     ///< z of the normal: on steeper triangles nothing grows
-constexpr double kMinAlpha = 0.75; ///< mean vertex alpha of a triangle on which something grows
+constexpr std::size_t kMaxInstances = 8192; ///< on one surface
+constexpr double kMinUp = 0.5;              ///< z of the normal: on steeper triangles nothing grows
+constexpr double kMinAlpha = 0.75;          ///< mean vertex alpha of a triangle on which something grows
 
 bool IsSteep(const SurfaceTriangle &t) {
     const Vec3d a(t[0].xyz), b(t[1].xyz), c(t[2].xyz);
@@ -153,7 +153,7 @@ bool IsSteep(const SurfaceTriangle &t) {
 /// Probability that the triangle gets an instance.
 double InstanceProbability(const SurfaceTriangle &t, const FoliageDirective &directive) {
     double alpha = (int(t[0].color[3]) + t[1].color[3] + t[2].color[3]) / (3 * 255.);
-    if (directive.invertAlpha == 1)
+    if (directive.invertAlpha == 1) // FoliageDirective tells what the numbers mean
         alpha = 1 - alpha;
     else if (directive.invertAlpha == 2)
         alpha = 1;
@@ -261,13 +261,14 @@ void MakeFur(std::size_t surface, Geometry &geometry) {
 
 namespace {
 
-constexpr double kDefaultScale = 64; ///< of a sky box
+constexpr double kDefaultSkyBoxScale = 64;
 
 Vec3d SkyBoxScale(const Entity &pairs) {
     if (const auto scale = keys::kSkyBoxScale.Vector(pairs))
         return Vec3d(*scale);
     const double scale = NumberFromText(keys::kSkyBoxScale.Text(pairs));
-    return scale == 0 ? Vec3d{kDefaultScale, kDefaultScale, kDefaultScale} : Vec3d{scale, scale, scale};
+    return scale == 0 ? Vec3d{kDefaultSkyBoxScale, kDefaultSkyBoxScale, kDefaultSkyBoxScale}
+                      : Vec3d{scale, scale, scale};
 }
 
 } // namespace
@@ -292,7 +293,6 @@ std::optional<SkyBoxTransform> ReadSkyBox(const Map &map) {
 
 DrawSurface SkyBoxCopy(const DrawSurface &surface, int number, const SkyBoxTransform &transform) {
     DrawSurface copy = surface;
-    copy.skyBoxCopy = true;
     copy.parent = number;
     copy.bounds = {};
     for (DrawVert &vert : copy.verts) {
@@ -375,8 +375,8 @@ void ApplyIndexMap(DrawSurface &surface, const IndexMap &map, Geometry &geometry
     for (std::size_t i = 0; i < surface.verts.size(); ++i) {
         DrawVert &vert = surface.verts[i];
         const float z = vert.xyz.z + map.OffsetOf(layers[i]);
-        const bool snap = context.options.snapVertices && surface.kind == SurfaceKind::Face;
-        vert.xyz.z = snap ? std::floor(z * 8 + 0.5f) / 8 : z;
+        const bool isSnapped = context.options.snapVertices && surface.kind == SurfaceKind::Face;
+        vert.xyz.z = isSnapped ? std::floor(z * 8 + 0.5f) / 8 : z; // to 1/8 game unit
         vert.color = {255, 255, 255, std::uint8_t(layers[i] == *high ? 255 : 0)};
         if (surface.shader->geometry.hasTexGen)
             for (std::size_t axis = 0; axis < 2; ++axis)
@@ -387,7 +387,7 @@ void ApplyIndexMap(DrawSurface &surface, const IndexMap &map, Geometry &geometry
 
 } // namespace
 
-void ApplyIndexedTerrain(const MapEntity &, Geometry &geometry, std::size_t first, const BspContext &context) {
+void ApplyIndexedTerrain(Geometry &geometry, std::size_t first, const BspContext &context) {
     for (std::size_t i = first; i < geometry.surfaces.size(); ++i) {
         DrawSurface &surface = geometry.surfaces[i];
         const bool takesLayers = surface.kind == SurfaceKind::Face || surface.kind == SurfaceKind::Patch;

@@ -42,6 +42,6 @@ void MakePortalSurfaces(const Tree &tree, Geometry &geometry, const BspContext &
 
 /// For faces and patches (from `first` on) with an indexed shader: sets heights, vertex alpha and shader by the index
 /// map of their entity.
-void ApplyIndexedTerrain(const MapEntity &entity, Geometry &geometry, std::size_t first, const BspContext &context);
+void ApplyIndexedTerrain(Geometry &geometry, std::size_t first, const BspContext &context);
 
 } // namespace q3

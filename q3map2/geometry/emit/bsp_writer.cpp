@@ -16,7 +16,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxName = 63; ///< bytes
 constexpr std::string_view kNoShader = "noshader";
 
 /// Bounds rounded outward to integers; zeros for an empty box.
@@ -31,8 +30,8 @@ void SetBounds(const Boundsf &bounds, Int3 &mins, Int3 &maxs) {
 }
 
 std::array<char, 64> NameField(std::string_view name) {
-    if (name.size() > kMaxName)
-        throw Error("shader name {}: {} bytes, expected at most {}", name, name.size(), kMaxName);
+    if (name.size() > kMaxShaderName)
+        throw Error("shader name {}: {} bytes, expected at most {}", name, name.size(), kMaxShaderName);
     std::array<char, 64> field{};
     std::copy(name.begin(), name.end(), field.begin());
     return field;
@@ -73,8 +72,8 @@ int VisibleSide(const Brush &brush) {
 
 BspWriter::BspWriter(Map &map, const BspContext &context)
     : map_(map), context_(context), worldSettings_(SettingsOf(map.World(), map, context)), skyBox_(ReadSkyBox(map)) {
-    bsp.drawIndexes = {0, 1, 2, 0, 2, 3};
-    bsp.leafs.emplace_back(); // no node refers to it
+    bsp.drawIndexes = {0, 1, 2, 0, 2, 3}; // of a triangle and of a quad: IndexRuns finds them from the start
+    bsp.leafs.emplace_back();             // no node refers to it
     surfaceFile =
         DefaultSurfaceBlock(worldSettings_, std::max(context.options.sampleSize, context.options.minSampleSize));
 }
@@ -182,7 +181,7 @@ void BspWriter::EmitNodes(const MapEntity &entity, const Tree &tree) {
         const TreeNode &node = tree.nodes[std::size_t(visit.node)];
         int number = 0;
         if (node.IsLeaf()) {
-            number = -1 - EmitLeaf(entity, node, node.bounds);
+            number = -1 - EmitLeaf(entity, node, node.bounds); // the form in which nodes refer to leafs
         } else {
             number = int(bsp.nodes.size());
             bspNode_t record{};
@@ -234,6 +233,9 @@ void BspWriter::EmitPlanes() {
         const Plane &plane = map_.planes[i];
         bsp.planes.push_back({Vec3f(plane.normal).Array(), float(plane.dist)});
     }
+}
+
+void BspWriter::RemapShaders() {
     for (bspShader_t &shader : bsp.shaders)
         if (const std::string &other = context_.shaders.Get(FieldName(shader.shader)).geometry.remapShader;
             !other.empty())

@@ -18,7 +18,8 @@
 namespace q3 {
 
 /// Collects the records of a .bsp, model by model: BeginModel, EmitBrushes, EmitSurfaces, EmitTree, EndModel for the
-/// world and then each other model; EmitFogs and EmitPlanes once at the end. Throws Error if a limit is exceeded.
+/// world and then each other model; EmitFogs, EmitPlanes and RemapShaders once at the end. Throws Error if a limit is
+/// exceeded.
 class BspWriter {
   public:
     BspWriter(Map &map, const BspContext &context);
@@ -40,8 +41,9 @@ class BspWriter {
     void EmitTree(const MapEntity &entity, const Tree &tree);
     void EndModel();
     void EmitFogs(const Geometry &geometry);
-    /// Appends the planes and applies q3map_remapShader.
     void EmitPlanes();
+    /// Gives the entries of the shaders lump the names that q3map_remapShader asks for. To be called last.
+    void RemapShaders();
     /// Appends flare surfaces that are in no leaf, so that engines load the images of skies (-skyfix).
     void EmitSkyImages();
 

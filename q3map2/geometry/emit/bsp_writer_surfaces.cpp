@@ -102,8 +102,7 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
     record.shaderNum = SurfaceShader(surface);
     record.fogNum = surface.fogNum;
     record.surfaceType = RecordType(surface, context_.options);
-    constexpr std::int32_t kByVertex = -3;
-    record.lightmapNum = kByVertex;
+    record.lightmapNum = kLightmapByVertex;
     const bool isFlare = record.surfaceType == MST_FLARE;
     if (isFlare)
         record.lightmapOrigin = surface.lightmapOrigin.Array();
@@ -133,24 +132,21 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
 
 void BspWriter::EmitSurface(MapEntity &entity, Tree &tree, Geometry &geometry, std::size_t number) {
     const bool isWorld = bsp.models.size() == 1;
-    {
-        DrawSurface &surface = geometry.surfaces[number];
-        if (!surface.furred) // fur layers are copies of a surface modified before
-            ModifySurface(surface, entity, map_.World(), map_.planes);
-    }
+    if (!geometry.surfaces[number].furred) // fur layers are copies of a surface modified before
+        ModifySurface(geometry.surfaces[number], entity, map_.World(), map_.planes);
     if (geometry.surfaces[number].kind != SurfaceKind::Flare) {
         MakeFur(number, geometry);
         MakeFoliage(number, geometry, context_);
-        MakeShaderFlare(number, entity.Origin(), geometry, context_);
+        MakeShaderFlare(number, entity.origin, geometry, context_);
     }
     DrawSurface &surface = geometry.surfaces[number];
     if ((surface.shader->compileFlags & C_NODRAW) != 0 && surface.kind != SurfaceKind::Patch)
         return;
     BiasTexture(surface);
     if (!isWorld)
-        surface.fogNum = FogOfModelSurface(surface, entity.Origin(), map_, geometry);
+        surface.fogNum = FogOfModelSurface(surface, entity.origin, map_, geometry);
     bool inSkyBox = false;
-    if (FilterSurface(surface, int(bsp.drawSurfaces.size()), tree, map_.planes, inSkyBox) == 0)
+    if (!FilterSurface(surface, int(bsp.drawSurfaces.size()), tree, map_.planes, inSkyBox))
         return;
     if (IsPolygon(surface))
         TriangulateFace(surface, context_);
@@ -163,12 +159,12 @@ void BspWriter::EmitSurface(MapEntity &entity, Tree &tree, Geometry &geometry, s
 /// Writes the copies of sky box surfaces and adds them to each leaf with a sky surface.
 void BspWriter::EmitSkyBoxCopies(Tree &tree, Geometry &geometry) {
     std::vector<std::size_t> skyLeafs;
-    const std::size_t model = std::size_t(bsp.models.back().firstBSPSurface);
+    const std::size_t firstOfModel = std::size_t(bsp.models.back().firstBSPSurface);
     for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
         const TreeNode &leaf = tree.nodes[i];
         const bool hasSky = std::any_of(leaf.surfaces.begin(), leaf.surfaces.end(), [&](int surface) {
             const auto number = std::size_t(bsp.drawSurfaces[std::size_t(surface)].shaderNum);
-            return std::size_t(surface) >= model &&
+            return std::size_t(surface) >= firstOfModel &&
                    (context_.shaders.Get(FieldName(bsp.shaders[number].shader)).compileFlags & C_SKY) != 0;
         });
         if (leaf.IsLeaf() && !leaf.opaque && hasSky)
@@ -211,7 +207,7 @@ void BspWriter::EmitSkyImages() {
             record.shaderNum = ShaderNumber(sky->skyImageBase + std::string(side));
             record.fogNum = -1;
             record.surfaceType = MST_FLARE;
-            record.lightmapNum = -1;
+            record.lightmapNum = -1; // none
             bsp.drawSurfaces.push_back(record);
         }
     }

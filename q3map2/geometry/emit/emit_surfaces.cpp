@@ -21,7 +21,7 @@ class SurfaceFilter {
     SurfaceFilter(Tree &tree, const PlaneTable &planes, int number, bool &inSkyBox)
         : tree_(tree), planes_(planes), number_(number), inSkyBox_(inSkyBox) {}
 
-    int Count() const { return count_; }
+    bool ReachesLeaf() const { return reachesLeaf_; }
     /// `planeNum`: plane of the polygon; -1: unknown.
     void AddPolygon(Polygon polygon, int planeNum);
     void AddPoint(const Vec3f &p) { AddHull({&p, 1}); }
@@ -37,7 +37,7 @@ class SurfaceFilter {
     const PlaneTable &planes_;
     int number_;
     bool &inSkyBox_;
-    int count_ = 0;
+    bool reachesLeaf_ = false;
     std::vector<int> stack_;
 };
 
@@ -45,7 +45,7 @@ void SurfaceFilter::AddLeaf(TreeNode &leaf) {
     if (leaf.opaque)
         return;
     inSkyBox_ |= leaf.skyBox;
-    ++count_;
+    reachesLeaf_ = true;
     if (leaf.surfaces.empty() || leaf.surfaces.back() != number_)
         leaf.surfaces.push_back(number_);
 }
@@ -55,7 +55,7 @@ std::vector<std::pair<int, Polygon>> SurfaceFilter::Split(const TreeNode &node, 
                                                           int planeNum) const {
     if (planeNum >= 0 && planeNum == node.planeNum)
         return {{node.children[0], polygon}};
-    if (planeNum >= 0 && (planeNum ^ 1) == node.planeNum)
+    if (planeNum >= 0 && OppositePlane(planeNum) == node.planeNum)
         return {{node.children[1], polygon}};
     Polygon front, back;
     ClipPolygon(polygon, planes_[node.planeNum], kOnPlaneEpsilon, front, back);
@@ -114,8 +114,8 @@ void SurfaceFilter::AddEverywhere() {
             AddLeaf(node);
 }
 
-/// Points whose convex hull holds every level of detail of a 3 x 3 cell of a patch: its control points after degree
-/// elevation to bicubic, which are nearer to the surface.
+/// Points whose convex hull holds every level of detail of a 3 x 3 cell of a patch: the control points of the same
+/// surface as a bicubic one (Bezier degree elevation), which are nearer to the surface than the biquadratic ones.
 std::array<Vec3f, 16> CellHull(const DrawSurface &patch, int column, int row) {
     const auto elevate = [](const Vec3f &a, const Vec3f &b, const Vec3f &c) {
         return std::array<Vec3f, 4>{a, (a + b * 2.0f) / 3.0f, (b * 2.0f + c) / 3.0f, c};
@@ -173,7 +173,7 @@ void AddTriangles(const DrawSurface &surface, SurfaceFilter &filter) {
 
 } // namespace
 
-int FilterSurface(const DrawSurface &surface, int number, Tree &tree, const PlaneTable &planes, bool &inSkyBox) {
+bool FilterSurface(const DrawSurface &surface, int number, Tree &tree, const PlaneTable &planes, bool &inSkyBox) {
     SurfaceFilter filter(tree, planes, number, inSkyBox);
     switch (surface.kind) {
     case SurfaceKind::Face:
@@ -200,7 +200,7 @@ int FilterSurface(const DrawSurface &surface, int number, Tree &tree, const Plan
         AddTriangles(surface, filter);
         break;
     }
-    return filter.Count();
+    return filter.ReachesLeaf();
 }
 
 // ---- Last changes to vertices before they are written ----
@@ -422,13 +422,15 @@ std::vector<int> OrderTriangles(const std::vector<int> &indexes) {
 
 namespace {
 
-constexpr std::size_t kPair = 2 * kIndexesPerTriangle; ///< number of indexes of two triangles
+constexpr std::size_t kIndexesPerPair = 2 * kIndexesPerTriangle;
+/// Parameters of the 64-bit FNV hash (Fowler, Noll and Vo).
+constexpr std::uint64_t kFnvOffsetBasis = 14695981039346656037u, kFnvPrime = 1099511628211u;
 
-/// FNV-1a of `count` indexes from `at` on.
+/// Hash of `count` indexes from `at` on: FNV-1a with an index in place of each byte.
 template <typename List> std::uint64_t HashOf(const List &list, std::size_t at, std::size_t count) {
-    std::uint64_t hash = 14695981039346656037u;
+    std::uint64_t hash = kFnvOffsetBasis;
     for (std::size_t i = 0; i < count; ++i)
-        hash = (hash ^ std::uint64_t(std::uint32_t(list[at + i]))) * 1099511628211u;
+        hash = (hash ^ std::uint64_t(std::uint32_t(list[at + i]))) * kFnvPrime;
     return hash;
 }
 
@@ -437,8 +439,8 @@ template <typename List> std::uint64_t HashOf(const List &list, std::size_t at, 
 void IndexRuns::HashNewEntries(const std::vector<std::int32_t> &list) {
     for (; hashedTriangles_ + kIndexesPerTriangle <= list.size(); ++hashedTriangles_)
         triangles_[HashOf(list, hashedTriangles_, kIndexesPerTriangle)].push_back(std::int32_t(hashedTriangles_));
-    for (; hashedPairs_ + kPair <= list.size(); ++hashedPairs_)
-        pairs_[HashOf(list, hashedPairs_, kPair)].push_back(std::int32_t(hashedPairs_));
+    for (; hashedPairs_ + kIndexesPerPair <= list.size(); ++hashedPairs_)
+        pairs_[HashOf(list, hashedPairs_, kIndexesPerPair)].push_back(std::int32_t(hashedPairs_));
 }
 
 int IndexRuns::FindOrAppend(std::vector<std::int32_t> &list, std::span<const int> run) {
@@ -446,9 +448,10 @@ int IndexRuns::FindOrAppend(std::vector<std::int32_t> &list, std::span<const int
     if (run.size() < kIndexesPerTriangle)
         return end;
     HashNewEntries(list);
-    const bool isLong = run.size() >= kPair;
+    const bool isLong = run.size() >= kIndexesPerPair;
     const auto &offsets = isLong ? pairs_ : triangles_;
-    if (const auto found = offsets.find(HashOf(run, 0, isLong ? kPair : kIndexesPerTriangle)); found != offsets.end())
+    if (const auto found = offsets.find(HashOf(run, 0, isLong ? kIndexesPerPair : kIndexesPerTriangle));
+        found != offsets.end())
         for (const std::int32_t offset : found->second)
             if (std::size_t(offset) + run.size() <= list.size() &&
                 std::equal(run.begin(), run.end(), list.begin() + offset))

@@ -14,13 +14,13 @@
 
 namespace q3 {
 
-/// Adds the surface, with index `number` in the .bsp, to each open leaf that it reaches. Returns 0 if there is none.
-/// `inSkyBox` becomes true if one of the leafs belongs to the sky box.
-int FilterSurface(const DrawSurface &surface, int number, Tree &tree, const PlaneTable &planes, bool &inSkyBox);
+/// Adds `number`, the index of the surface in the .bsp, to TreeNode::surfaces of each open leaf that the surface
+/// reaches. False: it reaches none. `inSkyBox` becomes true if one of the leafs belongs to the sky box.
+bool FilterSurface(const DrawSurface &surface, int number, Tree &tree, const PlaneTable &planes, bool &inSkyBox);
 
 /// Applies tcMod, tcGen, rgbMod and alphaMod directives of the shader, and color volumes.
 void ModifySurface(DrawSurface &surface, const MapEntity &entity, const MapEntity &world, const PlaneTable &planes);
-/// Subtracts a whole number from s and from t of all vertices, to bring them near 0.
+/// Subtracts the same whole numbers from s and from t of all vertices, to bring them near 0.
 void BiasTexture(DrawSurface &surface);
 /// Gives each triangle vertices of its own and moves them one game unit toward its center (-debuginset).
 void InsetTriangles(DrawSurface &surface);
@@ -46,9 +46,10 @@ class IndexRuns {
   private:
     void HashNewEntries(const std::vector<std::int32_t> &list);
 
-    /// Hash of the three (triangles_) or six (pairs_) indexes at an offset, to all such offsets in ascending order.
+    /// Offsets in the list, in ascending order, by the hash of the three indexes there (a triangle), or of the six (a
+    /// pair of triangles).
     std::unordered_map<std::uint64_t, std::vector<std::int32_t>> triangles_, pairs_;
-    std::size_t hashedTriangles_ = 0, hashedPairs_ = 0;
+    std::size_t hashedTriangles_ = 0, hashedPairs_ = 0; ///< number of offsets that are in the maps
 };
 
 } // namespace q3

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kMaxOffPlane = 0.5; ///< greatest distance of a planar surface's vertices from its plane, game units
 constexpr float kAxisFacing = 0.25f; ///< minimum cosine between normals and lightmap axis
-constexpr int kMaxSampleSize = 16384;
 
 void FindPlane(DrawSurface &surface, PlaneTable &planes) {
     Plane plane;
@@ -142,7 +141,9 @@ constexpr double kMaxCell = 1e9; ///< number of a cell on an axis
 } // namespace
 
 std::size_t PointTable::CellHash::operator()(const Cell &c) const {
-    const auto mix = [](std::size_t h, long long v) { return (h ^ std::size_t(v)) * 0x9E3779B97F4A7C15ull; };
+    // 2^64 / golden ratio: Fibonacci hashing, Knuth, The Art of Computer Programming, volume 3, 6.4.
+    constexpr std::size_t kGolden = 0x9E3779B97F4A7C15ull;
+    const auto mix = [](std::size_t h, long long v) { return (h ^ std::size_t(v)) * kGolden; };
     const std::size_t h = mix(mix(mix(0, c.x), c.y), c.z);
     return h ^ (h >> 32);
 }

@@ -28,21 +28,22 @@ struct DrawSurface {
     int brush = -1, side = -1; ///< of the entity; -1: not from a brush
     int patch = -1;            ///< index in the entity; -1: not from a patch
     int primitive = -1;        ///< number in its entity of the map source, for messages
-    int planeNum = -1;
-    bool planar = false;
-    int fogNum = -1;
-    Vec3f lightmapAxis; ///< zero: none
-    int sampleSize = 0; ///< 0: lit at vertices
+    int planeNum = -1;         ///< in the plane table; -1: none
+    bool planar = false;       ///< all vertices are in one plane
+    int fogNum = -1;           ///< index in Geometry::fogs; -1: none
+    Vec3f lightmapAxis;        ///< zero: none
+    int sampleSize = 0;        ///< 0: lit at vertices
+    /// As in the .bsp: the normal of a planar surface is the last; patches have the bounds of their level of detail
+    /// first, flares their color.
     std::array<Vec3f, 3> lightmapVecs{};
-    Vec3f lightmapOrigin;
-    float longestCurve = 0;
+    Vec3f lightmapOrigin;   ///< of a flare: its position
+    float longestCurve = 0; ///< Patch::longestCurve
     Boundsf bounds;
     std::vector<DrawVert> verts;
     std::vector<int> indexes;
-    int width = 0, height = 0; ///< of a patch; foliage: numbers of instances and of model vertices
-    bool backSide = false;     ///< written reversed
-    bool skyBoxCopy = false;
-    int parent = -1;            ///< sky box copies: number of the original surface in the .bsp
+    int width = 0, height = 0;  ///< of a patch; foliage: numbers of instances and of model vertices
+    bool backSide = false;      ///< written reversed
+    int parent = -1;            ///< copies of sky box surfaces: number of the original in the .bsp; -1: no such copy
     bool furred = false;        ///< its fur has been made
     bool isCopy = false;        ///< by a cel, clone or back shader, or a layer of fur
     bool collisionOnly = false; ///< patches drawn as triangles instead: written with the nodraw and pointlight flags
@@ -62,7 +63,7 @@ class ModelLibrary;
 struct Geometry {
     std::vector<DrawSurface> surfaces; ///< of all entities, in order of creation
     std::vector<MapFog> fogs;
-    int defaultFog = -1;
+    int defaultFog = -1;                  ///< index of the global fog; -1: none
     std::shared_ptr<ModelLibrary> models; ///< models read so far; see model_load.h
     std::deque<ShaderInfo> ownShaders;    ///< shaders of terrain layers with properties of the indexed shader
 };

@@ -11,8 +11,6 @@
 
 namespace q3 {
 
-// ---- Draw surfaces of brush sides: cut by a grid, and triangulated ----
-
 // ---- Faces cut by a world-aligned grid (tessSize) ----
 
 namespace {
@@ -38,10 +36,10 @@ std::optional<Plane> GridPlane(const Polygon &w, double size) {
 /// Pieces of w, none larger than a cell of the grid.
 std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surface, const BspContext &context) {
     const int limit = context.options.maxDrawSurfaces;
-    std::vector<Polygon> pieces, open{std::move(w)};
-    while (!open.empty()) {
-        const Polygon piece = std::move(open.back());
-        open.pop_back();
+    std::vector<Polygon> pieces, pending{std::move(w)};
+    while (!pending.empty()) {
+        const Polygon piece = std::move(pending.back());
+        pending.pop_back();
         const std::optional<Plane> plane = GridPlane(piece, size);
         if (!plane) {
             pieces.push_back(piece);
@@ -55,9 +53,9 @@ std::vector<Polygon> GridPieces(Polygon w, double size, const DrawSurface &surfa
         Polygon front, back;
         ClipPolygonKeepOn(piece, *plane, kOnEpsilon, front, back);
         if (back.size() >= 3)
-            open.push_back(std::move(back));
+            pending.push_back(std::move(back));
         if (front.size() >= 3)
-            open.push_back(std::move(front));
+            pending.push_back(std::move(front));
     }
     return pieces;
 }
@@ -112,7 +110,7 @@ std::array<float, 2> TextureCoordinates(const BrushSide &side, const Vec3f &p) {
     return st;
 }
 
-/// Texture coordinates of all vertices under -flat: the last texel of the image.
+/// Texture coordinates of all vertices under -flat: the corner between the last texel of the image and the one before.
 std::array<float, 2> FlatCoordinates(const ShaderInfo &shader) {
     return {1 - 1 / float(shader.geometry.textureWidth), 1 - 1 / float(shader.geometry.textureHeight)};
 }
@@ -181,11 +179,11 @@ void MakeFaceSurfaces(MapEntity &entity, Geometry &geometry, const PlaneTable &p
 
 namespace {
 
-constexpr double kMinSineSquared = 1e-5; ///< of the smallest angle
+constexpr double kMinSineSquared = 1e-5; ///< of the smallest angle, which is then at least 0.18 degrees
 constexpr double kMinTwiceArea = 1;      ///< square game units
 /// The search for triangles of greatest area grows with the cube of the number of corners.
 constexpr std::size_t kMaxAreaCorners = 340;
-constexpr int kMaxAreaTries = 8;
+constexpr int kMaxAreaTries = 8; ///< each with half the weight of the perimeter
 
 using Verts = std::vector<DrawVert>;
 using Indexes = std::vector<int>;
@@ -218,14 +216,17 @@ std::optional<Indexes> StripFrom(const Verts &verts, int start) {
     const int n = int(verts.size());
     const auto wrap = [n](int i) { return (i % n + n) % n; };
     Indexes indexes;
+    // i runs forwards and j backwards from the start until they meet. Each step moves one of them from k onwards and
+    // makes the triangle i, j, k.
     int i = start % n, j = wrap(start - 1);
-    bool back = false;
+    bool movesBack = false; // j moved last
     while (true) {
-        const bool here = At(verts, back ? i + 1 : j - 1).inserted, other = At(verts, back ? j - 1 : i + 1).inserted;
-        if (here >= other)
-            back = !back;
-        const int k = back ? j : i;
-        (back ? j : i) = wrap(back ? j - 1 : i + 1);
+        const bool ifAlternates = At(verts, movesBack ? i + 1 : j - 1).inserted;
+        const bool ifStays = At(verts, movesBack ? j - 1 : i + 1).inserted;
+        if (ifAlternates >= ifStays)
+            movesBack = !movesBack;
+        const int k = movesBack ? j : i;
+        (movesBack ? j : i) = wrap(movesBack ? j - 1 : i + 1);
         if (i == j)
             return indexes;
         if (!IsSound(Position(verts, i), Position(verts, j), Position(verts, k)))
@@ -238,11 +239,11 @@ std::optional<Indexes> StripFrom(const Verts &verts, int start) {
 std::optional<Indexes> Strip(const DrawSurface &surface) {
     const auto order = [](const DrawVert &v) { return std::tuple(v.xyz.x, v.xyz.y, v.xyz.z); };
     const int n = int(surface.verts.size());
-    const int least = surface.shader->autosprite
+    const int first = surface.shader->autosprite
                           ? 0
                           : int(std::ranges::min_element(surface.verts, {}, order) - surface.verts.begin());
     for (int i = 0; i < n; ++i)
-        if (std::optional<Indexes> indexes = StripFrom(surface.verts, least + i))
+        if (std::optional<Indexes> indexes = StripFrom(surface.verts, first + i))
             return indexes;
     return {};
 }
@@ -300,9 +301,9 @@ bool LargestTriangles(const Verts &verts, int first, int last, double perimeterW
 /// Repeated with half the weight of the perimeter until all triangles are sound; empty if that fails.
 std::optional<Indexes> MaxArea(const Verts &verts) {
     const int n = int(verts.size());
-    double perimeterWeight = 2;
+    double perimeterWeight = 2; // game units
     for (int attempt = 0; attempt < kMaxAreaTries; ++attempt, perimeterWeight /= 2) {
-        std::array<int, 3> best{};
+        std::array<int, 3> best{}; // best[2] is 0 as long as none is found
         double bestValue = 0;
         for (int i = 0; i < n; ++i)
             for (int j = i + 1; j < n; ++j)
@@ -353,8 +354,6 @@ void TriangulateFace(DrawSurface &surface, const BspContext &context) {
         MakeFan(surface);
 }
 
-// ---- Draw surfaces of patches, and patches that are drawn as triangles ----
-
 // ---- Draw surfaces of patches ----
 
 namespace {
@@ -385,14 +384,14 @@ void FlattenPatch(DrawSurface &surface, PlaneTable &planes) {
         v.normal = surface.lightmapVecs[2];
 }
 
-/// offset: from vertices to where they are in the map source, as for faces of brushes.
+/// `offset`: from vertices to where they are in the map source, as for faces of brushes.
 void SetTextureCoordinates(DrawSurface &surface, const Vec3f &offset, const BspOptions &options) {
     const GeometryDirectives &shader = surface.shader->geometry;
     for (DrawVert &v : surface.verts) {
         if (shader.hasTexGen)
             v.st = {Dot(shader.texGen[0], v.xyz + offset), Dot(shader.texGen[1], v.xyz + offset)};
         if (options.flat)
-            v.st = {1 - 1 / float(shader.textureWidth), 1 - 1 / float(shader.textureHeight)};
+            v.st = FlatCoordinates(*surface.shader);
     }
 }
 

@@ -18,7 +18,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMinEdge = 0.125;    ///< game units
+constexpr double kMinEdge = 0.125;    ///< game units: triangles with a shorter edge are left out
 constexpr float kSameTexture = 1e-4f; ///< difference of s or t
 
 bool SameCorner(const DrawVert &a, const DrawVert &b) {
@@ -43,7 +43,8 @@ Plane TrianglePlane(const DrawSurface &surface, const std::array<DrawVert, 3> &c
     return {normal, Dot(normal, a)};
 }
 
-Vec3f TriangleAxis(const DrawSurface &surface, const Plane &plane) {
+/// The axis along which the triangle is projected to the lightmap; zero: it is lit at its vertices.
+Vec3f LightmapAxisOf(const DrawSurface &surface, const Plane &plane) {
     if (surface.lightmapAxis != Vec3f{} || IsVertexLit(surface))
         return surface.lightmapAxis;
     if (surface.shader->lightmap.axis != Vec3f{})
@@ -136,7 +137,7 @@ void MetaMesh::Add(const DrawSurface &surface, int number, const PlaneTable &pla
                 corner.normal = Vec3f(triangle.plane.normal);
         triangle.key = key, triangle.surface = number;
         triangle.planeNum = surface.planar ? surface.planeNum : -1;
-        triangle.lightmapAxis = TriangleAxis(surface, triangle.plane);
+        triangle.lightmapAxis = LightmapAxisOf(surface, triangle.plane);
         triangle = WithVerts(triangle, corners);
         if (HasTriangle(triangle))
             context.WarnAt("duplicate triangle", surface.settings.entity, surface.primitive,
@@ -244,11 +245,11 @@ bool AreSmoothedTogether(const SmoothedCorner &a, const SmoothedCorner &b) {
 int AddDistinctNormals(const std::vector<SmoothedCorner *> &corners, Vec3d &sum) {
     std::vector<Vec3d> distinct;
     for (const SmoothedCorner *corner : corners) {
-        const bool known = std::ranges::any_of(distinct, [&](const Vec3d &n) {
+        const bool isKnown = std::ranges::any_of(distinct, [&](const Vec3d &n) {
             const Vec3d d = n - corner->normal;
             return std::abs(d.x) <= kSameNormal && std::abs(d.y) <= kSameNormal && std::abs(d.z) <= kSameNormal;
         });
-        if (known)
+        if (isKnown)
             continue;
         distinct.push_back(corner->normal);
         sum += corner->normal;
@@ -286,13 +287,13 @@ int SmoothPoint(std::vector<SmoothedCorner> corners, std::vector<std::array<Vec3
 
 void SmoothNormals(MetaMesh &mesh, const Geometry &geometry, const BspContext &context) {
     std::vector<double> angles(geometry.surfaces.size());
-    bool any = false;
+    bool anyIsSmoothed = false;
     for (const MetaTriangle &triangle : mesh.Triangles()) {
         const auto number = std::size_t(triangle.surface);
         angles[number] = ShadeAngle(geometry.surfaces[number], context.options);
-        any |= angles[number] > 0;
+        anyIsSmoothed |= angles[number] > 0;
     }
-    if (!any)
+    if (!anyIsSmoothed)
         return;
     std::vector<std::array<Vec3f, 3>> normals(mesh.Triangles().size());
     for (std::size_t t = 0; t < normals.size(); ++t)
@@ -310,13 +311,19 @@ void SmoothNormals(MetaMesh &mesh, const Geometry &geometry, const BspContext &c
 
 namespace {
 
-// Parts of a candidate's score. The best candidate joins if its score exceeds kAdequate; the first with at least kGood
-// ends the search.
-constexpr int kSameSurface = 1000, kSameAxis = 100000, kSharedVertex = 10000, kTextureKept = 200;
-constexpr int kTextureRangeKept = 100, kTextureShorterAxisGrows = 50;
-constexpr int kAdequate = 110000, kGood = 120200;
-/// Seeds with the same key are ordered along this direction.
-constexpr Vec3d kSweep{0.786868, 0.316861, 0.529564};
+// Parts of a candidate's score: for its source surface, its lightmap axis, and each of its vertices that the surface
+// has.
+constexpr int kSameSurface = 1000, kSameAxis = 100000, kSharedVertex = 10000;
+// For the range of texture coordinates of the surface: it stays; its extent stays on one axis; it grows on the axis on
+// which it is shorter.
+constexpr int kTextureKept = 200, kTextureRangeKept = 100, kTextureShorterAxisGrows = 50;
+/// The best candidate joins if its score exceeds this.
+constexpr int kAdequate = kSameAxis + kSharedVertex;
+/// The first candidate with at least this score ends the search.
+constexpr int kGood = kSameAxis + 2 * kSharedVertex + kTextureKept;
+/// Seeds with the same key are ordered along this direction, a unit vector. It is oblique to all axes, so that vertices
+/// on a grid seldom tie; any other oblique vector would do.
+constexpr Vec3d kSeedDirection{0.786868, 0.316861, 0.529564};
 
 using TextureBounds = std::array<std::array<float, 2>, 2>; ///< mins, maxs
 
@@ -379,17 +386,17 @@ TextureBounds WithTexture(TextureBounds bounds, const DrawVert &vert) {
 }
 
 std::vector<int> SurfaceGrower::SeedOrder() const {
-    std::vector<double> sweep;
+    std::vector<double> leastAlong; // by triangle: the least coordinate of its corners along kSeedDirection
     for (const MetaTriangle &t : mesh_.Triangles()) {
         std::array<double, 3> along{};
         for (std::size_t i = 0; i < 3; ++i)
-            along[i] = Dot(kSweep, Vec3d(Vert(mesh_, t.verts[i]).xyz));
-        sweep.push_back(std::ranges::min(along));
+            along[i] = Dot(kSeedDirection, Vec3d(Vert(mesh_, t.verts[i]).xyz));
+        leastAlong.push_back(std::ranges::min(along));
     }
     const auto rank = [&](int i) {
         const MetaKey &k = mesh_.Keys()[std::size_t(mesh_.Triangles()[std::size_t(i)].key)];
         return std::tuple(k.shaderOrder, k.fogNum, k.entity, k.castShadows, k.receiveShadows, k.sampleSize, k.ambient.x,
-                          k.ambient.y, k.ambient.z, k.backSide, sweep[std::size_t(i)]);
+                          k.ambient.y, k.ambient.z, k.backSide, leastAlong[std::size_t(i)]);
     };
     std::vector<int> order(mesh_.Triangles().size());
     std::iota(order.begin(), order.end(), 0);
@@ -491,17 +498,17 @@ int SurfaceGrower::TextureScore(const Growth &growth, const MetaTriangle &triang
         return kTextureKept;
     const GeometryDirectives &shader = growth.surface.shader->geometry;
     const std::array<double, 2> texels{double(shader.textureWidth), double(shader.textureHeight)};
-    // Ranges in whole texels, limited so that huge texture coordinates do not overflow the conversion to long long.
-    const auto range = [&](const TextureBounds &b, std::size_t i) {
-        constexpr double kMost = 1e15;
-        return (long long)(std::min(kMost, (double(b[1][i]) - double(b[0][i])) * texels[i]));
+    // Extents in whole texels, limited so that huge texture coordinates do not overflow the conversion to long long.
+    const auto extent = [&](const TextureBounds &b, std::size_t i) {
+        constexpr double kMostTexels = 1e15;
+        return (long long)(std::min(kMostTexels, (double(b[1][i]) - double(b[0][i])) * texels[i]));
     };
     int score = 0;
     for (std::size_t i = 0; i < 2; ++i) {
-        const long long old = range(growth.texture, i), other = range(growth.texture, 1 - i);
-        if (range(bounds, i) <= old)
+        const long long old = extent(growth.texture, i), otherAxis = extent(growth.texture, 1 - i);
+        if (extent(bounds, i) <= old)
             score += kTextureRangeKept;
-        else if (other > old)
+        else if (otherAxis > old)
             score += kTextureShorterAxisGrows;
     }
     return score;

@@ -70,6 +70,7 @@ class MetaMesh {
 
 /// Tolerance of SameVector, per component.
 inline constexpr double kSameVectorEpsilon = 0.001;
+/// Whether no component differs by more than kSameVectorEpsilon.
 bool SameVector(const Vec3f &a, const Vec3f &b);
 
 /// Triangulates the faces (from `first` on) that take part in the meta step and replaces them and the ForcedMeta

@@ -15,8 +15,8 @@ namespace q3 {
 namespace {
 
 constexpr double kNearLine = 0.25, kSamePoint = 0.25; ///< game units
-constexpr double kMaxCellsAcross = 64;
-constexpr double kMinCell = 16; ///< game units
+constexpr double kMaxCellsAcross = 64;                ///< along the longest axis of the bounds
+constexpr double kMinCell = 16;                       ///< game units
 /// Bound on the distance from the line for points within kNearLine of both planes (0.25 * sqrt(2) = 0.36).
 constexpr double kReach = 0.5;
 
@@ -52,6 +52,7 @@ EdgeLines::EdgeLines(const Boundsf &bounds, std::size_t edges) : bounds_{Vec3d(b
     if (bounds_.Empty())
         bounds_ = {Vec3d{}, Vec3d{}};
     const Vec3d extent = bounds_.maxs - bounds_.mins;
+    // Eight cells an edge.
     const double across = std::clamp(2 * std::cbrt(double(edges)), 1., kMaxCellsAcross);
     cellSize_ = std::max(kMinCell, MaxComponent(extent) / across);
     for (std::size_t i = 0; i < 3; ++i)
@@ -114,7 +115,7 @@ int EdgeLines::Add(const Vec3f &a, const Vec3f &b, const Vec3d &direction) {
     return line;
 }
 
-// ---- T-junction repair: inserts vertices of other surfaces into the edges of faces ----
+// ---- Edges of surfaces on lines, and vertices of the lines inserted into faces ----
 
 namespace {
 
@@ -128,7 +129,7 @@ struct Edge {
     Vec3f from, to;
     Vec3d direction{};
     double length = 0;
-    bool axial = false;
+    bool isAxial = false;
     int line = -1;
 };
 
@@ -152,12 +153,13 @@ class EdgeList {
         Edge edge{.surface = surface, .vert = vert, .from = from, .to = to};
         edge.length = Length(Vec3d(to) - Vec3d(from));
         if (edge.length < kDegenerate) {
-            ++degenerate;
+            ++degenerateCount;
             return;
         }
         edge.direction = (Vec3d(to) - Vec3d(from)) / edge.length;
         const Vec3f d(edge.direction);
-        edge.axial = std::abs(d.x + d.y + d.z) == 1;
+        // Holds along an axis; also for other unit vectors whose components add up to 1, such as (2/3, 2/3, -1/3).
+        edge.isAxial = std::abs(d.x + d.y + d.z) == 1;
         edges.push_back(edge);
     }
     void AddFace(const DrawSurface &surface, std::size_t number) {
@@ -185,14 +187,14 @@ class EdgeList {
             curve(y * w, w), curve(y * w + w - 1, w);
     }
     std::vector<Edge> edges;
-    int degenerate = 0;
+    int degenerateCount = 0;
 };
 
 EdgeLines MakeLines(EdgeList &list, const Boundsf &bounds, RepairCounts &counts) {
     EdgeLines lines(bounds, list.edges.size());
     std::vector<Edge *> oblique;
     for (Edge &edge : list.edges) {
-        if (edge.axial)
+        if (edge.isAxial)
             edge.line = lines.Add(edge.from, edge.to, edge.direction);
         else
             oblique.push_back(&edge);
@@ -204,7 +206,7 @@ EdgeLines MakeLines(EdgeList &list, const Boundsf &bounds, RepairCounts &counts)
     for (Edge *edge : oblique)
         edge->line = lines.Add(edge->from, edge->to, edge->direction);
     counts.lines = lines.Count();
-    counts.degenerate = list.degenerate;
+    counts.degenerate = list.degenerateCount;
     return lines;
 }
 
@@ -239,7 +241,8 @@ void AddPointsOn(const EdgeLine &line, const DrawVert &a, const DrawVert &b, std
         std::reverse(corners.begin() + std::ptrdiff_t(before), corners.end());
 }
 
-/// Index of a vertex from which a triangle fan has no degenerate triangle; corners.size() if there is none.
+/// Index of a vertex from which a triangle fan has no degenerate triangle: neither its first nor its last triangle has
+/// all corners on one edge of the original face. corners.size() if there is none.
 std::size_t FanStart(const std::vector<FaceVert> &corners) {
     const std::size_t n = corners.size();
     for (std::size_t i = 0; i < n; ++i) {

@@ -45,7 +45,7 @@ class EdgeLines {
 };
 
 /// Inserts into each face (from `first` on) the vertices of other faces and patches that lie on its edges, so that no
-/// cracks show between them. Throws Error for a face with too many vertices.
+/// cracks show between them.
 void FixTJunctions(Geometry &geometry, std::size_t first, const BspContext &context);
 
 } // namespace q3

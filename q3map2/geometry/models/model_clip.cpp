@@ -145,11 +145,11 @@ std::vector<Polygon> MergedTriangles(std::span<const Vec3f> points, std::span<co
     return PolygonMerger(points, triangles).Run();
 }
 
-// ---- Clip brushes of models: solids behind their polygons ----
+// ---- Solids extruded from the polygons of a mesh ----
 
 namespace {
 
-constexpr double kMinFacing = 0.01; ///< minimum |cosine| between extrusion direction and normal
+constexpr double kMinFacing = 0.01; ///< least absolute cosine of the angle between extrusion direction and normal
 
 /// Parameters of the extrusion.
 struct Extrusion {
@@ -217,7 +217,7 @@ Plane PlaneAway(const Vec3d &a, const Vec3d &b, const Vec3d &c, const Vec3d &ins
     return {normal, Dot(normal, a)};
 }
 
-/// Axis-aligned back plane, whose normal is the axis nearest to the extrusion direction.
+/// The axis-aligned back plane, whose normal is the axis nearest to the extrusion direction.
 Plane FlatBack(const Extrusion &extrusion, const Polygon &polygon, const Vec3d &direction) {
     const Vec3d axis = LargestAxis(direction);
     double nearest = std::numeric_limits<double>::max(), farthest = std::numeric_limits<double>::lowest();
@@ -229,6 +229,7 @@ Plane FlatBack(const Extrusion &extrusion, const Polygon &polygon, const Vec3d &
         const double extreme = std::max(Dot(extrusion.bounds.mins, axis), Dot(extrusion.bounds.maxs, axis));
         return {axis, extreme};
     }
+    // Negative depth: -depth behind the nearest corner, but no more than 1 game unit behind the farthest.
     if (extrusion.depth < 0)
         return {axis, std::min(farthest + 1, nearest - extrusion.depth)};
     return {axis, farthest + extrusion.depth};
@@ -251,23 +252,23 @@ std::vector<Plane> SolidPlanes(const Extrusion &extrusion, Polygon polygon, Plan
         polygon = Reversed(polygon);
         front = {-front.normal, -front.dist};
     }
-    const bool pyramid = extrusion.mode & kModelClipPyramid, tilted = extrusion.mode & kModelClipFaceNormals;
-    const Vec3d center = CentroidOf(polygon), inside = center + direction * 0.5;
+    const bool isPyramid = extrusion.mode & kModelClipPyramid, hasSlopes = extrusion.mode & kModelClipFaceNormals;
+    const Vec3d center = CentroidOf(polygon), inside = center + direction * 0.5; // 0.5 game units behind the polygon
     const Vec3d apex = center + direction * std::abs(extrusion.depth);
     std::vector<Plane> planes{front};
     for (std::size_t i = 0; i < polygon.size(); ++i) {
         const Vec3d a(polygon[i]), b(polygon[(i + 1) % polygon.size()]);
-        if (!pyramid)
+        if (!isPyramid)
             planes.push_back(PlaneAway(a, b, a + direction, center));
-        else if (!tilted)
+        else if (!hasSlopes)
             planes.push_back(PlaneAway(a, b, apex, inside));
-        else {
+        else { // sides that lean inwards by 45 degrees
             const Vec3d outward = PlaneAway(a, b, a + direction, center).normal;
             const Vec3d normal = Normalize(outward + direction);
             planes.push_back({normal, Dot(normal, a)});
         }
     }
-    if (!pyramid || tilted || (extrusion.mode & kModelClipAxialBack))
+    if (!isPyramid || hasSlopes || (extrusion.mode & kModelClipAxialBack))
         planes.push_back(BackPlane(extrusion, polygon, front, direction));
     return planes;
 }
@@ -283,13 +284,13 @@ std::vector<Plane> VertexNormalPlanes(const Extrusion &extrusion, const ClipMesh
         center += front[i] / 3., backCenter += back[i] / 3.;
     }
     const Vec3d inside = (center + backCenter) * 0.5;
-    const bool pyramid = extrusion.mode & kModelClipPyramid;
+    const bool isPyramid = extrusion.mode & kModelClipPyramid;
     std::vector<Plane> planes{PlaneAway(front[0], front[1], front[2], inside)};
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t j = (i + 1) % 3;
-        planes.push_back(PlaneAway(front[i], front[j], pyramid ? backCenter : (back[i] + back[j]) * 0.5, inside));
+        planes.push_back(PlaneAway(front[i], front[j], isPyramid ? backCenter : (back[i] + back[j]) * 0.5, inside));
     }
-    if (!pyramid)
+    if (!isPyramid)
         planes.push_back(PlaneAway(back[0], back[1], back[2], inside));
     return planes;
 }
@@ -303,7 +304,7 @@ class ClipBrushBuilder {
         auto brush = planes.size() < 4 ? nullptr : BrushFromPlanes(planes, shader, context_, planes_);
         if (!brush) {
             context_.log.Warn("triangle not autoclipped",
-                              "{}: the model {} has no clip brush at ({:.0f} {:.0f} {:.0f})", placement_.who,
+                              "{}: the model {} has no clip brush at ({:.0f} {:.0f} {:.0f})", placement_.messagePrefix,
                               placement_.name, where.x, where.y, where.z);
             return;
         }
@@ -347,7 +348,7 @@ void MakeClipBrushes(const std::vector<ClipMesh> &meshes, const ModelPlacement &
     if (!IsKnownMode(extrusion.mode)) {
         context.log.Warn("unknown clip mode",
                          "{}: the spawnflags {} of the model {} select no known clip mode; no clip brushes are made",
-                         placement.who, placement.flags, placement.name);
+                         placement.messagePrefix, placement.flags, placement.name);
         return;
     }
     ClipBrushBuilder clipper(placement, target, planes, context);

@@ -20,7 +20,7 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kMaxTriangles = std::size_t(1) << 18; ///< of one surface
-constexpr float kMinDensity = 1; ///< smallest edge length to which surfaces are split, game units
+constexpr float kMinEdgeLimit = 1; ///< triangles with no longer edge are never split, game units
 
 DrawVert Mean(const DrawVert &a, const DrawVert &b) {
     DrawVert v;
@@ -51,11 +51,13 @@ DrawVert MiddleOf(const std::vector<DrawVert> &verts) {
 
 /// Rows of a rotation that maps z to `up`.
 std::array<Vec3d, 3> AxesFor(const Vec3d &up) {
-    const Vec3d helper = std::abs(up.z) > 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1};
-    const Vec3d right = Normalize(helper - up * Dot(helper, up)), forward = Cross(up, right);
+    constexpr double kSteep = 0.9; // any axis will do that is not nearly along `up`
+    const Vec3d axis = std::abs(up.z) > kSteep ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1};
+    const Vec3d right = Normalize(axis - up * Dot(axis, up)), forward = Cross(up, right);
     return {Vec3d{right.x, forward.x, up.x}, Vec3d{right.y, forward.y, up.y}, Vec3d{right.z, forward.z, up.z}};
 }
 
+/// The rotation with these rows after the transform `inner`.
 ModelTransform Turned(const std::array<Vec3d, 3> &axes, const ModelTransform &inner) {
     ModelTransform result;
     for (std::size_t i = 0; i < 3; ++i)
@@ -86,7 +88,7 @@ void Scatter(std::size_t number, const SurfaceModelDirective &directive, Scatter
     ModelPlacement placement;
     placement.name = directive.model;
     placement.settings = geometry.surfaces[number].settings;
-    placement.who = fmt::format("Entity {}", placement.settings.entity);
+    placement.messagePrefix = fmt::format("Entity {}", placement.settings.entity);
     placement.clipDepth = context.options.clipDepth;
     placement.fogNum = geometry.defaultFog;
     for (const SurfaceTriangle &triangle : triangles) {
@@ -124,27 +126,27 @@ std::vector<SurfaceTriangle> TrianglesOf(const DrawSurface &surface, const BspCo
     return triangles;
 }
 
-bool Bisect(std::vector<SurfaceTriangle> &triangles, float density) {
-    const float longest = std::max(density, kMinDensity);
-    std::vector<SurfaceTriangle> open(triangles.rbegin(), triangles.rend());
+bool Bisect(std::vector<SurfaceTriangle> &triangles, float maxEdge) {
+    const float limit = std::max(maxEdge, kMinEdgeLimit);
+    std::vector<SurfaceTriangle> pending(triangles.rbegin(), triangles.rend());
     triangles.clear();
-    while (!open.empty()) {
-        if (triangles.size() + open.size() > kMaxTriangles)
+    while (!pending.empty()) {
+        if (triangles.size() + pending.size() > kMaxTriangles)
             return false;
-        const SurfaceTriangle t = open.back();
-        open.pop_back();
+        const SurfaceTriangle t = pending.back();
+        pending.pop_back();
         std::array<float, 3> lengths;
         for (std::size_t i = 0; i < 3; ++i)
             lengths[i] = Length(t[(i + 1) % 3].xyz - t[i].xyz);
         const std::size_t edge = std::size_t(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
-        if (!(lengths[edge] > longest)) {
+        if (!(lengths[edge] > limit)) {
             triangles.push_back(t);
             continue;
         }
         const std::size_t end = (edge + 1) % 3, apex = (edge + 2) % 3;
         const DrawVert middle = Mean(t[edge], t[end]);
-        open.push_back({middle, t[end], t[apex]});
-        open.push_back({t[edge], middle, t[apex]});
+        pending.push_back({middle, t[end], t[apex]});
+        pending.push_back({t[edge], middle, t[apex]});
     }
     return true;
 }
@@ -182,9 +184,9 @@ void ShowClipBrush(const Brush &brush, std::size_t number, const PlaneTable &pla
 SurfaceSettings ModelSettings(const MapEntity &entity, const MapEntity &target, const Map &map,
                               const BspContext &context) {
     SurfaceSettings settings = SettingsOf(entity, map, context);
-    const bool world = &target == &map.entities.front();
+    const bool isOfWorld = &target == &map.entities.front();
     settings.entity = target.number;
-    settings.castShadows = keys::kCastShadows.Integer(entity.pairs, world ? 1 : 0);
+    settings.castShadows = keys::kCastShadows.Integer(entity.pairs, isOfWorld ? 1 : 0);
     settings.receiveShadows = keys::kReceiveShadows.Integer(entity.pairs);
     return settings;
 }
@@ -205,8 +207,8 @@ DrawVert PlacedVert(DrawVert vert, const ModelPlacement &placement, const Shader
 
 DrawSurface SurfaceOf(const ModelMesh &mesh, const ModelPlacement &placement, const ShaderInfo &shader) {
     DrawSurface surface;
-    const bool meta = shader.geometry.forceMeta || (placement.flags & kModelForceMeta);
-    surface.kind = meta ? SurfaceKind::ForcedMeta : SurfaceKind::Triangles;
+    const bool isMeta = shader.geometry.forceMeta || (placement.flags & kModelForceMeta);
+    surface.kind = isMeta ? SurfaceKind::ForcedMeta : SurfaceKind::Triangles;
     surface.shader = &shader;
     surface.settings = placement.settings;
     surface.fogNum = placement.fogNum;
@@ -214,9 +216,9 @@ DrawSurface SurfaceOf(const ModelMesh &mesh, const ModelPlacement &placement, co
         surface.verts.push_back(PlacedVert(vert, placement, shader));
         surface.bounds.Add(surface.verts.back().xyz);
     }
-    const bool mirrored = placement.transform.Determinant() < 0;
+    const bool isMirrored = placement.transform.Determinant() < 0;
     for (const auto &[a, b, c] : mesh.triangles)
-        surface.indexes.insert(surface.indexes.end(), {mirrored ? b : a, mirrored ? a : b, c});
+        surface.indexes.insert(surface.indexes.end(), {isMirrored ? b : a, isMirrored ? a : b, c});
     return surface;
 }
 
@@ -230,7 +232,7 @@ void WarnOfRemaps(const Model &model, const ModelPlacement &placement, const Bsp
     std::vector<std::string> shaders;
     for (const ModelMesh &mesh : model.meshes)
         shaders.push_back(mesh.shader);
-    placement.shaders.WarnOfUnmatched(shaders, placement.who, context.log);
+    placement.shaders.WarnOfUnmatched(shaders, placement.messagePrefix, context.log);
 }
 
 bool WantsClip(const ShaderInfo &shader, unsigned flags) {
@@ -292,16 +294,16 @@ std::optional<ModelPlacement> PlacementOf(const MapEntity &entity, const MapEnti
         context.log.Warn("misc_model without model", "{}: misc_model without a \"model\" key", entity.MessagePrefix());
         return {};
     }
-    placement.who = entity.MessagePrefix();
+    placement.messagePrefix = entity.MessagePrefix();
     WarnOfBadKeys(entity.pairs, std::size_t(entity.number), keys::kModelKeys, context.log);
     placement.frame = keys::kFrame.Integer(entity.pairs);
-    const bool world = &target == &map.entities.front();
-    const Vec3d origin = Vec3d(entity.origin) - (world ? Vec3d{} : Vec3d(target.origin));
+    const bool isOfWorld = &target == &map.entities.front();
+    const Vec3d origin = Vec3d(entity.origin) - (isOfWorld ? Vec3d{} : Vec3d(target.origin));
     placement.transform = MakeModelTransform(ModelScaleOf(entity.pairs), AnglesOf(entity.pairs), origin);
     placement.settings = ModelSettings(entity, target, map, context);
     placement.flags = unsigned(keys::kModelFlags.Integer(entity.pairs));
     placement.clipDepth = keys::kClipDepth.Number(entity.pairs, context.options.clipDepth);
-    placement.shaders = ShaderRemapOf(entity.pairs, placement.who, placement.name, context.vfs, context.log);
+    placement.shaders = ShaderRemapOf(entity.pairs, placement.messagePrefix, placement.name, context.vfs, context.log);
     placement.fogNum = geometry.defaultFog;
     return placement;
 }
@@ -315,8 +317,8 @@ bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &ge
     std::string problem;
     const Model *model = geometry.models->Get(placement.name, placement.frame, problem);
     if (model == nullptr) {
-        context.log.Warn("model cannot be read", "{}: the model {} cannot be read: {}", placement.who, placement.name,
-                         problem);
+        context.log.Warn("model cannot be read", "{}: the model {} cannot be read: {}", placement.messagePrefix,
+                         placement.name, problem);
         return false;
     }
     WarnOfRemaps(*model, placement, context);
@@ -329,7 +331,7 @@ bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &ge
         DrawSurface surface = SurfaceOf(mesh, placement, shader);
         if (!IsInsideWorld(surface)) {
             context.log.Warn("model outside the world", "{}: the model {} leaves the world and is left out",
-                             placement.who, placement.name);
+                             placement.messagePrefix, placement.name);
             continue;
         }
         if (WantsClip(shader, placement.flags))
@@ -346,11 +348,11 @@ bool PlaceModel(const ModelPlacement &placement, MapEntity &target, Geometry &ge
 }
 
 void AddEntityModels(Map &map, MapEntity &target, Geometry &geometry, const BspContext &context) {
-    const bool world = &target == &map.entities.front();
-    if (world)
+    const bool isWorld = &target == &map.entities.front();
+    if (isWorld)
         WarnOfLostModels(map, context);
     for (const MapEntity &entity : map.entities) {
-        const bool isHere = world ? BelongsToWorld(entity) : Targets(entity, target);
+        const bool isHere = isWorld ? BelongsToWorld(entity) : Targets(entity, target);
         if (!IsCompiledIn(entity) || !isHere)
             continue;
         if (const auto placement = PlacementOf(entity, target, map, geometry, context))

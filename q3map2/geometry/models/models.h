@@ -38,7 +38,7 @@ inline constexpr unsigned kModelClipShapes = kModelClipFaceNormals | kModelClipT
 /// A model with its transform and settings.
 struct ModelPlacement {
     std::string name;
-    std::string who; ///< MapEntity::MessagePrefix of its entity, for messages
+    std::string messagePrefix; ///< MapEntity::MessagePrefix of its entity
     int frame = 0;
     ModelTransform transform;
     SurfaceSettings settings;
@@ -54,9 +54,9 @@ using SurfaceTriangle = std::array<DrawVert, 3>;
 
 /// Triangles of a surface: faces and decals as a fan around their centroid, patches tessellated. Clockwise.
 std::vector<SurfaceTriangle> TrianglesOf(const DrawSurface &surface, const BspContext &context);
-/// Bisects triangles at their longest edge until no edge is longer than `density` game units. False if it stopped
-/// early, at 2^18 triangles.
-bool Bisect(std::vector<SurfaceTriangle> &triangles, float density);
+/// Bisects triangles at their longest edge until no edge is longer than `maxEdge` game units, or than 1. False if it
+/// stopped early, at 2^18 triangles.
+bool Bisect(std::vector<SurfaceTriangle> &triangles, float maxEdge);
 
 /// Uniform random numbers in 0..1, the same on every machine.
 class ScatterRandom {

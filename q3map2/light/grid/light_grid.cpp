@@ -15,7 +15,6 @@ namespace q3 {
 
 namespace {
 
-constexpr std::int64_t kMaxLegacyPoints = 0x100000;
 /// Nudged positions count as open up to 1/8 unit inside a brush: the epsilon of BspSpace::ClusterAt.
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units

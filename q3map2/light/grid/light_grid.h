@@ -3,12 +3,16 @@
 
 #include "q3map2/light/grid/grid_bricks.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace q3 {
 
-/// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until there are at most 1048576
-/// points. Writes a changed size back to `world`.
+/// Most points of a legacy grid.
+inline constexpr std::int64_t kMaxLegacyPoints = 0x100000;
+
+/// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until there are at most
+/// kMaxLegacyPoints. Writes a changed size back to `world`.
 GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log);
 /// Where a point of the legacy grid is lit from.
 struct LegacyPlace {

@@ -155,7 +155,6 @@ TEST_F(DerivedTest, SkyBoxCopiesAreSeenFromTheEntity) {
     ASSERT_TRUE(transform);
     const DrawSurface copy = SkyBoxCopy(AddTriangle(Shader("textures/test/wall")), 7, *transform);
     EXPECT_EQ(copy.parent, 7);
-    EXPECT_TRUE(copy.skyBoxCopy);
     // (64 0 0) is 48 to the right of the entity: 480, then turned to y
     EXPECT_NEAR(copy.verts[2].xyz.x, 0, 1e-3);
     EXPECT_NEAR(copy.verts[2].xyz.y, 480, 1e-3);
@@ -229,7 +228,7 @@ TEST_F(TerrainTest, FacesTakeShaderAlphaAndHeight) {
     const auto index = ReadIndexMap(map.World(), {}, Context());
     map.World().brushes[0].settings.indexMap = index;
     MakeFaceSurfaces(map.World(), geometry, map.planes, Context());
-    ApplyIndexedTerrain(map.World(), geometry, 0, Context());
+    ApplyIndexedTerrain(geometry, 0, Context());
     for (const DrawSurface &s : geometry.surfaces) {
         int high = 0;
         for (const DrawVert &vert : s.verts)
