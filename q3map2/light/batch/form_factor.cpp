@@ -23,7 +23,7 @@ struct SeenEdge {
 
 } // namespace
 
-Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &f) {
+Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &formFactors) {
     Lanes total{};
     LaneMask wrong{};
     Lanes3 u;
@@ -43,7 +43,7 @@ Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec
     }
     constexpr float kScale = 0.5f / std::numbers::pi_v<float>;
     for (const std::size_t i : kEachLane)
-        f[i] = wrong[i] != 0 ? 0 : total[i] * kScale;
+        formFactors[i] = wrong[i] != 0 ? 0 : total[i] * kScale;
 }
 
 Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon, Lanes3 &v) {

@@ -37,6 +37,7 @@ inline DisplayedLight DisplayLight(shgrid_coeffs coeffs, bool radiance) {
     return shown;
 }
 
+/// The same for the coefficients of a grid point.
 inline DisplayedLight DisplayLight(const bspGridPointSH_t &point, bool radiance) {
     shgrid_coeffs coeffs;
     for (std::size_t k = 0; k < 9; ++k)

@@ -25,7 +25,7 @@ constexpr float kOpaqueTint = 0.001f;
 constexpr float kSameHit = 0.01f;
 
 /// Transmittance of the texel under a hit, per channel: rgb / 255 of a light filter, times 1 - alpha / 255 of an alpha
-/// shadow.
+/// shadow. st: texture coordinates of the three corners; u, v: barycentric coordinates of the hit.
 Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u, float v) {
     const Image &image = *shader.lightImage;
     const auto texel = [&](std::size_t i, int size) {
@@ -53,7 +53,7 @@ struct FilterSurfaces {
 /// record.
 struct FilterContext {
     EmbreeContext embree;
-    const Triangles *triangles[2]; // kFilters, kFilterPatches
+    const Triangles *triangles[2]; ///< kFilters, kFilterPatches
     const SurfaceTable *table;
     const std::vector<int> *props; ///< by surface number: the static prop, -1 for draw surfaces
     int ignoredProp;               ///< -1: none
@@ -66,6 +66,8 @@ struct FilterContext {
     Lanes3 tint;                     ///< valid if there are crossings
 };
 
+/// Filter of see-through surfaces for rays to lights: multiplies the ray's tint, and stops the ray only where that is
+/// opaque. In all filters, `valid` is -1 for hits to decide about, and 0 lets the ray go on.
 void FilterHit(const RTCFilterFunctionNArguments *arguments) {
     auto &context = *reinterpret_cast<FilterContext *>(arguments->context);
     for (unsigned i = 0; i < arguments->N; ++i) {
@@ -101,10 +103,11 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
 /// A packet on its way to a light. The Embree context comes first, so that the filters get this record.
 struct OcclusionContext {
     EmbreeContext embree;
-    float nearestSurface; ///< of the legacy grid
+    float nearestSurface; ///< kLegacySurfaces nearer than this do not block. Game units
     int ignoredProp;      ///< -1: none
 };
 
+/// Filter of kLegacySurfaces: surfaces nearer than nearestSurface do not block.
 void NearSurfaceHit(const RTCFilterFunctionNArguments *arguments) {
     const float nearest = reinterpret_cast<const OcclusionContext *>(arguments->context)->nearestSurface;
     for (unsigned i = 0; i < arguments->N; ++i)
@@ -210,6 +213,8 @@ struct LightScene::State {
                 return group.get();
         return nullptr;
     }
+    /// Sets the tint of the live rays by the see-through surfaces of `scene` beyond `nearest`; rays that these stop are
+    /// live no longer.
     void Tint(RayPacket &packet, const Casters &casters, const ScenePtr &scene, float nearest) const;
     void Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const { Tint(packet, main, scene, nearest); }
     void FindSky(const RayPacket &packet, float nearest, SkyHits &hits) const;

@@ -49,8 +49,8 @@ struct LightSettings {
     bool shadows = true;     ///< false: no rays are cast, everything that faces the receiver arrives
     float samples = 1;       ///< factor of the number of rays to partly hidden area lights
     SkipOptions skip;
-    float faint =
-        0; ///< area lights that give a batch less may be represented by others, see SelectFaintLight. Byte scale
+    /// Area lights that give a batch less may be represented by others, see SelectFaintLight. Byte scale.
+    float faint = 0;
     LightPart part = LightPart::Whole; ///< others: GridSH only
     float weakBelow = 0;               ///< see FractionOfPart. Byte scale
 };

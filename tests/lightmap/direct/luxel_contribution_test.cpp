@@ -167,8 +167,8 @@ TEST_F(DirectionalTest, AreaLight) {
     light.type = LightType::Area;
     light.normal = {0, 0, -1};
     const Vec3f x{kWidth / 2, 0, 0}, y{0, -kWidth / 2, 0};
-    light.w = {center - x + y, center + x + y, center + x - y, center - x - y};
-    light.add = kAdd;
+    light.polygon = {center - x + y, center + x + y, center + x - y, center - x - y};
+    light.radiosity = kAdd;
     light.photons = kAdd / 3 * kWidth * kWidth;
     light.origin = center + light.normal;
     light.dist = Dot(light.origin, light.normal);
