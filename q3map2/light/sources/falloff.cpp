@@ -115,7 +115,7 @@ std::string LightLabel(const Entity &entity) {
 }
 
 std::optional<Attenuation> FiftyPercentCurve(double fifty, double zero, bool hard) {
-    constexpr double kHalfLight = 2; // 1 / 2 of the light at distance 0
+    constexpr double kHalfLight = 2; // value of the polynomial at `fifty`, for half of the light at distance 0
     if (fifty < double(kNearestPolynomial))
         return std::nullopt;
     const double straight = 1 + (kDarkMultiple - 1) * fifty / zero; // at `fifty`, on the line from (0, 1) to the end

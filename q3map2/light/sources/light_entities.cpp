@@ -20,7 +20,6 @@ namespace {
 
 /// Bits of the key spawnflags of lights; under -wolf the first two mean the opposite.
 enum SpawnFlag { kSpawnLinear = 1, kSpawnNoAngle = 2, kSpawnNoGrid = 16, kSpawnColorAsIs = 32 };
-constexpr int kNoSky = -1; ///< number of the sky of suns that entities make
 
 constexpr auto kMaxIntensity = float(keys::kMaxIntensity);
 /// Limit of values from world keys: products of larger ones could overflow float.
@@ -231,11 +230,7 @@ void AddSun(const Light &light, const Vec3f &target, float deviance, int samples
                      .style = light.style};
     if (sun.direction == Vec3f{})
         sun.direction = {0, 0, 1};
-    for (Light &one : MakeSuns(sun, kNoSky, options)) {
-        one.name = light.name, one.label = light.label, one.lightsGrid = light.lightsGrid,
-        one.lightsSurfaces = light.lightsSurfaces;
-        lights.push_back(std::move(one));
-    }
+    AddSunOfEntity(sun, light, options, lights);
 }
 
 void AddEnvironment(const Entity &entity, const LightOptions &options, std::vector<Light> &lights, Log &log) {

@@ -164,6 +164,16 @@ std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOp
     return lights;
 }
 
+void AddSunOfEntity(const SunDirective &sun, const Light &common, const LightOptions &options,
+                    std::vector<Light> &lights) {
+    constexpr int kAnySky = -1; // as Light::skyIndex
+    for (Light &one : MakeSuns(sun, kAnySky, options)) {
+        one.name = common.name, one.label = common.label;
+        one.lightsGrid = common.lightsGrid, one.lightsSurfaces = common.lightsSurfaces;
+        lights.push_back(std::move(one));
+    }
+}
+
 std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const ShaderInfo &shader, ShaderLibrary &library,
                                        Log &log) {
     if (sky.value <= 0 || sky.iterations < 2 || sky.horizonMin > sky.horizonMax)
@@ -201,7 +211,7 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kAnySky = -1; ///< as Light::skyIndex
+
 /// Rings of directions from the horizon to the zenith; the sky below the horizon has as many.
 constexpr int kSkyRings = 6;
 
@@ -258,11 +268,7 @@ std::vector<Light> EnvironmentLights(const Environment &environment, const Light
                                .photons = photons,
                                .filterRadius = common.filterRadius,
                                .style = common.style};
-        for (Light &one : MakeSuns(sun, kAnySky, options)) {
-            one.name = common.name, one.label = common.label;
-            one.lightsGrid = common.lightsGrid, one.lightsSurfaces = common.lightsSurfaces;
-            lights.push_back(std::move(one));
-        }
+        AddSunOfEntity(sun, common, options, lights);
     };
     if (environment.photons != 0) {
         const int count = environment.spread > 0 ? environment.samples : 1;
