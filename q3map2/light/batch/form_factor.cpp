@@ -71,7 +71,8 @@ Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon
 std::vector<Vec3f> HemisphereRings(int elevations, int azimuths) {
     std::vector<Vec3f> directions;
     const double step = kConeDegrees / elevations, radiansPerDegree = std::numbers::pi / 180;
-    const auto component = [](double c) { return std::abs(c) < 1e-12 ? 0.0f : float(c); };
+    constexpr double kRounding = 1e-12; // smaller components are rounding error of 0
+    const auto component = [](double c) { return std::abs(c) < kRounding ? 0.0f : float(c); };
     for (int e = 0; e < elevations; ++e)
         for (int a = 0; a < azimuths; ++a) {
             const double polarAngle = (e + 0.5) * step * radiansPerDegree,

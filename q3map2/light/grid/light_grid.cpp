@@ -36,14 +36,14 @@ constexpr float kMeanCosine = 0.25f;
 /// Fractions of floodlight that are stored as directed and as ambient light.
 constexpr float kFloodDirected = 0.75f, kFloodAmbient = 0.25f;
 
-/// Fraction of light that is stored as directed: max(0, least + along * more), where `along` is the cosine
+/// Fraction of light that is stored as directed: max(0, offset + along * slope), where `along` is the cosine
 /// between the light's direction and the main direction.
 struct Directed {
-    float least, more;
+    float offset, slope;
     explicit Directed(const LightOptions &options)
-        : least(options.gridAmbientDirectionality),
-          more(options.gridDirectionality - options.gridAmbientDirectionality) {}
-    float Fraction(float along) const { return std::max(0.0f, least + along * more); }
+        : offset(options.gridAmbientDirectionality),
+          slope(options.gridDirectionality - options.gridAmbientDirectionality) {}
+    float Fraction(float along) const { return std::max(0.0f, offset + along * slope); }
 };
 
 /// Light that reaches the points of a few blocks. How much of it is ambient depends on a point's main direction, which
@@ -69,7 +69,7 @@ class GridRecords {
     struct Parts {
         Lanes3 mainDirection, ambient, directed;
     };
-    std::vector<Parts> All(const LightOptions &options, const Vec3f &ambient) const;
+    std::vector<Parts> AllParts(const LightOptions &options, const Vec3f &ambient) const;
 
   private:
     static constexpr std::size_t kUsualLights = 16; ///< lights that reach a block of most maps
@@ -155,7 +155,7 @@ Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &di
     }
 }
 
-std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, const Vec3f &ambient) const {
+std::vector<GridRecords::Parts> GridRecords::AllParts(const LightOptions &options, const Vec3f &ambient) const {
     const Directed directed(options);
     std::vector<Parts> parts(blocks_.size());
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
@@ -317,7 +317,7 @@ class GridBlocks {
             AddFloodAndBounced(block, work);
     }
     void Store(std::span<bspGridPoint_t> grid) const {
-        const auto lights = records_.All(in_.options, in_.world.ambient);
+        const auto lights = records_.AllParts(in_.options, in_.world.ambient);
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             for (std::size_t i = 0; i < blocks_[block].count; ++i)
                 grid[blocks_[block].index[i]] = StorePoint(in_, lights[block].mainDirection[i],

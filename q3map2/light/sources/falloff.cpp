@@ -133,7 +133,8 @@ std::optional<Attenuation> FiftyPercentCurve(double fifty, double zero, bool har
     // least value there is at one of the two.
     double from = 1, to = zero;
     if (hard) {
-        curve.fadeFrom = float(0.75 * zero + 0.25 * fifty), curve.end = float(zero);
+        constexpr double kFadePart = 0.25; // of the way from `fifty` to `zero`, at its end
+        curve.fadeFrom = float((1 - kFadePart) * zero + kFadePart * fifty), curve.end = float(zero);
     } else if (vertex > 0) {
         curve.flatFrom = curve.fadeFrom = float(vertex), curve.end = float(kVertexEnd * vertex);
         from = std::min(from, vertex), to = vertex;

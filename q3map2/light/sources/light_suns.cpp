@@ -220,13 +220,14 @@ constexpr int kSkyRings = 6;
 std::vector<Vec3f> ConeDirections(const Vec3f &axis, double halfAngle, int count) {
     if (count == 1)
         return {axis};
-    const Vec3d w(axis), aside = std::abs(w.z) < 0.9999 ? Normalize(Cross(Vec3d{0, 0, 1}, w)) : Vec3d{1, 0, 0};
+    constexpr double kVertical = 0.9999; // cosine to the vertical from which on an axis has no direction aside
+    const Vec3d w(axis), aside = std::abs(w.z) < kVertical ? Normalize(Cross(Vec3d{0, 0, 1}, w)) : Vec3d{1, 0, 0};
     const Vec3d above = Cross(w, aside);
-    const double golden = kPi * (3 - std::sqrt(5.0));
+    const double goldenAngle = kPi * (3 - std::sqrt(5.0));
     std::vector<Vec3f> directions;
     for (int i = 0; i < count; ++i) {
         const double cosine = 1 - (1 - std::cos(halfAngle)) * (i + 0.5) / count;
-        const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = golden * i;
+        const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = goldenAngle * i;
         directions.push_back(
             Vec3f(Normalize(w * cosine + aside * (sine * std::cos(turn)) + above * (sine * std::sin(turn)))));
     }

@@ -22,8 +22,8 @@ bool SelectFaintLight(float faint, float bound, float &residual, float &weight);
 ///
 ///     sun:         photons
 ///     point, spot: falloff at the distance of the box
-///     area:        add min(1, A cos / (pi d^2)), A its area, d the least distance of the box from it, cos the greatest
-///                  height of the box over its plane divided by d, at most 1
+///     area:        radiosity min(1, A cos / (pi d^2)), A its area, d the least distance of the box from it, cos the
+///                  greatest height of the box over its plane divided by d, at most 1
 float LightBound(const Light &light, const Boundsf &box);
 
 /// The part of each light that a grid pass traces. Weak and strong part add up to the light; see FractionOfPart.

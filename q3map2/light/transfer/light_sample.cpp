@@ -31,149 +31,149 @@ struct SurfaceTransfer {
 };
 
 /// cosine = N . u. Drops receivers at or beyond the envelope, and one-sided receivers that face away.
-Q3_VECTOR void CullFacing(SurfaceTransfer &t) {
-    const Lanes3 &n = t.receivers.normal, &u = t.incident.direction;
-    const float envelope = t.light.envelope;
-    const bool twoSided = t.receivers.twoSided;
+Q3_VECTOR void CullFacing(SurfaceTransfer &transfer) {
+    const Lanes3 &n = transfer.receivers.normal, &u = transfer.incident.direction;
+    const float envelope = transfer.light.envelope;
+    const bool twoSided = transfer.receivers.twoSided;
     for (const std::size_t i : kEachLane) {
         const float cosine = u.x[i] * n.x[i] + u.y[i] * n.y[i] + u.z[i] * n.z[i];
-        t.cosine[i] = cosine;
-        const float d = t.incident.distance[i];
+        transfer.cosine[i] = cosine;
+        const float d = transfer.incident.distance[i];
         const bool lit = (d < envelope) & (twoSided | (cosine >= 0));
-        t.incident.live[i] = lit ? t.incident.live[i] : 0;
+        transfer.incident.live[i] = lit ? transfer.incident.live[i] : 0;
     }
 }
 
 /// angleFactor = |cosine|, or ((1 + |cosine|) / 2)^2 with -lightanglehl. Light from behind on two-sided surfaces has no
 /// direction.
-Q3_VECTOR void SetAngles(SurfaceTransfer &t) {
-    const bool twoSided = t.receivers.twoSided, half = t.settings.halfLambert;
+Q3_VECTOR void SetAngles(SurfaceTransfer &transfer) {
+    const bool twoSided = transfer.receivers.twoSided, half = transfer.settings.halfLambert;
     for (const std::size_t i : kEachLane) {
-        const float toLight = t.cosine[i];
+        const float toLight = transfer.cosine[i];
         const bool behind = twoSided & (toLight < 0);
         const float cosine = behind ? -toLight : toLight;
         const float wrapped = 0.5f * std::min(cosine, 1.0f) + 0.5f;
-        t.angleFactor[i] = !half ? cosine : cosine > kLeastHalfLambert ? wrapped * wrapped : 0;
-        t.incident.undirected[i] = behind ? -1 : 0;
+        transfer.angleFactor[i] = !half ? cosine : cosine > kLeastHalfLambert ? wrapped * wrapped : 0;
+        transfer.incident.undirected[i] = behind ? -1 : 0;
     }
 }
 
 /// add = photons angleFactor.
-Q3_VECTOR void SetSunLight(SurfaceTransfer &t) {
-    const Lanes3 &n = t.receivers.normal;
-    const Vec3f u = -t.light.normal;
-    const float photons = t.light.photons;
+Q3_VECTOR void SetSunLight(SurfaceTransfer &transfer) {
+    const Lanes3 &n = transfer.receivers.normal;
+    const Vec3f u = -transfer.light.normal;
+    const float photons = transfer.light.photons;
     for (const std::size_t i : kEachLane)
-        t.cosine[i] = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
-    AimAtSun(t.light, t.incident);
-    SetAngles(t);
+        transfer.cosine[i] = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
+    AimAtSun(transfer.light, transfer.incident);
+    SetAngles(transfer);
     for (const std::size_t i : kEachLane)
-        t.incident.add[i] = photons * t.angleFactor[i];
+        transfer.incident.add[i] = photons * transfer.angleFactor[i];
 }
 
 /// angleFactor = 1 for lights without angle attenuation; then min(1, angleFactor / angleScale), if there is a scale.
-void SetPointAngles(SurfaceTransfer &t) {
-    if (t.light.angleAttenuation)
-        SetAngles(t);
+void SetPointAngles(SurfaceTransfer &transfer) {
+    if (transfer.light.angleAttenuation)
+        SetAngles(transfer);
     else {
-        t.angleFactor.fill(1);
-        t.incident.undirected = {};
+        transfer.angleFactor.fill(1);
+        transfer.incident.undirected = {};
     }
-    if (t.light.angleScale != 0)
-        for (float &factor : t.angleFactor)
-            factor = std::min(1.0f, factor / t.light.angleScale);
+    if (transfer.light.angleScale != 0)
+        for (float &factor : transfer.angleFactor)
+            factor = std::min(1.0f, factor / transfer.light.angleScale);
 }
 
 /// Drops receivers behind a one-sided area light or on its own surface. heights: over the light's plane.
-Q3_VECTOR void CullAreaSides(const Lanes &heights, SurfaceTransfer &t) {
-    const Lanes3 &n = t.receivers.normal;
-    const Vec3f facing = t.light.normal;
-    const bool oneSided = !t.light.twoSided;
+Q3_VECTOR void CullAreaSides(const Lanes &heights, SurfaceTransfer &transfer) {
+    const Lanes3 &n = transfer.receivers.normal;
+    const Vec3f facing = transfer.light.normal;
+    const bool oneSided = !transfer.light.twoSided;
     for (const std::size_t i : kEachLane) {
         const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
         const float height = heights[i];
         const bool behind = oneSided & (height < -kAreaBehind);
         const bool onEmitter = (height > -kAreaOwnSide) & (along > kAreaOwnCosine);
         const bool hidden = (height < kAreaOwnSide) & (behind | onEmitter);
-        t.incident.live[i] = hidden ? 0 : t.incident.live[i];
+        transfer.incident.live[i] = hidden ? 0 : transfer.incident.live[i];
     }
 }
 
 /// -faster: add = falloff * (N . u) (-n_l . u), the two cosines of a small patch; sides as for form factors.
-Q3_VECTOR void SetAreaLightAsPoint(SurfaceTransfer &t) {
-    const Lanes3 &u = t.incident.direction;
-    const Vec3f facing = t.light.normal;
-    const bool twoSided = t.receivers.twoSided, anySide = twoSided || t.light.twoSided;
-    const Falloff falloff(t.light);
+Q3_VECTOR void SetAreaLightAsPoint(SurfaceTransfer &transfer) {
+    const Lanes3 &u = transfer.incident.direction;
+    const Vec3f facing = transfer.light.normal;
+    const bool twoSided = transfer.receivers.twoSided, anySide = twoSided || transfer.light.twoSided;
+    const Falloff falloff(transfer.light);
     for (const std::size_t i : kEachLane) {
-        const float toLight = t.cosine[i];
+        const float toLight = transfer.cosine[i];
         const bool behind = twoSided & (toLight < 0);
         const float cosine = behind ? -toLight : toLight;
         const float cosines = cosine * -(u.x[i] * facing.x + u.y[i] * facing.y + u.z[i] * facing.z);
         const bool turned = (cosines < 0) & anySide;
-        t.incident.undirected[i] = (behind | turned) ? -1 : 0;
-        t.incident.add[i] = falloff.InverseSquare(t.incident.distance[i], turned ? -cosines : cosines);
+        transfer.incident.undirected[i] = (behind | turned) ? -1 : 0;
+        transfer.incident.add[i] = falloff.InverseSquare(transfer.incident.distance[i], turned ? -cosines : cosines);
     }
 }
 
 /// add = |form factor| radiosity. Negative form factors count if the receiver or the light is two-sided: `flipped`.
-Q3_VECTOR void SetAreaLight(const Lanes &formFactors, SurfaceTransfer &t, LaneMask &flipped) {
-    const bool anySide = t.receivers.twoSided || t.light.twoSided;
-    const float add = t.light.radiosity;
+Q3_VECTOR void SetAreaLight(const Lanes &formFactors, SurfaceTransfer &transfer, LaneMask &flipped) {
+    const bool anySide = transfer.receivers.twoSided || transfer.light.twoSided;
+    const float add = transfer.light.radiosity;
     for (const std::size_t i : kEachLane) {
-        const float factor = formFactors[i], cosine = t.cosine[i];
+        const float factor = formFactors[i], cosine = transfer.cosine[i];
         const bool flip = (factor < 0) & anySide;
-        t.incident.add[i] = (flip ? -factor : factor) * add;
-        t.incident.undirected[i] = (flip | (cosine < 0)) ? -1 : 0;
-        flipped[i] = flip ? t.incident.live[i] : 0;
+        transfer.incident.add[i] = (flip ? -factor : factor) * add;
+        transfer.incident.undirected[i] = (flip | (cosine < 0)) ? -1 : 0;
+        flipped[i] = flip ? transfer.incident.live[i] : 0;
     }
 }
 
 /// Aims flipped lanes 1 unit behind the light's surface: L' = L - 2 n_l, since its origin L is 1 unit in front.
-Q3_VECTOR void AimAtBack(const LaneMask &flipped, SurfaceTransfer &t) {
+Q3_VECTOR void AimAtBack(const LaneMask &flipped, SurfaceTransfer &transfer) {
     SurfaceIncidentLight back;
-    AimAt(t.light.origin - t.light.normal * 2, t.receivers.position, back);
-    const float envelope = t.light.envelope;
+    AimAt(transfer.light.origin - transfer.light.normal * 2, transfer.receivers.position, back);
+    const float envelope = transfer.light.envelope;
     for (const std::size_t i : kEachLane) {
         const bool on = flipped[i] != 0;
         const float d = back.distance[i];
-        t.incident.distance[i] = on ? d : t.incident.distance[i];
-        t.incident.direction.x[i] = on ? back.direction.x[i] : t.incident.direction.x[i];
-        t.incident.direction.y[i] = on ? back.direction.y[i] : t.incident.direction.y[i];
-        t.incident.direction.z[i] = on ? back.direction.z[i] : t.incident.direction.z[i];
-        t.incident.live[i] = (on & (d >= envelope)) ? 0 : t.incident.live[i];
+        transfer.incident.distance[i] = on ? d : transfer.incident.distance[i];
+        transfer.incident.direction.x[i] = on ? back.direction.x[i] : transfer.incident.direction.x[i];
+        transfer.incident.direction.y[i] = on ? back.direction.y[i] : transfer.incident.direction.y[i];
+        transfer.incident.direction.z[i] = on ? back.direction.z[i] : transfer.incident.direction.z[i];
+        transfer.incident.live[i] = (on & (d >= envelope)) ? 0 : transfer.incident.live[i];
     }
 }
 
-void SetAreaLight(SurfaceTransfer &t) {
+void SetAreaLight(SurfaceTransfer &transfer) {
     Lanes heights;
     Lanes3 pushed;
-    AreaHeights(t.light, t.receivers.position, heights, pushed);
-    CullAreaSides(heights, t);
-    if (!t.incident.live.Any())
+    AreaHeights(transfer.light, transfer.receivers.position, heights, pushed);
+    CullAreaSides(heights, transfer);
+    if (!transfer.incident.live.Any())
         return;
-    if (t.settings.pointAreas)
-        return SetAreaLightAsPoint(t);
+    if (transfer.settings.pointAreas)
+        return SetAreaLightAsPoint(transfer);
     Lanes formFactors;
     LaneMask flipped;
-    FormFactors(pushed, t.receivers.normal, t.light.polygon, formFactors);
-    SetAreaLight(formFactors, t, flipped);
+    FormFactors(pushed, transfer.receivers.normal, transfer.light.polygon, formFactors);
+    SetAreaLight(formFactors, transfer, flipped);
     if (flipped.Any())
-        AimAtBack(flipped, t);
+        AimAtBack(flipped, transfer);
 }
 
 /// Sets the unshadowed light; drops receivers that are out of reach, or on a side that gets no light.
-void SetUnshadowedLight(SurfaceTransfer &t) {
-    if (t.light.type == LightType::Sun)
-        return SetSunLight(t);
-    AimAt(t.light.origin, t.receivers.position, t.incident);
-    CullFacing(t);
-    if (!t.incident.live.Any())
+void SetUnshadowedLight(SurfaceTransfer &transfer) {
+    if (transfer.light.type == LightType::Sun)
+        return SetSunLight(transfer);
+    AimAt(transfer.light.origin, transfer.receivers.position, transfer.incident);
+    CullFacing(transfer);
+    if (!transfer.incident.live.Any())
         return;
-    if (t.light.type == LightType::Area)
-        return SetAreaLight(t);
-    SetPointAngles(t);
-    SetPointLight(t.light, t.angleFactor, t.incident);
+    if (transfer.light.type == LightType::Area)
+        return SetAreaLight(transfer);
+    SetPointAngles(transfer);
+    SetPointLight(transfer.light, transfer.angleFactor, transfer.incident);
 }
 
 void TraceShadows(const Light &light, const SurfaceLightSettings &settings, const LightScene &scene,
