@@ -107,6 +107,16 @@ template <typename T> Bounds<T> WindingBounds(const Winding<T> &w) {
     return bounds;
 }
 
+/// Approximate maximum number of pieces that a polygon is subdivided into.
+inline constexpr double kMaxPolygonPieces = 65536;
+/// The smallest limit for the sides of the pieces' bounds that keeps their number below about kMaxPolygonPieces: pieces
+/// are halved until they are within it, so their area is at least about half its square. Game units.
+inline float LeastPieceSize(const Winding<float> &w) {
+    const Boundsf box = WindingBounds(w);
+    const double length = double(MaxComponent(box.maxs - box.mins));
+    return float(std::max(length / kMaxPolygonPieces, std::sqrt(2 * WindingArea(w) / kMaxPolygonPieces)));
+}
+
 /// The convex hull of points in a plane, clockwise as seen from the tip of the unit normal, without corners that stick
 /// out by less than `tolerance`. Empty when all points are that close to a line. Andrew's monotone chain.
 inline Winding<double> ConvexHull(std::vector<Vec3d> points, const Vec3d &normal, double tolerance) {

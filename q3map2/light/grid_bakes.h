@@ -15,6 +15,8 @@ std::vector<Light> LightsForSH(const LightSetup &setup, Log &log);
 /// The legacy grid, with bounced light unless that is null.
 std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
                                             Log &log, GridStats &stats);
+
+/// The uniform SH grid, and the sparse one made from it.
 struct BakedGridSH {
     LightGridSH uniform;
     std::optional<SparseGridSH> sparse; ///< with -shadaptive

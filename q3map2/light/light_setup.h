@@ -50,7 +50,7 @@ struct LightSetup {
     std::vector<Light> lights; ///< in the order of tracing
     StaticProps props;         ///< without `shadows`, which the scene has
     LightScene scene;
-    std::vector<bool> skySeenFrom;
+    std::vector<bool> skySeenFrom; ///< by cluster, see the function of that name
 };
 
 /// All lights of a map in the order of tracing, before SetupEnvelopes; fills the sky numbers of `table`.

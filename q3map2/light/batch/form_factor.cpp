@@ -23,7 +23,7 @@ struct SeenEdge {
 
 } // namespace
 
-Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &f) {
+Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &formFactors) {
     Lanes total{};
     LaneMask wrong{};
     Lanes3 u;
@@ -43,7 +43,7 @@ Q3_VECTOR void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec
     }
     constexpr float kScale = 0.5f / std::numbers::pi_v<float>;
     for (const std::size_t i : kEachLane)
-        f[i] = wrong[i] != 0 ? 0 : total[i] * kScale;
+        formFactors[i] = wrong[i] != 0 ? 0 : total[i] * kScale;
 }
 
 Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon, Lanes3 &v) {
@@ -71,7 +71,8 @@ Q3_VECTOR void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon
 std::vector<Vec3f> HemisphereRings(int elevations, int azimuths) {
     std::vector<Vec3f> directions;
     const double step = kConeDegrees / elevations, radiansPerDegree = std::numbers::pi / 180;
-    const auto component = [](double c) { return std::abs(c) < 1e-12 ? 0.0f : float(c); };
+    constexpr double kRounding = 1e-12; // smaller components are rounding error of 0
+    const auto component = [](double c) { return std::abs(c) < kRounding ? 0.0f : float(c); };
     for (int e = 0; e < elevations; ++e)
         for (int a = 0; a < azimuths; ++a) {
             const double polarAngle = (e + 0.5) * step * radiansPerDegree,

@@ -41,7 +41,7 @@ template <typename T> T FormFactor(const Vec3<T> &p, const Vec3<T> &n, std::span
 }
 
 /// FormFactor of sixteen receivers in single precision: absolute error about 1e-6.
-void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &f);
+void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes &formFactors);
 
 /// The vectors v with FormFactor(p, n, polygon) = v . n for every n: the irradiance vectors of a polygon of radiance
 /// 1 / pi, for sixteen receivers.

@@ -116,6 +116,7 @@ struct ReceiverBatch {
     float faintResidual = 0; ///< light of faint sources not yet represented; see SelectFaintLight. Byte scale
 
     bool Full() const { return count == kPacketSize; }
+    /// Adds a receiver, whose light is wanted. Call it only if the batch is not full.
     void Add(const Vec3f &at, const Vec3f &raysFrom, int clusterAt, std::uint32_t indexAt);
 };
 

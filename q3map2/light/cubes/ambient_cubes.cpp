@@ -14,11 +14,11 @@
 
 namespace q3 {
 
-// ---- Ambient cubes at positions in a leaf, and the choice of those to keep ----
+// ---- The choice of the cubes of a leaf to keep ----
 
 namespace {
 
-constexpr float kScreenGamma = 2.2f;
+constexpr float kScreenGamma = 2.2f; ///< of ScreenDifference
 
 /// The 18 values of a sample: 6 sides times RGB.
 using CubeNumbers = std::array<float, 18>;
@@ -36,6 +36,7 @@ float Shown(float light) {
     return std::sqrt(std::min(light, 1.0f));
 }
 
+/// Weight of a sample at one of the points in the blend at the other, see BlendCubes.
 float BlendWeight(const Vec3f &a, const Vec3f &b) {
     const Vec3f offset = a - b;
     return 1 / (Dot(offset, offset) + 1);
@@ -78,8 +79,9 @@ class CubeChoice {
 
   private:
     const std::vector<CubeSample> &samples_;
-    std::vector<CubeNumbers> light_, shown_, sums_; // sums_: at each sample, weighted sum of chosen ones
-    std::vector<float> weights_;
+    std::vector<CubeNumbers> light_, shown_; ///< by sample: its light; that light as Shown
+    std::vector<CubeNumbers> sums_;          ///< by sample: weighted sum of the chosen ones at its position
+    std::vector<float> weights_;             ///< by sample: sum of these weights
 };
 
 /// Removes the samples that `kept` does not mark.
@@ -140,13 +142,13 @@ float ScreenDifference(const CubeSides &a, const CubeSides &b) {
     return largest;
 }
 
-void KeepBestCubes(std::size_t most, std::vector<CubeSample> &samples) {
-    if (samples.size() <= most)
+void KeepBestCubes(std::size_t maxCount, std::vector<CubeSample> &samples) {
+    if (samples.size() <= maxCount)
         return;
     CubeChoice choice(samples);
     std::vector<bool> chosen(samples.size());
     double error = std::numeric_limits<double>::infinity();
-    for (std::size_t step = 0; step < most; ++step) {
+    for (std::size_t step = 0; step < maxCount; ++step) {
         std::size_t best = samples.size();
         for (std::size_t k = 0; k < samples.size(); ++k)
             if (!chosen[k])
@@ -181,15 +183,15 @@ void ThinOutCubes(float tolerance, std::vector<CubeSample> &samples) {
     Keep(kept, samples);
 }
 
-// ---- Ambient cubes of the leafs of a map ----
+// ---- The cubes of all leafs of a map ----
 
 namespace {
 
 /// Leafs of one cluster are lit in groups of about this many places.
 constexpr std::size_t kPlacesTogether = 256;
-/// The tolerance is multiplied by kRaise while there are too many samples. Beyond kLastTolerance it becomes infinite,
-/// which leaves one sample in each leaf.
-constexpr float kRaise = 1.5f, kLastTolerance = 1e30f;
+/// The tolerance is multiplied by kToleranceStep while there are too many samples. Beyond kLastTolerance it becomes
+/// infinite, which leaves one sample in each leaf.
+constexpr float kToleranceStep = 1.5f, kLastTolerance = 1e30f;
 
 /// Leafs of one cluster that are lit together.
 using LeafGroup = std::vector<std::size_t>;
@@ -257,12 +259,11 @@ class LeafSampler {
     }
 
     std::vector<CubeSides> Traced(const LeafGroup &group, std::uint64_t seed, GridStats &work) const {
-        constexpr std::uint32_t kIndexes = 128; // indexes reserved for a leaf: the most places that it can have
         std::vector<ReceiverBatch> blocks;
         for (const std::size_t leaf : group)
             for (std::uint32_t i = 0; i < places_[leaf].size(); ++i) {
                 const Vec3f &p = places_[leaf][i].position;
-                BatchWithRoom(blocks).Add(p, p, bsp_.leafs[leaf].cluster, std::uint32_t(leaf) * kIndexes + i);
+                BatchWithRoom(blocks).Add(p, p, bsp_.leafs[leaf].cluster, std::uint32_t(leaf) * kMaxCubePlaces + i);
             }
         return integrator_.Sides(blocks, seed, work);
     }
@@ -288,29 +289,29 @@ LeafCubes ThinnedOut(const LeafCubes &leafs, float tolerance, const JobPool &job
 }
 
 /// Throws if even one sample for each leaf with samples is too many.
-void CheckLeafCount(const LeafCubes &leafs, std::size_t most) {
+void CheckLeafCount(const LeafCubes &leafs, std::size_t maxSamples) {
     std::size_t count = 0;
     for (std::size_t leaf = 0; leaf < leafs.size(); ++leaf)
-        if (!leafs[leaf].empty() && ++count > most)
+        if (!leafs[leaf].empty() && ++count > maxSamples)
             throw Error("-ambientcubes: leaf {} is the {}th with light, but the format holds {} samples: make detail "
                         "brushes of structural ones, or bake -sh instead",
-                        leaf, count, most);
+                        leaf, count, maxSamples);
 }
 
-LeafCubes ThinToFit(const LeafCubes &leafs, float tolerance, const JobPool &jobs, Log &log, std::size_t most) {
+LeafCubes ThinToFit(const LeafCubes &leafs, float tolerance, const JobPool &jobs, Log &log, std::size_t maxSamples) {
     LeafCubes thin = ThinnedOut(leafs, tolerance, jobs);
     const std::size_t asked = CountSamples(thin);
-    if (asked <= most)
+    if (asked <= maxSamples)
         return thin;
-    CheckLeafCount(leafs, most);
+    CheckLeafCount(leafs, maxSamples);
     float raised = std::max(tolerance, 1.0f);
-    while (CountSamples(thin) > most) {
-        raised = raised > kLastTolerance ? std::numeric_limits<float>::infinity() : raised * kRaise;
+    while (CountSamples(thin) > maxSamples) {
+        raised = raised > kLastTolerance ? std::numeric_limits<float>::infinity() : raised * kToleranceStep;
         thin = ThinnedOut(leafs, raised, jobs);
     }
     log.Warn("ambient cubes",
              "{} ambient cubes within a tolerance of {:g}, but the format holds {}: a tolerance of {:g} leaves {}",
-             asked, tolerance, most, raised, CountSamples(thin));
+             asked, tolerance, maxSamples, raised, CountSamples(thin));
     return thin;
 }
 
@@ -353,15 +354,15 @@ LeafCubes SampleLeafs(const GridInputs &in, const std::vector<Light> &lights, co
 }
 
 std::optional<AmbientCubes> StoreCubes(const BspSpace &space, const LeafCubes &leafs, float tolerance,
-                                       const JobPool &jobs, Log &log, std::size_t most) {
-    const LeafCubes thin = ThinToFit(leafs, tolerance, jobs, log, most);
+                                       const JobPool &jobs, Log &log, std::size_t maxSamples) {
+    const LeafCubes thin = ThinToFit(leafs, tolerance, jobs, log, maxSamples);
     AmbientCubes cubes;
     cubes.leafs.resize(thin.size());
     std::vector<std::size_t> lit;
     for (std::size_t leaf = 0; leaf < thin.size(); ++leaf) {
         if (thin[leaf].empty())
             continue;
-        if (leaf <= UINT16_MAX)
+        if (leaf <= UINT16_MAX) // leafs without samples refer to one by 16 bits
             lit.push_back(leaf);
         cubes.leafs[leaf] = {std::uint16_t(thin[leaf].size()), std::uint16_t(cubes.samples.size())};
         for (const CubeSample &sample : thin[leaf])

@@ -34,10 +34,10 @@ CubeSides BlendCubes(std::span<const CubeSample> samples, const Vec3f &position)
 /// Largest difference over sides and channels, in bytes of a screen of gamma 2.2.
 float ScreenDifference(const CubeSides &a, const CubeSides &b);
 
-/// Keeps at most `most` samples. Greedy: each step adds the sample that most lowers the error of BlendCubes at the
+/// Keeps at most `maxCount` samples. Greedy: each step adds the sample that most lowers the error of BlendCubes at the
 /// positions of all samples, and stops when none lowers it, since a sample beside a light, far brighter than a screen
 /// shows, can spoil the blend of a whole leaf. Error: sum of squared differences of light^(1/2), light clamped to 1.
-void KeepBestCubes(std::size_t most, std::vector<CubeSample> &samples);
+void KeepBestCubes(std::size_t maxCount, std::vector<CubeSample> &samples);
 
 /// Removes samples that the rest reproduce, those with the smallest error first: at each removed position, the blend of
 /// the rest differs by a ScreenDifference of at most `tolerance`. At least one is left.
@@ -52,10 +52,10 @@ using LeafCubes = std::vector<std::vector<CubeSample>>;
 LeafCubes SampleLeafs(const GridInputs &in, const std::vector<Light> &lights, const LightGridSH *grid,
                       GridStats &stats);
 
-/// Thins out the samples (ThinOutCubes) and stores them by leaf. If more than `most` samples are left, the tolerance is
+/// Thins out the samples (ThinOutCubes) and stores them by leaf. If more than `maxSamples` are left, the tolerance is
 /// raised until they fit, with a warning. A leaf without samples refers to the nearest leaf with samples that it sees,
-/// or else to the nearest one. Empty if no leaf has samples. Errors: more leafs with samples than `most`.
+/// or else to the nearest one. Empty if no leaf has samples. Errors: more leafs with samples than `maxSamples`.
 std::optional<AmbientCubes> StoreCubes(const BspSpace &space, const LeafCubes &leafs, float tolerance,
-                                       const JobPool &jobs, Log &log, std::size_t most = kMostCubes);
+                                       const JobPool &jobs, Log &log, std::size_t maxSamples = kMostCubes);
 
 } // namespace q3

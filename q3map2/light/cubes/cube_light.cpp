@@ -76,7 +76,7 @@ struct LightAtReceiver {
         if (light.type != LightType::Area)
             return false;
         bool inFront = false, behind = false;
-        for (const Vec3f &corner : light.w)
+        for (const Vec3f &corner : light.polygon)
             inFront = inFront || corner[axis] > position[axis], behind = behind || corner[axis] < position[axis];
         return inFront && behind;
     }
@@ -97,21 +97,21 @@ OppositeSides LightAtReceiver::SidesAlong(std::size_t axis) const {
 /// polygon A, S(L) = SumOfOppositeSides of light L, and v the visible fraction of the light:
 ///
 ///     plus - minus = irradiance vector on the axis
-///     plus + minus = v strength (|F(part in front)| + |F(part behind)|) + S(visible light) - v S(unshadowed light)
+///     plus + minus = v radiosity (|F(part in front)| + |F(part behind)|) + S(visible light) - v S(unshadowed light)
 ///
 /// The second is a control variate: exact where all or nothing of the light is visible.
 OppositeSides LightAtReceiver::SidesOfStraddlingLight(std::size_t axis) const {
     const Vec3d p(position), normal = Axis(axis);
-    const std::span<const Vec3f> polygon(light.w);
-    const Winding<float> part = PartBeyond(light.w, position, axis);
+    const std::span<const Vec3f> polygon(light.polygon);
+    const Winding<float> part = PartBeyond(light.polygon, position, axis);
     const double front = FormFactor(p, normal, std::span<const Vec3f>(part));
     const double behind = std::abs(FormFactor(p, normal, polygon) - front);
     const bool fromBehind = Dot(light.shape.normal, p) < light.shape.dist;
-    SHVector unshadowed = MomentsOfPolygon(fromBehind ? light.shape.back : light.w, p).Projection();
+    SHVector unshadowed = MomentsOfPolygon(fromBehind ? light.shape.back : light.polygon, p).Projection();
     for (double &coefficient : unshadowed)
-        coefficient *= double(light.add) * double(weight) / std::numbers::pi;
+        coefficient *= double(light.radiosity) * double(weight) / std::numbers::pi;
     const double visible = unshadowed[0] > 0 ? std::min(1.0, radiance[0] / unshadowed[0]) : 1;
-    const double sum = visible * double(light.add) * double(weight) * (std::abs(front) + behind) +
+    const double sum = visible * double(light.radiosity) * double(weight) * (std::abs(front) + behind) +
                        SumOfOppositeSides(radiance, axis) - visible * SumOfOppositeSides(unshadowed, axis);
     const double both = std::max(std::abs(vector[axis]), sum);
     return {(both + vector[axis]) / 2, (both - vector[axis]) / 2};
@@ -123,16 +123,17 @@ void AddLight(const Light &light, float weight, const ReceiverBatch &receivers, 
     const Vec3d scale = Vec3d(light.color) * ((light.negative ? -1 : 1) / 255.0);
     for (unsigned lanes = incident.live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
-        const LightAtReceiver field(light, weight, receivers.position[i], incident, i);
+        const LightAtReceiver atReceiver(light, weight, receivers.position[i], incident, i);
         const Vec3d color = incident.tinted ? scale * Vec3d(incident.tint[i]) : scale;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const OppositeSides sides = field.SidesAlong(axis);
+            const OppositeSides sides = atReceiver.SidesAlong(axis);
             sums[i][2 * axis] += color * sides.plus;
             sums[i][2 * axis + 1] += color * sides.minus;
         }
     }
 }
 
+/// Adds bounced light.
 void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, SideSums &sides,
                  RayCounts &counts) {
     std::vector<IndirectRay> rays;
@@ -147,8 +148,8 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
     }
 }
 
-/// Floodlight as uniform light from the hemispheres around +z and -z: all of it on the side that faces the hemisphere,
-/// half on each vertical side.
+/// Adds floodlight as uniform light from the hemispheres around +z and -z: all of it on the side that faces the
+/// hemisphere, half on each vertical side, since half of the hemisphere is in front of it.
 void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, SideSums &sides, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
         const float fraction =

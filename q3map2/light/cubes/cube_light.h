@@ -32,6 +32,7 @@ class CubesFromGridSH {
   public:
     /// radiance: the grid holds radiance, not yet convolved with the cosine lobe. Keeps a reference.
     CubesFromGridSH(const LightGridSH &grid, bool radiance) : grid_(grid), radiance_(radiance) {}
+    /// The sides at a position, interpolated as engines do.
     CubeSides At(const Vec3f &position) const;
 
   private:

@@ -121,12 +121,12 @@ namespace {
 
 /// Size of the box for one sample. Game units.
 constexpr std::array<double, 3> kCubeCell = {32, 32, 64};
-constexpr double kMostPositions = 128;
+
 /// Minimum distance of a sample from the planes that bound its leaf. Game units.
 constexpr double kInsideLeaf = 1.0 / 32;
 /// Positions to try: kTriesEach for each sample wanted, plus kMoreTries.
 constexpr int kTriesEach = 16, kMoreTries = 256;
-constexpr std::uint64_t kSeedCubes = 0x43756265ull;
+constexpr std::uint64_t kSeedCubes = 0x43756265ull; ///< "Cube" in ASCII
 
 bool IsOpen(const BspSpace &space, const Vec3f &p) {
     return space.ClusterAt(p, 0) >= 0;
@@ -142,7 +142,7 @@ int CubeCount(const LeafPolytope &polytope) {
     for (std::size_t axis = 0; axis < 3; ++axis)
         count *= std::max(1.0, std::round(size[axis] / kCubeCell[axis]));
     const double filled = std::min(1.0, polytope.volume / (size.x * size.y * size.z));
-    return int(std::clamp(std::round(count * filled), 1.0, kMostPositions));
+    return int(std::clamp(std::round(count * filled), 1.0, double(kMaxCubePlaces)));
 }
 
 std::vector<CubePlace> FindCubePlaces(const BspSpace &space, const LeafPolytopes &polytopes, std::size_t leaf) {

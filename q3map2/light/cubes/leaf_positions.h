@@ -28,6 +28,7 @@ struct LeafPolytope {
 class LeafPolytopes {
   public:
     explicit LeafPolytopes(const Bsp &bsp);
+    /// The polytope of a leaf.
     LeafPolytope Of(std::size_t leaf) const;
 
   private:
@@ -46,8 +47,10 @@ struct CubePlace {
     Vec3f position;                       ///< `stored` decoded; if no such place is open, the leaf's exact center
 };
 
+/// Most places in a leaf.
+inline constexpr std::uint32_t kMaxCubePlaces = 128;
 /// Number of samples for a polytope: one for each 32 x 32 x 64 units of its box, times the fraction of the box that it
-/// fills; 1 to 128, or 0 if it is empty.
+/// fills; 1 to kMaxCubePlaces, or 0 if it is empty.
 int CubeCount(const LeafPolytope &polytope);
 
 /// Up to CubeCount different places in the leaf, at least 1/32 unit inside every plane that bounds it and outside

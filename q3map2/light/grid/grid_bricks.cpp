@@ -78,13 +78,13 @@ void GridStats::Print(Log &log) const {
 
 namespace {
 
-constexpr std::array<int, 3> kBlock = {4, 2, 2};
+constexpr std::array<int, 3> kBlock = {4, 2, 2}; ///< points of a block by axis
 /// A one-sided area light gives nothing, in either grid, to points farther than this behind the plane through its
 /// origin; that plane is 1 unit in front of the surface. Game units.
 constexpr float kBehind = 2;
-/// Up to this many faint lights are all kept.
+/// Up to this many faint lights of a brick are all kept.
 constexpr std::ptrdiff_t kFewFaint = 32;
-constexpr std::uint64_t kSeedFaint = 0x4661696E74ull;
+constexpr std::uint64_t kSeedFaint = 0x4661696E74ull; ///< "Faint" in ASCII
 
 bool CanReach(const PassLights::Reach &light, const BrickExtent &brick) {
     if (!light.sun) {

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Error of the SH grid against exact light, where players can be.
 #include "q3map2/light/grid/gridsh_error.h"
 
+#include "libs/math/morton.h"
 #include "libs/math/sampling.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/light/grid/light_gridsh.h"
@@ -14,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::uint64_t kSeed = 0x4572726F72ull;
+constexpr std::uint64_t kSeedError = 0x4572726F72ull; ///< "Error" in ASCII
 /// At most this many random positions are tried per wanted receiver.
 constexpr std::size_t kTries = 2000;
 /// Sample patterns of receivers are seeded from this index on, apart from those of grid points.
@@ -29,14 +30,11 @@ struct Receiver {
     std::uint32_t mortonCode = 0; ///< of the position
 };
 
-/// Morton code of a point of the unit cube, 10 bits per axis.
-std::uint32_t MortonCode(const Vec3f &fraction) {
-    constexpr int kBits = 10;
-    std::uint32_t code = 0;
-    for (int bit = kBits - 1; bit >= 0; --bit)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            code = code << 1 | (std::uint32_t(fraction[axis] * (1 << kBits)) >> bit & 1);
-    return code;
+/// Morton code of a point of the unit cube, 10 bits per axis; x is the highest of three bits.
+std::uint32_t MortonInCube(const Vec3f &fraction) {
+    constexpr std::uint32_t kSteps = 1 << 10;
+    const auto step = [](float f) { return std::uint32_t(f * float(kSteps)) & (kSteps - 1); };
+    return std::uint32_t(MortonCode(step(fraction.z), step(fraction.y), step(fraction.x)));
 }
 
 /// Random positions where a player fits, in Morton order so that batches hold neighbors.
@@ -47,11 +45,11 @@ std::vector<Receiver> FindReceivers(const BspSpace &space, std::size_t count) {
     for (std::size_t i = 0; i < count * kTries && receivers.size() < count; ++i) {
         Vec3f fraction;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            fraction[axis] = float(UnitFromHash(HashIndex(kSeed + 3 * i + axis)));
+            fraction[axis] = float(UnitFromHash(HashIndex(kSeedError + 3 * i + axis)));
         const Vec3f p = mins + size * fraction;
         const int cluster = space.ClusterAt(p, kPlayerHalfSize);
         if (cluster >= 0 && space.PlayerFits(p))
-            receivers.push_back({p, cluster, MortonCode(fraction)});
+            receivers.push_back({p, cluster, MortonInCube(fraction)});
     }
     std::stable_sort(receivers.begin(), receivers.end(),
                      [](const Receiver &a, const Receiver &b) { return a.mortonCode < b.mortonCode; });
@@ -201,11 +199,11 @@ void CompareWithDoubled(const GridInputs &in, const LightGridSH &grid, const Exa
         here.Add(shown[i], exact[i]);
         coarse.Add(DisplayLight(coeffs, in.options.shRadiance), exact[i]);
     }
-    constexpr double kLeast = 0.5, kMost = 2;
+    constexpr double kMinOrder = 0.5, kMaxOrder = 2;
     const double fine = here.Percentile95();
     error.doubled = coarse.Percentile95();
     if (fine > 0 && error.doubled > 0)
-        error.order = std::clamp(std::log2(error.doubled / fine), kLeast, kMost);
+        error.order = std::clamp(std::log2(error.doubled / fine), kMinOrder, kMaxOrder);
 }
 
 /// What a grid shows at receivers, the exact light there, and how they differ.

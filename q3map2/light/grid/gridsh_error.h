@@ -37,6 +37,7 @@ inline DisplayedLight DisplayLight(shgrid_coeffs coeffs, bool radiance) {
     return shown;
 }
 
+/// The same for the coefficients of a grid point.
 inline DisplayedLight DisplayLight(const bspGridPointSH_t &point, bool radiance) {
     shgrid_coeffs coeffs;
     for (std::size_t k = 0; k < 9; ++k)
@@ -57,16 +58,19 @@ struct GridSHError {
     double cpuSeconds = 0;
 };
 
+/// Receivers at which the error of a grid is measured, if there is space for so many.
+inline constexpr std::size_t kErrorReceivers = 2000;
+
 /// Compares `grid`, as stored, with the exact light of `lights` (from SetupEnvelopes for the SH grid) at random
 /// receivers 16 units clear of solids, the same in every run. Fewer receivers where little space is open.
 GridSHError MeasureGridSH(const GridInputs &in, const LightGridSH &grid, const std::vector<Light> &lights,
-                          std::size_t receivers = 2000);
+                          std::size_t receivers = kErrorReceivers);
 
 /// Random receivers like those of MeasureGridSH with the exact light there, for comparison with any number of sparse
 /// grids. Const after construction; keeps no references.
 class ExactReceivers {
   public:
-    ExactReceivers(const GridInputs &in, const std::vector<Light> &lights, std::size_t receivers = 2000);
+    ExactReceivers(const GridInputs &in, const std::vector<Light> &lights, std::size_t receivers = kErrorReceivers);
     std::size_t Size() const { return positions_.size(); }
     const Vec3f &Position(std::size_t receiver) const { return positions_[receiver]; }
     /// The exact light at a receiver, as grids store it.

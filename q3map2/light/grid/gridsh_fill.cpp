@@ -20,13 +20,13 @@ namespace {
 /// Points this near to a surface light's plane are in it. Game units.
 constexpr float kOnEmitter = 1.0f / 64;
 
-/// Whether p is on the polygon of a surface light.
+/// Whether p is on the polygon of a surface light: in its plane, and on the same side of all edges.
 bool OnEmitter(const Light &light, const Vec3f &p) {
     if (std::abs(Dot(Vec3f(light.shape.normal), p) - float(light.shape.dist)) > kOnEmitter)
         return false;
     bool left = false, right = false;
-    for (std::size_t i = 0; i < light.w.size(); ++i) {
-        const Vec3f &a = light.w[i], edge = light.w[(i + 1) % light.w.size()] - a;
+    for (std::size_t i = 0; i < light.polygon.size(); ++i) {
+        const Vec3f &a = light.polygon[i], edge = light.polygon[(i + 1) % light.polygon.size()] - a;
         const float side = Dot(Cross(edge, p - a), Vec3f(light.shape.normal)), margin = kOnEmitter * Length(edge);
         left = left || side > margin, right = right || side < -margin;
     }
@@ -81,7 +81,7 @@ void LitGridPoints::FindOnEmitters(const std::vector<Light> &lights) {
     for (const Light &light : lights) {
         if (light.type != LightType::Area)
             continue;
-        const Boundsf box = WindingBounds(light.w);
+        const Boundsf box = WindingBounds(light.polygon);
         std::array<int, 3> first{}, last{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const float cell = layout_.size[axis], least = (box.mins[axis] - kOnEmitter - layout_.mins[axis]) / cell;
@@ -111,8 +111,8 @@ namespace {
 
 /// Distances at which open space beside a point is searched, to light the point from there. Game units.
 constexpr float kSmallSteps[] = {0.5f, 1, 2};
-/// A group of mean light m weighs 1 / (m + kDarkest): keeps the weight of a black group finite. 1 = byte 255.
-constexpr double kDarkest = 1.0 / 8192;
+/// A group of mean light m weighs 1 / (m + kDarkestMean): keeps the weight of a black group finite. 1 = byte 255.
+constexpr double kDarkestMean = 1.0 / 8192;
 /// A point beside a wall weighs as much in its group as this many neighbors at the shortest distance.
 constexpr double kSelfWeight = 2;
 
@@ -191,9 +191,10 @@ bool HasOpenNeighbor(const GridLayout &layout, const std::vector<int> &clusters,
 struct GroupSum {
     double weight = 0;
     std::array<double, kSHFloats> sum{};
+    /// Mean light over directions and channels, at least 0.
     double Mean() const { return std::max(0.0, (sum[0] + sum[1] + sum[2]) / weight / 3 * kSHC0); }
     /// Weight of the group in the blend.
-    double BlendWeight() const { return weight / (Mean() + kDarkest); }
+    double BlendWeight() const { return weight / (Mean() + kDarkestMean); }
 };
 
 /// Batches rays that test whether two positions see each other.
@@ -294,8 +295,8 @@ class LitNeighborhood {
     double selfWeight_;
 };
 
-/// Sorts the entries of `lit` into groups: the first entry of a group sees all the others of it, but none of the
-/// first entries before. unseen: bits of the entries that entry 0 does not see.
+/// Sorts the entries of `lit` into groups: the first entry of a group sees all the others of it, but is not seen by the
+/// first entries of the groups before. unseen: bits of the entries that entry 0 does not see.
 VisibilityGroups::PointGroups GroupsOf(std::uint32_t index, const LitNeighborhood::Neighbors &lit, std::uint32_t unseen,
                                        SightRays &rays) {
     VisibilityGroups::PointGroups result{index, 1, {}};
@@ -339,7 +340,7 @@ void FindGroups(const LightScene &scene, const LitNeighborhood &neighborhood,
     }
 }
 
-/// The mean of the groups' lights, each weighted by 1 / (its mean light + kDarkest).
+/// The mean of the groups' lights, each weighted by GroupSum::BlendWeight.
 bspGridPointSH_t Blend(const std::vector<GroupSum> &groups) {
     std::array<double, kSHFloats> sum{};
     double total = 0;

@@ -14,11 +14,11 @@ namespace q3 {
 
 namespace {
 
-/// Samples in each cell that has a point in a solid.
-constexpr float kPerCell = 4;
-/// With -shfit, cells in which the mean light of samples differs by more than kSteep take kSteepFactor times the
-/// samples: with few, the fit beside a light depends on where they happen to be. 1 = byte 255.
-constexpr float kSteep = 16.0f / 255;
+/// Samples in each cell that has a point in a solid, without -shfit.
+constexpr float kSamplesPerCell = 4;
+/// With -shfit, cells in which the mean light of samples differs by more than kSteepDifference take kSteepFactor times
+/// the samples: with few, the fit beside a light depends on where they happen to be. 1 = byte 255.
+constexpr float kSteepDifference = 16.0f / 255;
 constexpr int kSteepFactor = 6;
 /// Candidates drawn at most for each sample wanted, with and without -shfit, so that cells that are mostly solid get as
 /// many samples as others.
@@ -36,9 +36,9 @@ constexpr float kBeyondScreen = 3, kBeyondScreenAll = 2.2f, kFall = 4, kFallAll 
 constexpr float kMaxBeyondScreen = 1e4f;
 /// Points whose samples have less weight keep their values.
 constexpr float kMinWeight = 1e-30f;
-/// Norm of bands 1 and 2 over coefficient 0 for light from a single direction, plain and convolved with the cosine: the
-/// most that light that is nowhere negative can have. Interpolation between points lowers the ratio, so a point may
-/// exceed it by the factor kBandsSlack.
+/// Norm of bands 1 and 2 over coefficient 0 for light from a single direction, plain, sqrt(3 + 5), and convolved with
+/// the cosine, sqrt(3 (2/3)^2 + 5 (1/4)^2): the most that light that is nowhere negative can have. Interpolation
+/// between points lowers the ratio, so a point may exceed it by the factor kBandsSlack.
 constexpr float kMaxBandsPlain = 2.8284271f, kMaxBands = 1.2829003f, kBandsSlack = 1.25f;
 /// Relaxation ends when no coefficient moves by more than this, or by more than this fraction of the light there. 1 =
 /// byte 255.
@@ -52,14 +52,14 @@ std::int64_t OffsetOf(std::size_t s, std::int64_t width, std::int64_t slice) {
     return std::int64_t(s % 3) - 1 + (std::int64_t(s / 3 % 3) - 1) * width + (std::int64_t(s / 9) - 1) * slice;
 }
 
-/// See kSteep.
+/// Whether the mean light of the samples differs by more than kSteepDifference.
 bool IsSteep(std::span<const FitSample> samples) {
     float least = 1, most = 0;
     for (const FitSample &sample : samples) {
         const float shown = std::min(1.0f, MeanLight(std::bit_cast<SHFloats>(sample.value)));
         least = std::min(least, shown), most = std::max(most, shown);
     }
-    return most - least > kSteep;
+    return most - least > kSteepDifference;
 }
 
 Vec3f PositionOf(const GridLayout &layout, std::int64_t index) {
@@ -93,7 +93,8 @@ float FitWeight(float weight, float mean, FittedPoints fitted) {
 GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,
                  const std::vector<bool> &isSplit)
     : in_(in), layout_(layout),
-      perCell_(int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kPerCell) * in.options.shSamples))),
+      perCell_(
+          int(std::ceil((in.options.shFit > 0 ? float(in.options.shFit) : kSamplesPerCell) * in.options.shSamples))),
       pull_(in.options.shFit > 0 ? kPullAll : kPull),
       maxBandRatio_(kBandsSlack * (in.options.shRadiance ? kMaxBandsPlain : kMaxBands)), states_(states),
       rowOf_(states.size(), -1) {
@@ -162,7 +163,8 @@ std::vector<FitSample> GridFit::SampleCells(std::span<const BrickPoint> points, 
     return samples;
 }
 
-/// Draws positions in cells where a player fits, and lights them.
+/// Draws positions in cells where a player fits, and lights them: x and y from a low-discrepancy sequence, z stratified
+/// into perCell_ layers.
 void GridFit::DrawSamples(std::span<CellSamples> cells, std::size_t round, const LightAtPositions &light,
                           std::vector<FitSample> &samples, GridStats &work) const {
     std::vector<ProbeReceiver> receivers;
@@ -202,39 +204,39 @@ void GridFit::DrawSamples(std::span<CellSamples> cells, std::size_t round, const
 
 /// Sets the light of the samples. The first sample of each cell is traced; where interpolation nearly gives its weak
 /// light, the weak light of the others is interpolated too, with the difference at the first one added.
-void GridFit::LightCells(const Round &of, const LightAtPositions &light, std::span<FitSample> samples,
+void GridFit::LightCells(const Round &round, const LightAtPositions &light, std::span<FitSample> samples,
                          GridStats &work) const {
     const WeakField &field = *light.Weak();
-    std::vector<std::optional<WeakLight>> weak(of.receivers.size());
-    if (of.round == 0) {
+    std::vector<std::optional<WeakLight>> weak(round.receivers.size());
+    if (round.number == 0) {
         std::vector<ProbeReceiver> first;
-        for (const CellSamples &inCell : of.cells)
+        for (const CellSamples &inCell : round.cells)
             if (inCell.rounds[0].count > 0)
-                first.push_back(of.receivers[inCell.rounds[0].first - of.first]);
+                first.push_back(round.receivers[inCell.rounds[0].first - round.firstSample]);
         std::vector<std::optional<WeakLight>> traced(first.size());
-        light.TraceMissingWeak(first, of.seed, traced, work);
+        light.TraceMissingWeak(first, round.seed, traced, work);
         std::size_t next = 0;
-        for (CellSamples &inCell : of.cells)
+        for (CellSamples &inCell : round.cells)
             if (inCell.rounds[0].count > 0) {
                 inCell.offset = field.OffsetAt(first[next].position, *traced[next]);
-                weak[inCell.rounds[0].first - of.first] = traced[next++];
+                weak[inCell.rounds[0].first - round.firstSample] = traced[next++];
             }
     }
-    for (const CellSamples &inCell : of.cells) {
-        const auto [first, count] = inCell.rounds[of.round];
-        for (std::size_t i = first - of.first; inCell.offset && i < first - of.first + count; ++i)
+    for (const CellSamples &inCell : round.cells) {
+        const auto [first, count] = inCell.rounds[round.number];
+        for (std::size_t i = first - round.firstSample; inCell.offset && i < first - round.firstSample + count; ++i)
             if (!weak[i]) {
-                weak[i] = field.Interpolate(of.receivers[i].position, *inCell.offset);
+                weak[i] = field.Interpolate(round.receivers[i].position, *inCell.offset);
                 work.skippedSmooth += weak[i] ? 1 : 0;
             }
     }
-    light.TraceMissingWeak(of.receivers, HashIndex(of.seed), weak, work);
-    const std::vector<bspGridPointSH_t> values = light.TraceStrongAndSum(of.receivers, of.seed, weak, work);
+    light.TraceMissingWeak(round.receivers, HashIndex(round.seed), weak, work);
+    const std::vector<bspGridPointSH_t> values = light.TraceStrongAndSum(round.receivers, round.seed, weak, work);
     for (std::size_t i = 0; i < samples.size(); ++i)
         samples[i].value = values[i];
 }
 
-/// Clears `sees` of the corners in the open that a sample does not see.
+/// Clears the bits in seenCorners of the corners in the open that a sample does not see.
 void GridFit::FindSeen(std::span<FitSample> samples, GridStats &work) const {
     struct Sight {
         FitSample *sample;
@@ -244,7 +246,7 @@ void GridFit::FindSeen(std::span<FitSample> samples, GridStats &work) const {
         in_.scene.TraceToLight(packet, ShadowRules::Exact, work.counts);
         for (std::size_t i = 0; i < sights.size(); ++i)
             if (packet.live[i] == 0)
-                sights[i].sample->sees &= std::uint8_t(~sights[i].bit);
+                sights[i].sample->seenCorners &= std::uint8_t(~sights[i].bit);
     });
     for (FitSample &sample : samples) {
         const auto corners = CornersAt(sample.position);
@@ -275,7 +277,7 @@ void GridFit::Accumulate(const FitSample &sample) {
     const auto coefficients = std::bit_cast<SHFloats>(sample.value);
     for (std::size_t a = 0; a < 8; ++a) {
         const std::int32_t number = rowOf_[std::size_t(corners[a].index)];
-        if (number < 0 || (sample.sees >> a & 1) == 0)
+        if (number < 0 || (sample.seenCorners >> a & 1) == 0)
             continue;
         Row &row = rows_[std::size_t(number)];
         const float fraction = weight * corners[a].weight;

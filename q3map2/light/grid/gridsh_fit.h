@@ -15,8 +15,8 @@ namespace q3 {
 struct FitSample {
     Vec3f position;
     bspGridPointSH_t value;
-    float weight = 1;         ///< samples wanted per cell / candidates tried in it: about the open fraction of the cell
-    std::uint8_t sees = 0xff; ///< bit per corner of its cell: whether the sample counts for that point
+    float weight = 1; ///< samples wanted per cell / candidates tried in it: about the open fraction of the cell
+    std::uint8_t seenCorners = 0xff; ///< bit per corner of its cell: whether the sample counts for that point
 };
 
 /// The points that a fit moves.
@@ -80,15 +80,15 @@ class GridFit {
     bool HasFittedCorner(const BrickPoint &point) const;
     void DrawSamples(std::span<CellSamples> cells, std::size_t round, const LightAtPositions &light,
                      std::vector<FitSample> &samples, GridStats &work) const;
-    /// The samples of one round: `receivers` in the order of the cells, of which the first is sample `first` of all
-    /// rounds.
+    /// The samples of one round, 0 or 1: `receivers` in the order of the cells. The first one is sample `firstSample`
+    /// of all rounds.
     struct Round {
         std::span<CellSamples> cells;
-        std::size_t round, first;
+        std::size_t number, firstSample;
         std::span<const ProbeReceiver> receivers;
         std::uint64_t seed;
     };
-    void LightCells(const Round &of, const LightAtPositions &light, std::span<FitSample> samples,
+    void LightCells(const Round &round, const LightAtPositions &light, std::span<FitSample> samples,
                     GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
     void Accumulate(const FitSample &sample);

@@ -15,10 +15,14 @@ namespace q3 {
 
 namespace {
 
+/// By this much the cells of larger grids grow, axis by axis, until the grid is small enough. Game units.
+constexpr float kCellStep = 16;
 /// Nudged positions count as open up to 1/8 unit inside a brush: the epsilon of BspSpace::ClusterAt.
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
-constexpr int kNudges = 16;            ///< steps from the point to half a cell away
+/// Distance along each axis at which a position that clear is searched. Game units.
+constexpr float kClearStep = 2.5f * kSolidMargin;
+constexpr int kNudges = 16; ///< steps from the point to half a cell away
 /// Lights kept per point: MAX_CONTRIBUTIONS - 1 of the established program.
 constexpr std::int32_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
@@ -26,15 +30,19 @@ constexpr float kFaintInBrick = 1.0f / 16;
 
 /// Blocks that are lit together, so that their rays fill packets; more would need more memory for records.
 constexpr std::size_t kBlocksTogether = 4;
+/// Factor of the part of a light that is stored as ambient: the mean of max(0, n . u) over all normals n.
+constexpr float kMeanCosine = 0.25f;
+/// Fractions of floodlight that are stored as directed and as ambient light.
+constexpr float kFloodDirected = 0.75f, kFloodAmbient = 0.25f;
 
-/// Fraction of light that is stored as directed: max(0, least + along * more), where `along` is the cosine
+/// Fraction of light that is stored as directed: max(0, offset + along * slope), where `along` is the cosine
 /// between the light's direction and the main direction.
 struct Directed {
-    float least, more;
+    float offset, slope;
     explicit Directed(const LightOptions &options)
-        : least(options.gridAmbientDirectionality),
-          more(options.gridDirectionality - options.gridAmbientDirectionality) {}
-    float Fraction(float along) const { return std::max(0.0f, least + along * more); }
+        : offset(options.gridAmbientDirectionality),
+          slope(options.gridDirectionality - options.gridAmbientDirectionality) {}
+    float Fraction(float along) const { return std::max(0.0f, offset + along * slope); }
 };
 
 /// Light that reaches the points of a few blocks. How much of it is ambient depends on a point's main direction, which
@@ -60,7 +68,7 @@ class GridRecords {
     struct Parts {
         Lanes3 mainDirection, ambient, directed;
     };
-    std::vector<Parts> All(const LightOptions &options, const Vec3f &ambient) const;
+    std::vector<Parts> AllParts(const LightOptions &options, const Vec3f &ambient) const;
 
   private:
     static constexpr std::size_t kUsualLights = 16; ///< lights that reach a block of most maps
@@ -136,7 +144,7 @@ Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &di
     for (const std::size_t i : kEachLane) {
         const float along = direction.x[i] * parts.mainDirection.x[i] + direction.y[i] * parts.mainDirection.y[i] +
                             direction.z[i] * parts.mainDirection.z[i];
-        const float k = fractions.Fraction(along), rest = 0.25f * (1 - k);
+        const float k = fractions.Fraction(along), rest = kMeanCosine * (1 - k);
         parts.directed.x[i] += color.x[i] * k;
         parts.directed.y[i] += color.y[i] * k;
         parts.directed.z[i] += color.z[i] * k;
@@ -146,7 +154,7 @@ Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &di
     }
 }
 
-std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, const Vec3f &ambient) const {
+std::vector<GridRecords::Parts> GridRecords::AllParts(const LightOptions &options, const Vec3f &ambient) const {
     const Directed directed(options);
     std::vector<Parts> parts(blocks_.size());
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
@@ -164,7 +172,7 @@ std::vector<GridRecords::Parts> GridRecords::All(const LightOptions &options, co
         const float k = directed.Fraction(Dot(record.direction, light.mainDirection[record.lane]));
         light.directed.Set(record.lane, light.directed[record.lane] + record.color * k);
         light.ambient.Set(record.lane,
-                          light.ambient[record.lane] + (record.color * (0.25f * (1 - k)) + record.ownAmbient));
+                          light.ambient[record.lane] + (record.color * (kMeanCosine * (1 - k)) + record.ownAmbient));
     }
     return parts;
 }
@@ -220,7 +228,7 @@ Vec3f ClearOfSolids(const BspSpace &space, const Vec3f &p) {
         for (int z = -1; z <= 1; ++z)
             for (int y = -1; y <= 1; ++y)
                 for (int x = -1; x <= 1; ++x) {
-                    const Vec3f at = p + Vec3f{float(x), float(y), float(z)} * (2.5f * kSolidMargin);
+                    const Vec3f at = p + Vec3f{float(x), float(y), float(z)} * kClearStep;
                     if (std::abs(x) + std::abs(y) + std::abs(z) == axes && clear(at))
                         return at;
                 }
@@ -248,11 +256,12 @@ void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t bloc
         const float fraction =
             FloodFraction(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
         const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * fraction);
-        records.Add(block, lane, {0, 0, 1}, flood * 0.75f, flood * 0.25f, Vec3d{0, 0, double(Length(flood * 0.75f))});
+        const Vec3f directed = flood * kFloodDirected;
+        records.Add(block, lane, {0, 0, 1}, directed, flood * kFloodAmbient, Vec3d{0, 0, double(Length(directed))});
     }
 }
 
-/// Bounced light.
+/// Adds bounced light at a point.
 void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t block, std::size_t lane,
                  GridRecords &records, RayCounts &counts) {
     std::vector<IndirectRay> rays;
@@ -262,6 +271,7 @@ void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size
         records.Add(block, lane, ray.direction, ray.light, {}, Vec3d(ray.direction) * double(Length(ray.light)));
 }
 
+/// A direction as polar angle and azimuth, in 255ths of a full turn, truncated. Straight down is half of 256.
 std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
     if (t.x == 0 && t.y == 0)
         return {std::uint8_t(t.z > 0 ? 0 : 128), 0};
@@ -306,7 +316,7 @@ class GridBlocks {
             AddFloodAndBounced(block, work);
     }
     void Store(std::span<bspGridPoint_t> grid) const {
-        const auto lights = records_.All(in_.options, in_.world.ambient);
+        const auto lights = records_.AllParts(in_.options, in_.world.ambient);
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             for (std::size_t i = 0; i < blocks_[block].count; ++i)
                 grid[blocks_[block].index[i]] = StorePoint(in_, lights[block].mainDirection[i],
@@ -368,7 +378,7 @@ GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
     const bspModel_t &model = bsp.models.front();
     GridLayout layout = LayoutGrid(model.mins, model.maxs, size);
     for (std::size_t axis = 0; layout.Count() > kMaxLegacyPoints; axis = (axis + 1) % 3) {
-        size[axis] += 16;
+        size[axis] += kCellStep;
         layout = LayoutGrid(model.mins, model.maxs, size);
     }
     if (size[0] != wanted.x || size[1] != wanted.y || size[2] != wanted.z) {

@@ -14,11 +14,13 @@ inline constexpr std::int64_t kMaxLegacyPoints = 0x100000;
 /// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until there are at most
 /// kMaxLegacyPoints. Writes a changed size back to `world`.
 GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log);
+
 /// Where a point of the legacy grid is lit from.
 struct LegacyPlace {
-    Vec3f position, rayOrigin;
+    Vec3f position, rayOrigin;   ///< for falloff and angles; where its rays start, clear of solids
     int cluster = kSolidCluster; ///< kSolidCluster: it is not lit
 };
+/// Finds an open position up to half a cell from a point, the nearest first.
 LegacyPlace PlaceLegacyPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &point);
 
 /// The legacy light grid.

@@ -44,13 +44,14 @@ DeringStats DeringPoint(bspGridPointSH_t &point, bool radiance) {
 }
 
 DeringStats DeringGridSH(LightGridSH &grid, bool radiance, const JobPool &jobs) {
-    constexpr std::size_t kPart = 4096;
-    const std::size_t parts = (grid.points.size() + kPart - 1) / kPart;
+    constexpr std::size_t kPointsPerPart = 4096;
+    const std::size_t parts = (grid.points.size() + kPointsPerPart - 1) / kPointsPerPart;
     std::vector<DeringStats> work(parts);
     jobs.For(std::int64_t(parts), [&](std::int64_t part, int) {
         DeringStats &partStats = work[std::size_t(part)];
-        const std::size_t first = std::size_t(part) * kPart, last = std::min(grid.points.size(), first + kPart);
-        for (std::size_t i = first; i < last; ++i)
+        const std::size_t first = std::size_t(part) * kPointsPerPart;
+        const std::size_t end = std::min(grid.points.size(), first + kPointsPerPart);
+        for (std::size_t i = first; i < end; ++i)
             partStats.Add(DeringPoint(grid.points[i], radiance));
     });
     DeringStats total;

@@ -46,7 +46,9 @@ void AddLight(const Vec3d &scale, const ProbeIncidentLight &incident, ChannelSum
         AddTinted(incident, *tints[channel], scale[channel], sum[channel]);
 }
 
-/// Adds floodlight: uniform light from the hemispheres around +z and -z.
+/// Adds floodlight: uniform light from the hemispheres around +z and -z. Light L on a surface that faces one is
+/// radiance L / pi. The integrals of Y[0] and Y[2] over a hemisphere are 2 pi kSHC0 and +-pi kSHC1, those of band 2 are
+/// 0.
 void AddFlood(const GridInputs &in, const ReceiverBatch &receivers, std::size_t i, ChannelSums &sum,
               RayCounts &counts) {
     const Vec3f position = receivers.position[i];
@@ -101,7 +103,7 @@ Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, 
 /// Appends the values of a block, with ambient light, minimum light and grid scale applied.
 void StoreBlock(const GridInputs &in, const ChannelSums &sum, std::size_t count,
                 std::vector<bspGridPointSH_t> &values) {
-    // Coefficient 0 of uniform ambient light 1.
+    // Coefficient 0 of irradiance 1 from all sides, or of its radiance, 1 / pi: a constant c is c / Y[0] times Y[0].
     const double uniform = 1 / kSHC0 / (in.options.shRadiance ? std::numbers::pi : 1);
     std::array<StoredChannel, 3> stored;
     for (std::size_t channel = 0; channel < 3; ++channel)

@@ -2,6 +2,7 @@
 // interpolated; light between the points.
 #include "q3map2/light/grid/weak_field.h"
 
+#include "libs/math/morton.h"
 #include "libs/math/sampling.h"
 #include "libs/sh/sh.h"
 
@@ -11,21 +12,20 @@
 
 namespace q3 {
 
-// ---- The weak part of the light at points of the SH grid, predicted by interpolation where it is smooth ----
+// ---- Weak light at points of the SH grid, predicted by interpolation where it is smooth ----
 
 namespace {
 
 /// Predictions with a larger expected error are not used. Byte scale.
-constexpr float kTolerance = 1.5f;
+constexpr float kMaxPredictionError = 1.5f;
 /// Limit of errors for Interpolate and OffsetAt. What they give enters fits, where errors of samples average out: a
 /// lower limit costs rays and hardly gains accuracy; without one, some lights are missed. Byte scale.
 constexpr float kMaxInterpolationError = 8;
 /// Errors of predictions fall by this factor from level to level: distances fall by sqrt(2), and the error of a mean of
 /// two points is in proportion to the square of their distance.
 constexpr float kErrorDecay = 0.5f;
-/// The cubic adds an eighth of the difference of the means of a pair and of the pair three times as far out to the mean
-/// of the pair. Differences below the first do not matter; above the second, no smooth curve goes through both pairs.
-/// Byte scale.
+/// The cubic through a pair of mean m and the pair of mean m' three times as far out is m + (m - m') / 8. Smaller
+/// differences m - m' do not matter; larger ones are not those of a smooth curve. Byte scale.
 constexpr float kMinFarDifference = 2, kMaxFarDifference = 24;
 /// Error of points that nothing predicted.
 constexpr float kUntested = -1;
@@ -103,8 +103,8 @@ WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std:
     : space_(space), layout_(layout), states_(states), change_(change), light_(states.size()),
       error_(states.size(), kUntested) {}
 
-bool WeakField::Prediction::Good() const {
-    return pairs > 0 && isTested && error <= kTolerance;
+bool WeakField::Prediction::IsGood() const {
+    return pairs > 0 && isTested && error <= kMaxPredictionError;
 }
 
 std::int64_t WeakField::OpenPoint(int x, int y, int z) const {
@@ -130,8 +130,8 @@ float WeakField::ErrorNear(int x, int y, int z) const {
     return error;
 }
 
-/// mean, that of the pair `step` away from `at`, minus that of the pair three times as far out; zero where the
-/// difference is out of range or a point of that pair is not in sight.
+/// m - m' (see kMinFarDifference), with `mean` that of the pair at the distance `step` from `at`; zero where it is out
+/// of range or a point of the far pair is not in sight.
 WeakLight WeakField::FarPairDifference(const Int3 &at, const Int3 &step, const WeakLight &mean) const {
     std::array<Int3, 2> ends;
     WeakLight difference = mean;
@@ -159,6 +159,8 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
     if (pairs.empty())
         return result;
     const Vec3f cell(layout_.size), p(layout_.Position(x, y, z));
+    // Half the size of the box around all pairs: the first is diagonal or vertical, or along x if the second is along
+    // y.
     const auto &[reachX, reachY, reachZ] = pairs.front();
     const Vec3f reach{cell.x * float(reachX), cell.y * float(std::max(reachX, reachY)), cell.z * float(reachZ)};
     const bool clear = IsClear(p - reach, p + reach);
@@ -174,7 +176,7 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
                 continue;
             AddScaled(0.5f, light_[std::size_t(end)], mean);
             ++seen;
-            // Level 1 is only now being tested.
+            // The errors of level 1, which stand for those of level 0 in ErrorNear, are found only now.
             const float error = level > 1 ? ErrorNear(toX, toY, toZ) : kUntested;
             if (error == kUntested)
                 continue;
@@ -187,12 +189,12 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
         AddScaled(1.0f / 8, FarPairDifference({x, y, z}, {dx, dy, dz}, mean), mean);
         means[result.pairs++] = mean;
     }
-    if (result.pairs == 2) {
-        WeakLight half{};
-        AddScaled(0.5f, means[0], half);
-        AddScaled(-0.5f, means[1], half);
-        result.error = std::max(result.error, change_.Of(half));
-        AddScaled(-1, half, means[0]);
+    if (result.pairs == 2) { // the mean of both, whose difference from each is an estimate of the error
+        WeakLight halfDifference{};
+        AddScaled(0.5f, means[0], halfDifference);
+        AddScaled(-0.5f, means[1], halfDifference);
+        result.error = std::max(result.error, change_.Of(halfDifference));
+        AddScaled(-1, halfDifference, means[0]);
     }
     result.light = means[0];
     return result;
@@ -269,7 +271,7 @@ namespace {
 /// Size of bricks in grid points: of levels below kFirstFine, which have few points, and of the others.
 constexpr Int3 kCoarseBrick = {16, 16, 8}, kFineBrick = {16, 16, 4};
 constexpr int kFirstFine = 4;
-/// By level: log2 of the distance of its points in columns, about.
+/// By level: about log2 of the distance between its columns, by which coordinates are divided for Morton codes.
 constexpr int kShift[WeakField::kLevels] = {2, 2, 2, 2, 1, 0};
 
 /// If less than a fraction kMinPredicted of the points of kTestedLevel is predicted well, light is not split: to trace
@@ -284,13 +286,9 @@ struct LevelPoint {
     std::uint32_t mortonCode; ///< orders points so that neighbors are traced together
 };
 
-/// Morton code of the lowest 5 bits.
-std::uint32_t MortonOf(int x, int y, int z) {
-    std::uint32_t code = 0;
-    for (unsigned bit = 0; bit < 5; ++bit)
-        code |= (unsigned(x) >> bit & 1) << 3 * bit | (unsigned(y) >> bit & 1) << (3 * bit + 1) |
-                (unsigned(z) >> bit & 1) << (3 * bit + 2);
-    return code;
+/// Morton code of the lowest 5 bits: bricks have less than 32 points along each axis.
+std::uint32_t MortonInBrick(int x, int y, int z) {
+    return std::uint32_t(MortonCode(unsigned(x) & 31, unsigned(y) & 31, unsigned(z) & 31));
 }
 
 } // namespace
@@ -318,7 +316,7 @@ bool WeakFieldTracer::IsSmooth(const WeakField &weak) const {
                 if (WeakField::LevelOf(x, y, int(z)) != kTestedLevel || !points_.IsLit(index))
                     continue;
                 ++lit[std::size_t(z)];
-                good[std::size_t(z)] += weak.IsOpen(index) && weak.Predict(x, y, int(z)).Good();
+                good[std::size_t(z)] += weak.IsOpen(index) && weak.Predict(x, y, int(z)).IsGood();
             }
     });
     const auto sum = [](const std::vector<std::int64_t> &counts) {
@@ -334,10 +332,10 @@ void WeakFieldTracer::TraceBrick(int level, std::int64_t brick, const std::vecto
         const auto [x, y, z] = layout_.Coordinates(point.index);
         if (WeakField::LevelOf(x, y, z) != level || !points_.IsLit(point.index))
             continue;
-        LevelPoint here{point, {}, MortonOf(x >> kShift[level], y >> kShift[level], z)};
+        LevelPoint here{point, {}, MortonInBrick(x >> kShift[level], y >> kShift[level], z)};
         if (weak.IsOpen(point.index))
             here.prediction = weak.Predict(x, y, z);
-        if (here.prediction.Good())
+        if (here.prediction.IsGood())
             weak.Accept(point.index, here.prediction), ++work.skippedSmooth;
         else
             traced.push_back(here);

@@ -52,6 +52,7 @@ class DisplayedChange {
 class WeakField {
   public:
     static constexpr int kLevels = 6;
+    /// Level of the point with these grid coordinates.
     static int LevelOf(int x, int y, int z);
 
     /// states: of the points; those that are not Open predict nothing and are not predicted. change: on the byte scale.
@@ -66,7 +67,7 @@ class WeakField {
         bool isTested = false; ///< errors of predictions nearby are known
         float error = 0;       ///< expected, if isTested. Byte scale
         /// Whether it is accurate enough to be used in place of the light.
-        bool Good() const;
+        bool IsGood() const;
     };
     Prediction Predict(int x, int y, int z) const;
     /// Sets a point to its prediction.
@@ -75,6 +76,7 @@ class WeakField {
     void SetTraced(std::uint32_t index, const WeakLight &light, const Prediction &prediction);
 
     bool IsOpen(std::uint32_t index) const { return states_[index] == PointState::Open; }
+    /// Weak light of a point; valid once its level is filled.
     const WeakLight &At(std::uint32_t index) const { return light_[index]; }
 
     /// Weak light interpolated between those corners of a position's cell that are in the open and in clear sight, plus

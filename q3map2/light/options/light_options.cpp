@@ -380,6 +380,7 @@ Group Falloff() {
 
 Group Tone() {
     const auto contrast = [](LightOptions &o, const Values &v) {
+        // The usual factor of contrast correction: 0 at -255, 1 at 0, 129.5 at 255.
         const float c = float(v.numbers[0]);
         o.tone.contrast = 259 * (c + 255) / (255 * (259 - c));
     };

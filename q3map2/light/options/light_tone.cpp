@@ -32,6 +32,7 @@ Vec3f ToneMapper::Graded(const Vec3f &color) const {
         v *= (1 - std::exp(-m / tone_.exposure)) * 255 / m;
     if (tone_.saturation == 1)
         return v;
+    // Luminance of linear RGB by Haeberli, Matrix Operations for Image Processing, 1993.
     const float gray = 0.3086f * v.x + 0.6094f * v.y + 0.0820f * v.z;
     return Each(v, [&](float c) { return NotNegative(gray * (1 - tone_.saturation) + c * tone_.saturation); });
 }

@@ -18,6 +18,7 @@ namespace q3 {
 
 namespace {
 
+/// Position and normal of a vertex: vertices with the same key are welded.
 using WeldKey = std::tuple<float, float, float, float, float, float>;
 
 WeldKey WeldKeyOf(const DrawVert &v) {
@@ -90,7 +91,7 @@ const PropModel *PropModels::Get(std::string_view name, int frame, std::string &
     return entry.model.get();
 }
 
-// ---- Static props: models placed by entities, which the game draws and the light stage lights ----
+// ---- Static props of the entities of a map, and their shadow casters ----
 
 namespace {
 

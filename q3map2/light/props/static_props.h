@@ -68,8 +68,10 @@ struct StaticProp {
     std::string name;       ///< of the model, as in the entity's key
     const PropModel *model = nullptr;
     ModelTransform transform;
-    Boundsf bounds; ///< in world space
-    bool selfShadows = true, vertexLight = true, ignoresNormals = false;
+    Boundsf bounds;                          ///< in world space
+    bool selfShadows = true;                 ///< its shadow casters shadow its own vertices
+    bool vertexLight = true;                 ///< it gets light at its vertices
+    bool ignoresNormals = false;             ///< its vertices count as facing every light
     int receiveShadows = 1;                  ///< shadow group
     std::optional<Vec3f> lightingOrigin;     ///< origin of the entity that its key lightingorigin names
     std::vector<const ShaderInfo *> shaders; ///< by mesh; null: the skin leaves the mesh out

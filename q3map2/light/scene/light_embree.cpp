@@ -49,9 +49,9 @@ Q3_VECTOR void FindNearest(RTCScene scene, const RayPacket &packet, const Lanes 
 }
 
 void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits, RayCoherence coherence) {
-    Lanes nearests;
-    nearests.fill(nearest);
-    FindNearest(scene, packet, nearests, hits, coherence);
+    Lanes nearestOfLanes;
+    nearestOfLanes.fill(nearest);
+    FindNearest(scene, packet, nearestOfLanes, hits, coherence);
 }
 
 } // namespace q3

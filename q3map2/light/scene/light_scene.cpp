@@ -25,7 +25,7 @@ constexpr float kOpaqueTint = 0.001f;
 constexpr float kSameHit = 0.01f;
 
 /// Transmittance of the texel under a hit, per channel: rgb / 255 of a light filter, times 1 - alpha / 255 of an alpha
-/// shadow.
+/// shadow. st: texture coordinates of the three corners; u, v: barycentric coordinates of the hit.
 Vec3f FilterAt(const ShaderInfo &shader, const std::array<float, 6> &st, float u, float v) {
     const Image &image = *shader.lightImage;
     const auto texel = [&](std::size_t i, int size) {
@@ -53,7 +53,7 @@ struct FilterSurfaces {
 /// record.
 struct FilterContext {
     EmbreeContext embree;
-    const Triangles *triangles[2]; // kFilters, kFilterPatches
+    const Triangles *triangles[2]; ///< kFilters, kFilterPatches
     const SurfaceTable *table;
     const std::vector<int> *props; ///< by surface number: the static prop, -1 for draw surfaces
     int ignoredProp;               ///< -1: none
@@ -66,6 +66,8 @@ struct FilterContext {
     Lanes3 tint;                     ///< valid if there are crossings
 };
 
+/// Filter of see-through surfaces for rays to lights: multiplies the ray's tint, and stops the ray only where that is
+/// opaque. In all filters, `valid` is -1 for hits to decide about, and 0 lets the ray go on.
 void FilterHit(const RTCFilterFunctionNArguments *arguments) {
     auto &context = *reinterpret_cast<FilterContext *>(arguments->context);
     for (unsigned i = 0; i < arguments->N; ++i) {
@@ -101,10 +103,11 @@ void FilterHit(const RTCFilterFunctionNArguments *arguments) {
 /// A packet on its way to a light. The Embree context comes first, so that the filters get this record.
 struct OcclusionContext {
     EmbreeContext embree;
-    float nearestSurface; ///< of the legacy grid
+    float nearestSurface; ///< kLegacySurfaces nearer than this do not block. Game units
     int ignoredProp;      ///< -1: none
 };
 
+/// Filter of kLegacySurfaces: surfaces nearer than nearestSurface do not block.
 void NearSurfaceHit(const RTCFilterFunctionNArguments *arguments) {
     const float nearest = reinterpret_cast<const OcclusionContext *>(arguments->context)->nearestSurface;
     for (unsigned i = 0; i < arguments->N; ++i)
@@ -210,6 +213,8 @@ struct LightScene::State {
                 return group.get();
         return nullptr;
     }
+    /// Sets the tint of the live rays by the see-through surfaces of `scene` beyond `nearest`; rays that these stop are
+    /// live no longer.
     void Tint(RayPacket &packet, const Casters &casters, const ScenePtr &scene, float nearest) const;
     void Tint(RayPacket &packet, const ScenePtr &scene, float nearest) const { Tint(packet, main, scene, nearest); }
     void FindSky(const RayPacket &packet, float nearest, SkyHits &hits) const;
@@ -259,25 +264,25 @@ std::vector<int> LightScene::State::PropsOf(std::size_t surfaces, const PropShad
 LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, float legacyIgnoreRadius,
                        const PropShadows &props)
     : state_(std::make_unique<State>(bsp, table, options, legacyIgnoreRadius, props)) {
-    State &s = *state_;
-    s.main.triangles = ShadowCasters(bsp, table, options);
-    AddProps(props, int(table.size()), 1, kProps, SeeThroughProps::Add, s.main.triangles);
-    AddProps(props, int(table.size()), 1, kLegacySurfaces, SeeThroughProps::LeaveOut, s.main.triangles);
-    for (const int surface : s.main.triangles[kSkies].surface)
-        s.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
-    s.skyFaces.emplace(s.main.triangles[kSkies], s.skyIndexes);
-    s.device = NewDevice();
-    s.MakeGeometries(s.main);
-    s.all = s.MakeScene({kSolids, kSurfaces, kPatches, kProps});
-    s.skies = s.MakeScene({kSkies});
-    s.filters = s.MakeScene({kFilters, kFilterPatches});
-    s.filtersWithoutPatches = s.MakeScene({kFilters});
+    State &state = *state_;
+    state.main.triangles = ShadowCasters(bsp, table, options);
+    AddProps(props, int(table.size()), 1, kProps, SeeThroughProps::Add, state.main.triangles);
+    AddProps(props, int(table.size()), 1, kLegacySurfaces, SeeThroughProps::LeaveOut, state.main.triangles);
+    for (const int surface : state.main.triangles[kSkies].surface)
+        state.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
+    state.skyFaces.emplace(state.main.triangles[kSkies], state.skyIndexes);
+    state.device = NewDevice();
+    state.MakeGeometries(state.main);
+    state.all = state.MakeScene({kSolids, kSurfaces, kPatches, kProps});
+    state.skies = state.MakeScene({kSkies});
+    state.filters = state.MakeScene({kFilters, kFilterPatches});
+    state.filtersWithoutPatches = state.MakeScene({kFilters});
     std::vector<int> groups = props.receiveShadows;
     for (const SurfaceEntry &entry : table)
         groups.push_back(entry.receiveShadows);
     for (const int group : groups)
-        if (group != 0 && group != 1 && !s.FindGroup(group))
-            s.MakeGroup(group);
+        if (group != 0 && group != 1 && !state.FindGroup(group))
+            state.MakeGroup(group);
 }
 
 LightScene::~LightScene() = default;
@@ -393,20 +398,20 @@ void LightScene::State::Tint(RayPacket &packet, const Casters &casters, const Sc
 
 void LightScene::TraceToLight(RayPacket &packet, ShadowRules rules, RayCounts &counts) const {
     packet.tinted = false;
-    State &s = *state_;
-    if (!s.trace)
+    State &state = *state_;
+    if (!state.trace)
         return;
     counts.rays += std::uint64_t(packet.live.Count());
     if (rules == ShadowRules::Exact) {
-        if (s.all)
-            MaskOccluded(s.all.get(), packet, 0);
-        s.Tint(packet, s.filters, 0);
+        if (state.all)
+            MaskOccluded(state.all.get(), packet, 0);
+        state.Tint(packet, state.filters, 0);
         return;
     }
-    s.MakeLegacy();
-    if (s.legacyAll)
-        MaskOccluded(s.legacyAll.get(), packet, 0, s.legacyIgnoreRadius);
-    s.Tint(packet, s.filtersWithoutPatches, s.legacyIgnoreRadius);
+    state.MakeLegacy();
+    if (state.legacyAll)
+        MaskOccluded(state.legacyAll.get(), packet, 0, state.legacyIgnoreRadius);
+    state.Tint(packet, state.filtersWithoutPatches, state.legacyIgnoreRadius);
 }
 
 /// The nearest sky on each live ray.
@@ -448,28 +453,29 @@ void LightScene::State::SkipSkyBacks(const RayPacket &packet, SkyHits &hits) con
 void LightScene::TraceSurfaceToLight(RayPacket &packet, int receiveShadows, RayCounts &counts) const {
     packet.tinted = false;
     packet.filtered = {};
-    const State &s = *state_;
-    if (!s.trace || receiveShadows == 0)
+    const State &state = *state_;
+    if (!state.trace || receiveShadows == 0)
         return;
     counts.rays += std::uint64_t(packet.live.Count());
-    const State::Group *group = s.FindGroup(receiveShadows);
+    const State::Group *group = state.FindGroup(receiveShadows);
     // Solids that a ray enters within the radius still block it with their far side. Only corners that it also leaves
     // within the radius do not, on purpose: else they would darken half of a low wall's luxels.
-    if (const ScenePtr &blockers = group ? group->all : s.all)
+    if (const ScenePtr &blockers = group ? group->all : state.all)
         MaskOccluded(blockers.get(), packet, kSurfaceIgnoreRadius);
-    s.Tint(packet, group ? group->casters : s.main, group ? group->filters : s.filters, kSurfaceIgnoreRadius);
+    state.Tint(packet, group ? group->casters : state.main, group ? group->filters : state.filters,
+               kSurfaceIgnoreRadius);
 }
 
 void LightScene::TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveShadows, RayCounts &counts) const {
     packet.tinted = false;
     packet.filtered = {};
-    const State &s = *state_;
-    if (!s.trace || receiveShadows == 0)
+    const State &state = *state_;
+    if (!state.trace || receiveShadows == 0)
         return;
-    if (s.skies) {
+    if (state.skies) {
         SkyHits hits;
-        s.FindSky(packet, 0, hits);
-        s.SkipSkyBacks(packet, hits);
+        state.FindSky(packet, 0, hits);
+        state.SkipSkyBacks(packet, hits);
         ClipToSky(hits, skyIndex, packet);
     } else
         packet.live = {};
@@ -479,44 +485,44 @@ void LightScene::TraceSurfaceToSky(RayPacket &packet, int skyIndex, int receiveS
 
 void LightScene::TraceToSky(RayPacket &packet, int skyIndex, ShadowRules rules, RayCounts &counts) const {
     packet.tinted = false;
-    State &s = *state_;
-    if (!s.trace)
+    State &state = *state_;
+    if (!state.trace)
         return;
     counts.rays += std::uint64_t(packet.live.Count());
-    if (!s.skies) {
+    if (!state.skies) {
         packet.live = {};
         return;
     }
     const bool exact = rules == ShadowRules::Exact;
     if (!exact)
-        s.MakeLegacySuns();
-    const float nearest = exact ? 0 : s.legacyIgnoreRadius;
+        state.MakeLegacySuns();
+    const float nearest = exact ? 0 : state.legacyIgnoreRadius;
     alignas(64) RTCRayHit16 solids;
-    if (!exact && s.legacySolids) {
-        FindNearest(s.legacySolids.get(), packet, 0, solids);
+    if (!exact && state.legacySolids) {
+        FindNearest(state.legacySolids.get(), packet, 0, solids);
         for (const std::size_t i : kEachLane)
             packet.distance[i] = std::min(packet.distance[i], solids.ray.tfar[i] + kSkySlack);
     }
     SkyHits hits;
-    s.FindSky(packet, nearest, hits);
+    state.FindSky(packet, nearest, hits);
     ClipToSky(hits, skyIndex, packet);
-    if (const ScenePtr &blockers = exact ? s.all : s.legacySurfaces; blockers && packet.live.Any())
+    if (const ScenePtr &blockers = exact ? state.all : state.legacySurfaces; blockers && packet.live.Any())
         MaskOccluded(blockers.get(), packet, nearest);
-    s.Tint(packet, exact ? s.filters : s.filtersWithoutPatches, nearest);
+    state.Tint(packet, exact ? state.filters : state.filtersWithoutPatches, nearest);
 }
 
 void LightScene::TraceDistance(RayPacket &packet, float ignoreRadius, RayCounts &counts) const {
-    const State &s = *state_;
+    const State &state = *state_;
     counts.rays += std::uint64_t(packet.live.Count());
-    if (!s.all)
+    if (!state.all)
         return;
     alignas(64) RTCRayHit16 blockers;
-    FindNearest(s.all.get(), packet, ignoreRadius, blockers);
+    FindNearest(state.all.get(), packet, ignoreRadius, blockers);
     RayPacket toSky = packet;
     std::copy(std::begin(blockers.ray.tfar), std::end(blockers.ray.tfar), toSky.distance.begin());
     SkyHits skies;
-    if (s.skies)
-        s.FindSky(toSky, ignoreRadius, skies);
+    if (state.skies)
+        state.FindSky(toSky, ignoreRadius, skies);
     for (const std::size_t i : kEachLane)
         if (packet.live[i] != 0 && blockers.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID && skies.hit[i] == 0)
             packet.distance[i] = blockers.ray.tfar[i];
@@ -526,20 +532,20 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
                                Blockers &blockers, RayCounts &counts) const {
     if (kind != BlockerKind::Casters)
         state_->MakeBlockers();
-    const State &s = *state_;
+    const State &state = *state_;
     counts.rays += std::uint64_t(packet.live.Count());
     blockers.hit = blockers.behind = {};
-    const State::Group *group = kind == BlockerKind::Casters ? nullptr : s.FindGroup(receiveShadows);
-    const ScenePtr &scene = kind == BlockerKind::Solids         ? s.solidHull
-                            : kind == BlockerKind::LegacySolids ? s.blockerSolids
-                            : kind == BlockerKind::Casters      ? s.all
+    const State::Group *group = kind == BlockerKind::Casters ? nullptr : state.FindGroup(receiveShadows);
+    const ScenePtr &scene = kind == BlockerKind::Solids         ? state.solidHull
+                            : kind == BlockerKind::LegacySolids ? state.blockerSolids
+                            : kind == BlockerKind::Casters      ? state.all
                             : group                             ? group->blockers
-                                                                : s.blockers;
+                                                                : state.blockers;
     if (!scene || receiveShadows == 0)
         return;
     alignas(64) RTCRayHit16 hits;
     FindNearest(scene.get(), packet, nearest, hits);
-    const Casters &casters = group ? group->casters : s.main;
+    const Casters &casters = group ? group->casters : state.main;
     const bool hitsSurfaces = kind == BlockerKind::Casters || kind == BlockerKind::Surfaces;
     for (const std::size_t i : kEachLane) {
         const unsigned id = hits.hit.geomID[i];
@@ -550,7 +556,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
         blockers.surface[i] = surface;
         const Vec3f back{hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]};
         blockers.behind.Set(i, surface >= 0 && Dot(packet.direction[i], back) < 0 &&
-                                   !s.table[std::size_t(surface)].shader->twoSided);
+                                   !state.table[std::size_t(surface)].shader->twoSided);
     }
 }
 

@@ -61,6 +61,7 @@ class LightScene {
     /// The first blocker of a kind on each live ray beyond its `nearest`; none for receivers of group 0.
     void TraceBlockers(const RayPacket &packet, BlockerKind kind, int receiveShadows, const Lanes &nearest,
                        Blockers &blockers, RayCounts &counts) const;
+    /// A triangle that TraceBlockers can hit.
     struct BlockerTriangle {
         std::array<Vec3f, 3> corners;
         int surface = -1;        ///< as in Blockers
@@ -69,6 +70,7 @@ class LightScene {
     /// All LegacySolids, and Surfaces for receivers of group 1.
     std::vector<BlockerTriangle> BlockerTriangles() const;
 
+    /// Number of triangles that rays to lights and skies can meet, without those of the legacy grid.
     std::size_t TriangleCount() const;
 
   private:

@@ -10,6 +10,14 @@
 
 namespace q3 {
 
+namespace {
+
+/// The visibility lump begins with the number of clusters and the bytes of a row, both int32; then the rows, by
+/// cluster, have a bit for each cluster.
+constexpr std::size_t kVisHeaderBytes = 8, kVisRowBytesAt = 4;
+
+} // namespace
+
 BspSpace::BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush) : bsp_(bsp), tree_(bsp) {
     opaqueFirst_.reserve(bsp.leafs.size() + 1);
     opaqueFirst_.push_back(0);
@@ -22,8 +30,8 @@ BspSpace::BspSpace(const Bsp &bsp, const std::vector<bool> &opaqueBrush) : bsp_(
         }
         opaqueFirst_.push_back(std::uint32_t(opaqueBrushes_.size()));
     }
-    if (bsp.visibility.size() > 8)
-        std::memcpy(&visRowBytes_, bsp.visibility.data() + 4, 4);
+    if (bsp.visibility.size() > kVisHeaderBytes)
+        std::memcpy(&visRowBytes_, bsp.visibility.data() + kVisRowBytesAt, sizeof visRowBytes_);
 }
 
 /// Whether a single opaque brush of the leaf, grown by epsilon, contains the box.
@@ -61,7 +69,7 @@ bool BspSpace::Visible(int a, int b) const {
         return false;
     if (a == b || visRowBytes_ == 0)
         return true;
-    const std::size_t at = 8 + std::size_t(a) * std::size_t(visRowBytes_) + std::size_t(b >> 3);
+    const std::size_t at = kVisHeaderBytes + std::size_t(a) * std::size_t(visRowBytes_) + std::size_t(b >> 3);
     return at < bsp_.visibility.size() && (bsp_.visibility[at] & (1 << (b & 7))) != 0;
 }
 

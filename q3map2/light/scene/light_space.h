@@ -63,7 +63,7 @@ class BspSpace {
     std::vector<std::uint32_t> opaqueFirst_;
     std::vector<std::int32_t> opaqueBrushes_;
     int clusterCount_ = 0;
-    std::int32_t visRowBytes_ = 0;
+    std::int32_t visRowBytes_ = 0; ///< of the visibility lump; 0: there is none
 };
 
 } // namespace q3

@@ -169,7 +169,9 @@ constexpr float kSkyLift = 1.0f / 16;
 /// kLostLeafTriangles triangles reach into it.
 constexpr int kLostLeafSize = 32, kLostLeafTriangles = 5;
 
-/// Whether casters of group castShadows shadow receivers of group receiveShadows.
+/// Whether casters of group c = castShadows shadow receivers of group r = receiveShadows:
+///
+///     r = 1: c > 0;  r > 1: c = 1 or |c| = r;  r <= 0: c != 0 and |c| = -r
 bool Shadows(int castShadows, int receiveShadows) {
     if (receiveShadows == 1)
         return castShadows > 0;

@@ -147,8 +147,8 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
     const auto [n, dist] = face.plane;
     Lanes distance, toward;
     Lanes3 at;
-    LaneMask between; ///< rays that meet the plane before any other face
-    std::int32_t open = 0;
+    LaneMask between;           ///< rays that meet the plane before any other face
+    std::int32_t undecided = 0; ///< not 0: some of them are not known to meet a piece of the face
     for (const std::size_t i : kEachLane) {
         const float dx = direction.x[i], dy = direction.y[i], dz = direction.z[i];
         const float ox = origin.x[i], oy = origin.y[i], oz = origin.z[i];
@@ -157,19 +157,19 @@ Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lane
         distance[i] = d;
         at.x[i] = ox + d * dx, at.y[i] = oy + d * dy, at.z[i] = oz + d * dz;
         between[i] = -std::int32_t((d >= nearest) & (d <= hits.distance[i]));
-        open |= between[i];
+        undecided |= between[i];
     }
-    if (open == 0) // so for most faces of a sky box
+    if (undecided == 0) // so for most faces of a sky box
         return;
     LaneMask inside{};
     for (const Piece &piece : face.pieces) {
-        if (open == 0)
+        if (undecided == 0)
             break;
         AddInside(piece, at, inside);
-        open = 0;
+        undecided = 0;
         Q3_ROLLED
         for (const std::size_t i : kEachLane)
-            open |= between[i] & ~inside[i];
+            undecided |= between[i] & ~inside[i];
     }
     for (const std::size_t i : kEachLane) {
         const std::int32_t met = between[i] & inside[i], behind = -std::int32_t(toward[i] > 0);

@@ -33,7 +33,9 @@ float LongestCurve(const Bsp &bsp, const bspDrawSurface_t &surface) {
 
 namespace {
 
-constexpr int kMaxSampleSize = 16384;
+constexpr int kMaxSampleSize = 16384; ///< game units a luxel
+/// Absurd numbers of a surface file are limited to this.
+constexpr double kMaxNumber = 1e6;
 /// Least cosine between all vertex normals of a patch and the axis that its lightmap is projected along.
 constexpr float kAxisCone = 0.25f;
 /// A component this much smaller than the largest may still be the major one: favors z, then x.
@@ -69,12 +71,11 @@ std::vector<std::string_view> Words(std::string_view line) {
     return words;
 }
 
-/// "( x y z )" from the second word on; absurd numbers are clamped.
+/// The value of the line "key ( x y z )"; missing numbers are 0.
 Vec3f VectorFrom(const std::vector<std::string_view> &words) {
-    constexpr double kMost = 1e6;
     Vec3f result;
     for (std::size_t i = 0; i < 3 && i + 2 < words.size(); ++i)
-        result[i] = float(std::clamp(NumberFromText(words[i + 2]), -kMost, kMost));
+        result[i] = float(std::clamp(NumberFromText(words[i + 2]), -kMaxNumber, kMaxNumber));
     return result;
 }
 
@@ -98,7 +99,7 @@ void ReadKey(const std::vector<std::string_view> &words, SurfaceExtra &extra) {
     else if (EqualNoCase(words[0], "lightmapAxis"))
         extra.axis = VectorFrom(words);
     else if (EqualNoCase(words[0], "longestCurve"))
-        extra.longestCurve = float(std::clamp(NumberFromText(words[1]), 0.0, 1e6));
+        extra.longestCurve = float(std::clamp(NumberFromText(words[1]), 0.0, kMaxNumber));
 }
 
 SurfaceExtras ParseSurfaceExtras(std::string_view text, std::string_view name, std::size_t surfaceCount) {

@@ -18,7 +18,7 @@ namespace q3 {
 /// The mesh of a patch; longestCurve (game units) determines how finely it is tessellated.
 Mesh TessellatePatch(const Bsp &bsp, const bspDrawSurface_t &surface, float longestCurve);
 
-/// Longest curve of the patch from its control points, for a map without a .srf file.
+/// Longest curve of the patch from its control points, for a map without a .srf file. Game units.
 float LongestCurve(const Bsp &bsp, const bspDrawSurface_t &surface);
 
 /// The normal map of a surface's shader.
@@ -27,6 +27,7 @@ struct NormalImage {
     bool ssbump = false;                  ///< q3map_ssbumpImage, a self-shadowed bump map; else q3map_normalImage
 };
 
+/// A draw surface, or a static prop's triangles with one shader, as lighting sees it.
 struct SurfaceEntry {
     const ShaderInfo *shader = nullptr;
     Vec3f origin;            ///< of the entity that owns its model; vertices are relative to it

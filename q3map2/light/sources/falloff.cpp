@@ -10,15 +10,18 @@ namespace q3 {
 
 namespace {
 
-/// The distance at which keys for a polynomial and quads give brightness. Game units.
+/// Intensities beside keys for a polynomial, and quads R G B I, are the light at this distance. Game units.
 constexpr double kReferenceDistance = 100;
-/// Value of the polynomial of _fifty_percent_distance at the other distance, as a multiple of that at 0.
+/// Value of the polynomial of _fifty_percent_distance at _zero_percent_distance, as a multiple of that at 0.
 constexpr double kDarkMultiple = 256;
+/// Steps in which FiftyPercentCurve makes a polynomial less steep near the light.
 constexpr int kSteepnessSteps = 20;
 /// Distance scale of the curves of `delay`. Game units.
 constexpr double kDelayScale = 128;
+/// Smaller values of `wait`, which scales the distances of `delay`, count as this.
 constexpr double kLeastWait = 0.001;
-/// A curve of _fifty_percent_distance that ends by its vertex ends at so many times its distance.
+/// A curve of _fifty_percent_distance that fades out from the vertex of its polynomial on ends at this many times the
+/// vertex's distance.
 constexpr double kVertexEnd = 10;
 
 /// constant + linear d + quadratic d^2.
@@ -27,8 +30,8 @@ struct Quadratic {
     double At(double d) const { return constant + d * (linear + d * quadratic); }
 };
 
+/// The polynomial through (0, 1), (fifty, middle) and (zero, kDarkMultiple), by Newton's divided differences.
 Quadratic Through(double fifty, double middle, double zero) {
-    // Divided differences of (0, 1), (fifty, middle), (zero, kDarkMultiple).
     const double first = (middle - 1) / fifty, second = (kDarkMultiple - middle) / (zero - fifty);
     const double a = (second - first) / zero;
     return {1, first - a * fifty, a};
@@ -38,7 +41,7 @@ Attenuation FromQuadratic(const Quadratic &q) {
     return {.constant = float(q.constant), .linear = float(q.linear), .quadratic = float(q.quadratic)};
 }
 
-/// Light of photons `brightness` / q. Only the ratio of the two counts.
+/// Makes the light at distance d photons * brightness / q(d).
 void SetPolynomial(const Quadratic &q, double brightness, Light &light) {
     light.curve = FalloffCurve::Polynomial;
     light.attenuation = FromQuadratic({q.constant / brightness, q.linear / brightness, q.quadratic / brightness});
@@ -74,7 +77,7 @@ void SetPolynomialOfKeys(const Entity &entity, Light &light) {
     SetPolynomial(q, q.At(kReferenceDistance), light);
 }
 
-/// False: no curve for this number.
+/// Sets the curve of the key `delay`. False: this number has none.
 bool SetDelay(const Entity &entity, Light &light, Log &log) {
     const double given = keys::kWait.Number(entity), wait = given > 0 ? std::max(given, kLeastWait) : 1;
     switch (const int delay = keys::kDelay.Integer(entity)) {
@@ -112,23 +115,26 @@ std::string LightLabel(const Entity &entity) {
 }
 
 std::optional<Attenuation> FiftyPercentCurve(double fifty, double zero, bool hard) {
-    constexpr double kLeast = 2;
+    constexpr double kHalfLight = 2; // value of the polynomial at `fifty`, for half of the light at distance 0
     if (fifty < double(kNearestPolynomial))
         return std::nullopt;
-    const double straight = 1 + (kDarkMultiple - 1) * fifty / zero;
-    Quadratic q = Through(fifty, kLeast, zero);
-    double middle = kLeast;
+    const double straight = 1 + (kDarkMultiple - 1) * fifty / zero; // at `fifty`, on the line from (0, 1) to the end
+    Quadratic q = Through(fifty, kHalfLight, zero);
+    double middle = kHalfLight;
     for (int step = 1; step <= kSteepnessSteps && q.linear + 2 * q.quadratic < 0; ++step) {
-        middle = kLeast + (straight - kLeast) * step / kSteepnessSteps;
+        middle = kHalfLight + (straight - kHalfLight) * step / kSteepnessSteps;
         q = Through(fifty, middle, zero);
     }
-    const double scale = kLeast / middle;
+    const double scale = kHalfLight / middle; // makes it kHalfLight at `fifty` again
     q = {q.constant * scale, q.linear * scale, q.quadratic * scale};
     Attenuation curve = FromQuadratic(q);
     const double vertex = q.quadratic != 0 ? -q.linear / (2 * q.quadratic) : 0;
-    double from = 1, to = zero; // distances at which the polynomial is evaluated, if it falls beyond the second
+    // The polynomial counts at distances from `from` to `to`. Its slope at distance 1 is not negative, so that its
+    // least value there is at one of the two.
+    double from = 1, to = zero;
     if (hard) {
-        curve.fadeFrom = float(0.75 * zero + 0.25 * fifty), curve.end = float(zero);
+        constexpr double kFadePart = 0.25; // of the way from `fifty` to `zero`, at its end
+        curve.fadeFrom = float((1 - kFadePart) * zero + kFadePart * fifty), curve.end = float(zero);
     } else if (vertex > 0) {
         curve.flatFrom = curve.fadeFrom = float(vertex), curve.end = float(kVertexEnd * vertex);
         from = std::min(from, vertex), to = vertex;

@@ -42,37 +42,37 @@ class Falloff {
 
     FalloffCurve Curve() const { return curve_; }
 
-    float At(float distance, float angle = 1) const {
+    float At(float distance, float angleFactor = 1) const {
         switch (curve_) {
         case FalloffCurve::Linear:
-            return Linear(distance, angle);
+            return Linear(distance, angleFactor);
         case FalloffCurve::Windowed:
-            return Windowed(distance, angle);
+            return Windowed(distance, angleFactor);
         case FalloffCurve::Polynomial:
-            return Polynomial(distance, angle);
+            return Polynomial(distance, angleFactor);
         default:
-            return InverseSquare(distance, angle);
+            return InverseSquare(distance, angleFactor);
         }
     }
 
-    float InverseSquare(float distance, float angle) const {
+    float InverseSquare(float distance, float angleFactor) const {
         const float d = Effective(distance, kNearest);
-        return photons_ / (d * d) * angle;
+        return photons_ / (d * d) * angleFactor;
     }
-    float Linear(float distance, float angle) const {
-        return angle * photons_ * kLinearScale - Effective(distance, kNearest) * fade_;
+    float Linear(float distance, float angleFactor) const {
+        return angleFactor * photons_ * kLinearScale - Effective(distance, kNearest) * fade_;
     }
-    float Windowed(float distance, float angle) const {
+    float Windowed(float distance, float angleFactor) const {
         const float d = Effective(distance, kNearest), d2 = d * d;
         const float window = std::max(0.0f, 1 - d2 * d2 * perEnd4_);
-        return photons_ / d2 * (window * window) * angle;
+        return photons_ / d2 * (window * window) * angleFactor;
     }
-    float Polynomial(float distance, float angle) const {
+    float Polynomial(float distance, float angleFactor) const {
         const Attenuation &k = attenuation_;
         const float d = Effective(distance, kNearestPolynomial), e = std::min(d, k.flatFrom);
         const float x = std::min(1.0f, std::max(0.0f, (k.end - d) * perFade_));
         const float smooth = x * x * x * (x * (6 * x - 15) + 10);
-        return photons_ / (k.constant + e * (k.linear + e * k.quadratic)) * smooth * angle;
+        return photons_ / (k.constant + e * (k.linear + e * k.quadratic)) * smooth * angleFactor;
     }
 
     /// The distance beyond which At is at most `least`, without extraDist. Inverse square never falls to 0.
@@ -89,14 +89,16 @@ class Falloff {
     float Effective(float distance, float nearest) const {
         return std::max(nearest, std::sqrt(distance * distance + extraDist2_));
     }
-    /// The distance at which the polynomial reaches a value, if it grows all the way; else all distances.
+    /// The distance at which the polynomial c + l d + q d^2 reaches a value, if it grows all the way; else
+    /// kSunDistance.
     float PolynomialReach(float value) const {
         const float l = attenuation_.linear, q = attenuation_.quadratic, rise = value - attenuation_.constant;
         if (l < 0 || q < 0 || (l == 0 && q == 0 && rise > 0))
             return kSunDistance;
-        if (rise <= 0 || rise <= l + q)
+        if (rise <= 0 || rise <= l + q) // already reached at kNearestPolynomial, 1
             return 0;
-        return std::min(kSunDistance, 2 * rise / (l + std::sqrt(l * l + 4 * q * rise)));
+        return std::min(kSunDistance,
+                        2 * rise / (l + std::sqrt(l * l + 4 * q * rise))); // the root without cancellation
     }
 
     FalloffCurve curve_;

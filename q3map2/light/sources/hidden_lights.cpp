@@ -19,7 +19,7 @@ constexpr float kLightMargin = 0.125f;
 constexpr float kCoverHeight = 0.25f;
 /// Covered parts narrower than this do not count: sloped walls beside an area light lean over its edge. Game units.
 constexpr double kNarrow = 0.5;
-/// Smaller parts emit no light. Square game units.
+/// Parts with a smaller area emit no light. Square game units.
 constexpr double kLeastArea = 1;
 
 /// Twice the area over the perimeter: about the width of a narrow polygon, half that of a square.
@@ -46,7 +46,7 @@ std::optional<Vec3f> OpenOrigin(const Light &light, const BspSpace &space) {
         if (const Vec3f p = center + light.normal * height; clear(p))
             return p;
     for (const float fraction : kTowardsCorners)
-        for (const Vec3f &corner : light.w)
+        for (const Vec3f &corner : light.polygon)
             for (const float height : kHeights)
                 if (const Vec3f p = center + (corner - center) * fraction + light.normal * height; clear(p))
                     return p;
@@ -64,7 +64,7 @@ void AddPart(const Light &light, Winding<float> w, EmittingSides sides, const Bs
     if (area < kLeastArea)
         return;
     Light part = light;
-    part.w = std::move(w);
+    part.polygon = std::move(w);
     part.twoSided = sides == EmittingSides::Both;
     part.SetShape();
     const std::optional<Vec3f> origin = OpenOrigin(part, space);
@@ -79,7 +79,7 @@ void AddPart(const Light &light, Winding<float> w, EmittingSides sides, const Bs
 }
 
 Light Reversed(Light light) {
-    std::reverse(light.w.begin(), light.w.end());
+    std::reverse(light.polygon.begin(), light.polygon.end());
     light.normal = -light.normal;
     light.SetShape();
     return light;
@@ -88,21 +88,21 @@ Light Reversed(Light light) {
 /// Whether the origin is in the open and sees the center of the polygon.
 bool OriginInSight(const Light &light, const BspSpace &space) {
     Vec3f origin = light.origin;
-    if (LightCluster(origin, space) < 0)
+    if (NudgeIntoOpen(origin, space) < 0)
         return false;
     return FreeFraction(light.shape.center + light.normal * kCoverHeight, origin, space) >= 1;
 }
 
 /// Whether p is inside a model or behind curves: rays in all directions hit the back of a one-sided surface first.
 bool SeesBacksOnly(const Vec3f &p, const LightScene &scene) {
-    constexpr int kDirections = 64;
-    const float golden = std::numbers::pi_v<float> * (3 - std::sqrt(5.0f));
+    constexpr int kDirections = 64; // a spherical Fibonacci lattice: equal steps in z and turns by the golden angle
+    const float goldenAngle = std::numbers::pi_v<float> * (3 - std::sqrt(5.0f));
     Lanes nearest{};
     RayCounts counts;
     for (int first = 0; first < kDirections; first += int(kPacketSize)) {
         RayPacket rays;
-        for (const std::size_t i : kEachLane) { // a spiral of golden angles
-            const float turn = golden * float(first + int(i));
+        for (const std::size_t i : kEachLane) {
+            const float turn = goldenAngle * float(first + int(i));
             const float z = 1 - (2 * float(first + int(i)) + 1) / float(kDirections), radius = std::sqrt(1 - z * z);
             rays.Set(i, p, {radius * std::cos(turn), radius * std::sin(turn), z}, kSunDistance);
         }
@@ -117,7 +117,7 @@ bool SeesBacksOnly(const Vec3f &p, const LightScene &scene) {
 /// The open and covered parts of `w`, which is the light's polygon or a part of it; without narrow covered ones.
 PolygonParts PartsOfLight(const Light &light, const Winding<float> &w, const BspSpace &space) {
     const Vec3f lift = light.normal * kCoverHeight;
-    const double narrow = std::min(kNarrow, WidthOf(light.w) / 4);
+    const double narrow = std::min(kNarrow, WidthOf(light.polygon) / 4);
     PolygonParts parts = PartsOf(Moved(w, lift), space);
     std::erase_if(parts.covered, [&](const Winding<float> &piece) { return WidthOf(piece) < narrow; });
     for (auto *pieces : {&parts.open, &parts.covered})
@@ -153,8 +153,8 @@ std::vector<OpenFrontPart> CutByBack(const Light &back, const BspSpace &space,
 
 } // namespace
 
-int LightCluster(Vec3f &origin, const BspSpace &space) {
-    static constexpr float kSteps[4] = {0, 0, 2, -2};
+int NudgeIntoOpen(Vec3f &origin, const BspSpace &space) {
+    static constexpr float kSteps[4] = {0, 0, 2, -2}; // in the established program's order, which decides where it ends
     int cluster = space.ClusterAt(origin, kLightMargin);
     if (cluster >= 0)
         return cluster;
@@ -171,9 +171,9 @@ int LightCluster(Vec3f &origin, const BspSpace &space) {
 
 std::vector<Light> OpenAreaLights(Light light, const BspSpace &space) {
     std::vector<Light> lights;
-    PolygonParts parts = PartsOfLight(light, light.w, space);
+    PolygonParts parts = PartsOfLight(light, light.polygon, space);
     if (parts.covered.empty())
-        parts.open = {light.w}; // nothing, or only what is too narrow to count, is covered
+        parts.open = {light.polygon}; // nothing, or only what is too narrow to count, is covered
     std::vector<OpenFrontPart> fronts;
     const Light back = light.twoSided ? Reversed(light) : Light{};
     if (light.twoSided)
@@ -191,7 +191,7 @@ std::vector<Light> OpenAreaLights(Light light, const BspSpace &space) {
         for (const Winding<float> &covered : parts.covered)
             for (Winding<float> &open : PartsOfLight(back, {covered.rbegin(), covered.rend()}, space).open)
                 AddPart(back, std::move(open), EmittingSides::Front, space, lights);
-    if (Vec3f origin = light.origin; lights.empty() && LightCluster(origin, space) >= 0)
+    if (Vec3f origin = light.origin; lights.empty() && NudgeIntoOpen(origin, space) >= 0)
         lights.push_back(std::move(light));
     return lights;
 }
@@ -200,7 +200,7 @@ float BacksplashDistance(const Light &light, float distance, const BspSpace &spa
     if (!(distance > 0))
         return distance;
     Vec3f from = light.origin;
-    LightCluster(from, space);
+    NudgeIntoOpen(from, space);
     const float fraction = FreeFraction(from, light.origin + light.normal * distance, space);
     return fraction < 1 ? distance * fraction / 2 : distance;
 }
@@ -211,7 +211,7 @@ void WarnOfHiddenLights(std::span<const Light> lights, const BspSpace &space, co
         if (light.entity < 0 || light.type == LightType::Sun)
             continue;
         Vec3f origin = light.origin;
-        const bool shines = LightCluster(origin, space) >= 0 && !(scene && SeesBacksOnly(origin, *scene));
+        const bool shines = NudgeIntoOpen(origin, space) >= 0 && !(scene && SeesBacksOnly(origin, *scene));
         const auto known = hidden.emplace(light.entity, &light).first;
         if (shines)
             known->second = nullptr;

@@ -11,15 +11,15 @@
 
 namespace q3 {
 
-/// The cluster of a light with that origin, or kSolidCluster. Moves an `origin` in a solid by steps of 2 units, as the
-/// established program does: the search goes on after a success, so a light can move several times, and the last
-/// attempt decides about the cluster.
-int LightCluster(Vec3f &origin, const BspSpace &space);
+/// Moves an origin in a solid into the open by steps of 2 units, and returns its cluster, or kSolidCluster. As in the
+/// established program, the search goes on after a success, so a light can move several times, and the last attempt
+/// decides about the cluster.
+int NudgeIntoOpen(Vec3f &origin, const BspSpace &space);
 
 /// The parts of an area light that emit. It stays as it is if its polygon is in the open and its origin sees the
 /// polygon. Otherwise each open part becomes a light with an origin in front of it; where only the front of a two-sided
-/// light is covered, its back emits. A light that is covered as a whole stays as it is if LightCluster finds a way out,
-/// else there is none.
+/// light is covered, its back emits. A light that is covered as a whole stays as it is if NudgeIntoOpen finds a way
+/// out, else there is none.
 std::vector<Light> OpenAreaLights(Light light, const BspSpace &space);
 
 /// Distance from an area light to its backsplash, game units: `distance`, or half the distance to the first solid in

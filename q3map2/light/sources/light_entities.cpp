@@ -10,6 +10,7 @@
 #include "q3map2/shader/image_formats.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -19,7 +20,6 @@ namespace {
 
 /// Bits of the key spawnflags of lights; under -wolf the first two mean the opposite.
 enum SpawnFlag { kSpawnLinear = 1, kSpawnNoAngle = 2, kSpawnNoGrid = 16, kSpawnColorAsIs = 32 };
-constexpr int kNoSky = -1; ///< number of the sky of suns that entities make
 
 constexpr auto kMaxIntensity = float(keys::kMaxIntensity);
 /// Limit of values from world keys: products of larger ones could overflow float.
@@ -27,7 +27,11 @@ constexpr float kMaxWorldFactor = 1e6f;
 constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 /// Directions over the disc of the sun, unless the entity says more.
 constexpr int kSunDiscSamples = 32;
-constexpr std::uint64_t kSeedJitter = 0x4C69676874ull;
+constexpr std::uint64_t kSeedJitter = 0x4C69676874ull; ///< "Light" in ASCII
+/// A spotlight without a distance to its target counts as this far from it. Game units.
+constexpr float kNoTargetDistance = 64;
+/// A cone at its target is this much wider than its key radius, as in the established program. Game units.
+constexpr float kConeMargin = 16;
 
 Vec3f DecodeColor(const Vec3f &c, bool sRgb) {
     return sRgb ? Vec3f{LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)} : c;
@@ -42,6 +46,7 @@ float Limited(double intensity, const Entity &entity, Log &log) {
     return float(intensity);
 }
 
+/// The factor of the key `scale`; 0 means 1.
 double Scale(const Entity &entity) {
     const double scale = keys::kScale.Number(entity);
     return scale != 0 ? scale : 1;
@@ -75,9 +80,9 @@ bool TakeQuad(const Entity &entity, const EntityKey &key, Light &light, Log &log
         throw Error("{}: {} \"{}\": expected a color and a brightness of at least 0", LightLabel(entity), key.info.name,
                     key.Text(entity));
     const Vec3d linear = LinearColor(quad);
-    const double most = std::max({linear.x, linear.y, linear.z});
-    light.photons = Limited(most * quad[3] * Scale(entity), entity, log);
-    light.color = most > 0 ? Vec3f(linear / most) : Vec3f{1, 1, 1};
+    const double largest = std::max({linear.x, linear.y, linear.z});
+    light.photons = Limited(largest * quad[3] * Scale(entity), entity, log);
+    light.color = largest > 0 ? Vec3f(linear / largest) : Vec3f{1, 1, 1};
     return true;
 }
 
@@ -102,10 +107,10 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     const int flags = keys::kSpawnFlags.Integer(entity);
     if (((flags & kSpawnLinear) != 0) != options.wolfLighting)
         light.curve = FalloffCurve::Linear;
-    light.angle = ((flags & (kSpawnLinear | kSpawnNoAngle)) == 0) != options.wolfLighting;
-    light.grid = (flags & kSpawnNoGrid) == 0;
+    light.angleAttenuation = ((flags & (kSpawnLinear | kSpawnNoAngle)) == 0) != options.wolfLighting;
+    light.lightsGrid = (flags & kSpawnNoGrid) == 0;
     if (EqualNoCase(entity.ClassName(), "lightJunior"))
-        light.grid = true, light.surfaces = false;
+        light.lightsGrid = true, light.lightsSurfaces = false;
     light.origin = keys::kOrigin.Vector(entity).value_or(Vec3f{});
     light.color = DecodeColor(keys::kColor.Vector(entity).value_or(Vec3f{1, 1, 1}), options.shader.sRgbColor);
     if ((flags & kSpawnColorAsIs) == 0)
@@ -115,7 +120,7 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
         light.fade = 1;
     light.extraDist = float(keys::kExtraDist.Number(entity, options.extraDist));
     light.angleScale = float(keys::kAngleScale.Number(entity));
-    light.angle = light.angle || light.angleScale != 0;
+    light.angleAttenuation = light.angleAttenuation || light.angleScale != 0;
     light.filterRadius = float(keys::kFilterRadius.Number(entity));
     light.style = options.noStyles ? 0 : keys::kStyle.Integer(entity);
     light.name = entity.Value("targetname");
@@ -148,16 +153,16 @@ const Entity *FindTarget(const std::vector<Entity> &entities, std::string_view t
 void Aim(Light &light, const Entity &entity, const Vec3f &target) {
     light.type = LightType::Spot;
     light.curve = FalloffCurve::InverseSquare;
-    light.angle = true;
+    light.angleAttenuation = true;
     light.fade = 1;
     light.normal = Normalize(target - light.origin);
     float distance = Length(target - light.origin);
     if (distance == 0)
-        distance = 64;
+        distance = kNoTargetDistance;
     double radius = keys::kRadius.Number(entity);
     if (radius == 0)
         radius = keys::kRadius.initial;
-    light.radiusByDist = (float(radius) + 16) / distance;
+    light.radiusByDist = (float(radius) + kConeMargin) / distance;
 }
 
 bool HasConeByAngles(const Entity &entity) {
@@ -195,7 +200,7 @@ void AimByAngles(Light &light, const Entity &entity, const Vec3f &direction, Log
         return;
     light.type = LightType::Spot;
     light.curve = FalloffCurve::InverseSquare;
-    light.angle = true;
+    light.angleAttenuation = true;
     light.normal = direction;
     const double exponent = keys::kExponent.Number(entity);
     light.cone = {.byAngles = true,
@@ -210,7 +215,7 @@ void SetEntityFalloff(Light &light, bool byQuad, const Entity &entity, const Lig
     const bool byteValues = SetCurve(entity, byQuad, light, log);
     // For lights in byte values flag 1 is that of Source, "initially dark": only flag 2 turns the angle off.
     if (byteValues && light.type == LightType::Point)
-        light.angle = (keys::kSpawnFlags.Integer(entity) & kSpawnNoAngle) == 0 || light.angleScale != 0;
+        light.angleAttenuation = (keys::kSpawnFlags.Integer(entity) & kSpawnNoAngle) == 0 || light.angleScale != 0;
     const float scale = light.type == LightType::Spot ? options.spotScale : options.pointScale;
     light.photons *= byteValues ? scale / kDefaultEntityScale : scale;
 }
@@ -225,10 +230,7 @@ void AddSun(const Light &light, const Vec3f &target, float deviance, int samples
                      .style = light.style};
     if (sun.direction == Vec3f{})
         sun.direction = {0, 0, 1};
-    for (Light &one : MakeSuns(sun, kNoSky, options)) {
-        one.name = light.name, one.label = light.label, one.grid = light.grid, one.surfaces = light.surfaces;
-        lights.push_back(std::move(one));
-    }
+    AddSunOfEntity(sun, light, options, lights);
 }
 
 void AddEnvironment(const Entity &entity, const LightOptions &options, std::vector<Light> &lights, Log &log) {
@@ -335,19 +337,23 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options) {
     result.macroMaxs = keys::kWorldMaxs.Vector(world);
     if (keys::kFloodlight.Given(world)) {
         result.hasFloodlight = true;
-        double v[6] = {0, 0, 0, 0, 0, -1};
+        std::array<double, 6> values = {0, 0, 0, 0, 0, -1};
         std::string_view text = keys::kFloodlight.Text(world);
-        for (double &value : v) {
+        for (double &value : values) {
             const std::optional<double> number = TakeNumber(text);
             if (!number)
                 break;
             value = *number;
         }
-        if (v[0] != 0 || v[1] != 0 || v[2] != 0)
-            result.floodColor = {float(v[0]), float(v[1]), float(v[2])};
-        result.floodDistance = v[3] < 1 ? 1024 : float(std::min(v[3], double(kSunDistance)));
-        result.floodIntensity = v[4] < 1 ? 128 : float(std::min(v[4], double(kMaxWorldFactor)));
-        result.floodDirectionScale = v[5] < 0 ? 1 : float(std::min(v[5], double(kMaxWorldFactor)));
+        const auto [red, green, blue, distance, intensity, directionScale] = values;
+        if (red != 0 || green != 0 || blue != 0)
+            result.floodColor = {float(red), float(green), float(blue)};
+        if (!(distance < 1)) // missing or too small numbers leave the defaults
+            result.floodDistance = float(std::min(distance, double(kSunDistance)));
+        if (!(intensity < 1))
+            result.floodIntensity = float(std::min(intensity, double(kMaxWorldFactor)));
+        if (!(directionScale < 0))
+            result.floodDirectionScale = float(std::min(directionScale, double(kMaxWorldFactor)));
     }
     result.floodColor = NormalizeColor(DecodeColor(result.floodColor, options.shader.sRgbColor));
     return result;

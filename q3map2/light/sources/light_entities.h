@@ -23,8 +23,11 @@ struct WorldLight {
     Vec3f floodColor{0.94f, 0.94f, 1.0f};      ///< largest component 1
     std::string macroTexture;                  ///< _macrotexture; empty: none
     std::optional<Vec3f> macroMins, macroMaxs; ///< where its edges are; else those of the world
-    float floodDistance = 1024, floodIntensity = 128, floodDirectionScale = 1;
+    float floodDistance = 1024;                ///< reach of floodlight rays. Game units
+    float floodIntensity = 128;                ///< byte scale
+    float floodDirectionScale = 1;             ///< factor of floodlight in the direction of deluxe maps
 };
+/// World keys; missing and bad ones are the defaults.
 WorldLight ReadWorldLight(const Entity &world, const LightOptions &options);
 
 /// Warns of bad values of the keys that a light reads. `number`: index of the entity in its file.

@@ -16,20 +16,20 @@ namespace q3 {
 
 void Light::SetShape() {
     shape = {};
-    shape.back.assign(w.rbegin(), w.rend());
-    shape.normal = -Normalize(WindingAreaVector(w));
-    if (w.size() < 3)
+    shape.back.assign(polygon.rbegin(), polygon.rend());
+    shape.normal = -Normalize(WindingAreaVector(polygon));
+    if (polygon.size() < 3)
         return;
-    shape.dist = Dot(shape.normal, Vec3d(w.front()));
+    shape.dist = Dot(shape.normal, Vec3d(polygon.front()));
     Vec3d center;
-    for (std::size_t i = 2; i < w.size(); ++i) {
-        const float triangle = float(WindingArea(Winding<float>{w[0], w[i - 1], w[i]}));
+    for (std::size_t i = 2; i < polygon.size(); ++i) {
+        const float triangle = float(WindingArea(Winding<float>{polygon[0], polygon[i - 1], polygon[i]}));
         shape.area += triangle;
         shape.cumulative.push_back(shape.area);
-        center += Vec3d(w[0] + w[i - 1] + w[i]) * (double(triangle) / 3);
+        center += Vec3d(polygon[0] + polygon[i - 1] + polygon[i]) * (double(triangle) / 3);
     }
-    shape.center = shape.area > 0 ? Vec3f(center / double(shape.area)) : w.front();
-    for (const Vec3f &p : w)
+    shape.center = shape.area > 0 ? Vec3f(center / double(shape.area)) : polygon.front();
+    for (const Vec3f &p : polygon)
         shape.radius = std::max(shape.radius, Length(p - shape.center));
 }
 
@@ -57,15 +57,17 @@ LightsByCluster::LightsByCluster(const std::vector<Light> &lights, SunsSeen suns
 
 namespace {
 
+/// The reach of area lights is kFirstReach plus a multiple of kReachStep. Game units.
 constexpr float kFirstReach = 100, kReachStep = 10;
 
 /// Smallest distance of the sequence 100, 110, ... at which an area light gives at most its tolerance: searched one by
-/// one where the form factor may still grow with distance, by bisection beyond.
+/// one up to 990, where the form factor may still grow with distance, by bisection beyond.
 float AreaReach(const Light &light) {
     const auto aboveTolerance = [&](int step) {
         const float r = kFirstReach + kReachStep * float(step);
         const Vec3f p = light.origin + light.normal * r;
-        return std::abs(float(FormFactor(Vec3d(p), Vec3d(-light.normal), light.w))) * light.add > light.tolerance;
+        return std::abs(float(FormFactor(Vec3d(p), Vec3d(-light.normal), light.polygon))) * light.radiosity >
+               light.tolerance;
     };
     constexpr int kLinearSteps = 90, kLastStep = int((kSunDistance - kFirstReach) / kReachStep);
     for (int step = 0; step < kLinearSteps; ++step)
@@ -83,13 +85,15 @@ float AreaReach(const Light &light) {
 
 float Reach(const Light &light) {
     if (light.type == LightType::Area)
-        return light.fast ? AreaReach(light) : kSunDistance;
-    return Falloff(light).Reach(light.fast ? light.tolerance : 0);
+        return light.endsAtTolerance ? AreaReach(light) : kSunDistance;
+    return Falloff(light).Reach(light.endsAtTolerance ? light.tolerance : 0);
 }
 
 /// Box around what a cone by angles holds up to the envelope.
 Boundsf ConeBounds(const Light &light) {
-    const auto extent = [&](float toAxis) { // greatest cosine between that axis of space and a direction of the cone
+    // Greatest cosine between an axis of space and a direction of the cone, at least 0: cos(max(0, b - a)), b the angle
+    // from the axis to the cone's axis, a the half angle. toAxis: cos b.
+    const auto extent = [&](float toAxis) {
         const float cosine = light.cone.cosOuter, sine = std::sqrt(1 - cosine * cosine);
         if (toAxis >= cosine)
             return 1.0f;
@@ -104,12 +108,13 @@ Boundsf ConeBounds(const Light &light) {
     return box;
 }
 
+/// Sets the clusters of a light, and moves its origin out of solids.
 void FindClusters(Light &light, LightPass pass, const BspSpace &space) {
     light.clusters.clear();
-    if (const int cluster = LightCluster(light.origin, space); cluster >= 0)
+    if (const int cluster = NudgeIntoOpen(light.origin, space); cluster >= 0)
         light.clusters.push_back(cluster);
     if (pass == LightPass::GridSH && light.type == LightType::Area) {
-        Winding<float> lifted = light.w;
+        Winding<float> lifted = light.polygon;
         for (Vec3f &p : lifted)
             p += light.normal;
         space.ClustersOf(lifted, light.clusters);
@@ -169,10 +174,12 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
             found = visibleBounds.emplace(cluster, space.VisibleBounds(cluster)).first;
         return found->second;
     };
-    const auto wanted = [&](const Light &light) { return pass == LightPass::Surfaces ? light.surfaces : light.grid; };
+    const auto wanted = [&](const Light &light) {
+        return pass == LightPass::Surfaces ? light.lightsSurfaces : light.lightsGrid;
+    };
     const auto prepare = [&](Light &light) {
-        if (light.photons < 0 || light.add < 0) {
-            light.photons = -light.photons, light.add = -light.add;
+        if (light.photons < 0 || light.radiosity < 0) {
+            light.photons = -light.photons, light.radiosity = -light.radiosity;
             light.negative = true;
         }
         if (light.type == LightType::Sun) {
@@ -185,12 +192,13 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
         FindClusters(light, pass, space);
         if (light.clusters.empty())
             return false;
-        light.fast = EndsAtTolerance(light, pass, options, fastPoint);
+        light.endsAtTolerance = EndsAtTolerance(light, pass, options, fastPoint);
         light.seenFrom = SeenFrom(light.clusters, space);
         light.bounds = {};
         for (const int cluster : light.clusters)
             light.bounds.Add(boundsOf(cluster));
         light.bounds.Add(light.origin);
+        // The upper corner of a box around the origin, as wide to both sides, that holds the bounds.
         const Vec3f corner = Max(light.bounds.maxs, light.origin * 2 - light.bounds.mins);
         light.envelope = std::min(Reach(light), Length(corner - light.origin));
         if (light.cone.byAngles) {

@@ -82,37 +82,39 @@ struct Light {
     FalloffCurve curve = FalloffCurve::InverseSquare;
     Attenuation attenuation;
     SpotCone cone;
-    bool grid = true;     ///< lights grid points
-    bool surfaces = true; ///< lights lightmaps and vertices
-    bool noFast = false;  ///< q3map_noFast: never ends at its tolerance
+    bool lightsGrid = true;     ///< counts at grid points
+    bool lightsSurfaces = true; ///< counts on lightmaps and at vertices
+    bool noFast = false;        ///< q3map_noFast: never ends at its tolerance
     bool twoSided = false;
-    bool negative = false;  ///< subtracts
-    bool angle = true;      ///< surfaces: weaker at grazing angles
-    float angleScale = 0;   ///< surfaces: factor min(1, cosine / angleScale); 0: off
-    float filterRadius = 0; ///< lightmaps: blur of its light. Game units
+    bool negative = false;        ///< subtracts
+    bool angleAttenuation = true; ///< surfaces: weaker at grazing angles
+    float angleScale = 0;         ///< surfaces: factor min(1, cosine / angleScale); 0: off
+    float filterRadius = 0;       ///< lightmaps: blur of its light. Game units
     Vec3f color{1, 1, 1};
-    float photons = 0;
-    float add = 0;  ///< area: light per unit of form factor
-    Vec3f origin;   ///< area: 1 unit off the center of the box of the polygon
-    Vec3f normal;   ///< spot: aim; area: facing; sun: away from the sun
-    float dist = 0; ///< area: origin . normal
-    float fade = 1;
+    float photons = 0;      ///< intensity: see Falloff; sun: light on a surface that faces it
+    float radiosity = 0;    ///< area: light on a receiver is this times its form factor
+    Vec3f origin;           ///< area: 1 unit off the center of the box of the polygon
+    Vec3f normal;           ///< spot: aim; area: facing; sun: away from the sun
+    float dist = 0;         ///< area: origin . normal
+    float fade = 1;         ///< linear falloff: light lost per unit of distance
     float radiusByDist = 0; ///< spot: cone radius per unit of distance
-    float extraDist = 0;
-    float tolerance = 1;
+    float extraDist = 0;    ///< the square root of distance^2 + extraDist^2 counts as distance. Game units
+    float tolerance = 1;    ///< light below which it may end, see endsAtTolerance. Byte scale
     int style = 0;
-    int skyIndex = -1; ///< sun: the sky that it shines through; -1 any
-    Winding<float> w;  ///< area: clockwise seen from the front
-    AreaShape shape;   ///< area: derived from w by SetShape
+    int skyIndex = -1;      ///< sun: the sky that it shines through; -1 any
+    Winding<float> polygon; ///< area: clockwise seen from the front
+    AreaShape shape;        ///< area: derived from the polygon by SetShape
 
     // Set by SetupEnvelopes.
-    std::vector<int> clusters;  ///< clusters that hold it; empty for suns
-    std::vector<bool> seenFrom; ///< by cluster: whether points there may see it; empty: all may
-    float envelope = 0;         ///< no light beyond this distance
-    Boundsf bounds;
-    bool fast = false; ///< contributions up to the tolerance are left out
+    std::vector<int> clusters;    ///< clusters that hold it; empty for suns
+    std::vector<bool> seenFrom;   ///< by cluster: whether points there may see it; empty: all may
+    float envelope = 0;           ///< no light beyond this distance
+    Boundsf bounds;               ///< no light outside
+    bool endsAtTolerance = false; ///< contributions up to the tolerance are left out
 
+    /// Whether points in that cluster may see it.
     bool SeenFrom(int cluster) const { return cluster >= 0 && (seenFrom.empty() || seenFrom[std::size_t(cluster)]); }
+    /// Sets `shape`.
     void SetShape();
 };
 

@@ -15,7 +15,7 @@
 
 namespace q3 {
 
-// ---- Patterns of light styles, and the waves of shaders that come near them ----
+// ---- Patterns, and the waves of shaders that come near them ----
 
 namespace {
 
@@ -27,10 +27,13 @@ constexpr std::size_t kMostPeriods = 32;
 constexpr double kLeastGain = 1e-6;
 /// Fraction of the variance that a periodic wave may leave before noise is taken.
 constexpr double kNoiseFraction = 0.5;
-/// Root mean square of engines' noise: random numbers from -1 to 1, blended linearly.
+/// Root mean square of engines' noise: random numbers from -1 to 1, of variance 1/3, blended linearly, which reduces it
+/// by the mean of (1 - t)^2 + t^2, 2/3: sqrt(2) / 3.
 constexpr double kNoiseDeviation = 0.4714;
 /// Letters from a, black, to m, full brightness.
 constexpr double kStepsToFullLight = 12;
+/// Numbers of a wave below this are written as 0: they are rounding.
+constexpr double kTidyZero = 5e-5;
 
 constexpr std::array kPeriodic = {StyleWave::Sin, StyleWave::Square, StyleWave::Triangle, StyleWave::Sawtooth,
                                   StyleWave::InverseSawtooth};
@@ -71,7 +74,7 @@ double IntegralTo(StyleWave::Form form, double x) {
     }
 }
 
-/// The same for any x of at least 0.
+/// The same for any number of periods of at least 0. mean: of the form over a period.
 double IntegralTo(StyleWave::Form form, double periods, double mean) {
     const double whole = std::floor(periods);
     return whole * mean + IntegralTo(form, periods - whole);
@@ -102,13 +105,14 @@ double VarianceOf(const std::vector<double> &values, double mean) {
     return sum / double(values.size());
 }
 
-/// A wave and the variance that it takes off.
+/// A wave and by how much it reduces the variance of the letters.
 struct WaveFit {
     StyleWave wave;
     double saved = 0;
 };
 
-/// Base and amplitude by linear regression of the brightness of letters on the form, over whole periods.
+/// Base and amplitude by linear regression of the brightness of letters on the form, over whole periods: amplitude =
+/// covariance / variance of the form, saved = covariance^2 / variance of the form.
 WaveFit Regress(StyleWave wave, double periodsPerLetter, const std::vector<double> &letters, double mean) {
     const double formMean = MeanOf(wave.form);
     double covariance = 0, before = IntegralTo(wave.form, wave.phase, formMean);
@@ -146,7 +150,7 @@ double StyleWave::At(double time) const {
 std::string StyleWave::ShaderText() const {
     constexpr std::array<std::string_view, 7> kNames = {
         "", "sin", "square", "triangle", "sawtooth", "inversesawtooth", "noise"};
-    const auto tidy = [](double value) { return std::abs(value) < 5e-5 ? 0 : value; };
+    const auto tidy = [](double value) { return std::abs(value) < kTidyZero ? 0 : value; };
     if (form == Constant) // engines do not limit it
         return fmt::format("const ( {0:.4g} {0:.4g} {0:.4g} )", tidy(std::clamp(base, 0.0, 1.0)));
     return fmt::format("wave {} {:.4g} {:.4g} {:.4g} {:.6g}", kNames[form], tidy(base), tidy(amplitude), tidy(phase),
@@ -178,14 +182,15 @@ StyleWave FitWave(std::string_view pattern) {
     return best.wave;
 }
 
-// ---- Styles of lights that play a pattern or that the game switches ----
+// ---- Numbers of styles ----
 
 namespace {
 
+/// Styles are numbers below this. 255 means no style in the records of surfaces.
 constexpr int kEndOfStyles = 255;
 /// Styles from the first to before the second.
 using StyleRange = std::pair<int, int>;
-/// Engines of Quake's family know the patterns of styles up to 11 by heart and switch those from 32 to 62.
+/// Engines of Quake's family have fixed patterns for styles up to 11 and switch those from 32 to 62.
 constexpr StyleRange kKnown{1, 12}, kBetween{12, 32}, kSwitches{32, 63}, kFree{63, kEndOfStyles};
 
 /// The first style in the ranges that is not taken.

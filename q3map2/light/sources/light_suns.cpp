@@ -14,10 +14,11 @@ namespace q3 {
 
 namespace {
 
-constexpr std::uint64_t kSeedSun = 0x53756Eull;
+constexpr std::uint64_t kSeedSun = 0x53756Eull; ///< "Sun" in ASCII
 constexpr int kMaxSunSamples = 4096;
-constexpr double kRadians = std::numbers::pi / 180;
+constexpr double kRadians = std::numbers::pi / 180; ///< per degree
 
+/// Angles in radians.
 Vec3f DirectionFromAngles(double azimuth, double elevation) {
     return {float(std::cos(azimuth) * std::cos(elevation)), float(std::sin(azimuth) * std::cos(elevation)),
             float(std::sin(elevation))};
@@ -55,6 +56,7 @@ Vec3f FaceVector(std::size_t face, float a, float b) {
     }
 }
 
+/// Mean color of cell u, v of a sky image, 0 to 1.
 Vec3f CellMean(const Image &image, int u, int v) {
     const auto range = [](int size, int cell) {
         const int first = size * cell / kSkyCells;
@@ -84,36 +86,41 @@ std::vector<SkyProbe> SkyProbes(const std::string &base, ShaderLibrary &library,
         }
         for (int v = 0; v < kSkyCells; ++v)
             for (int u = 0; u < kSkyCells; ++u) {
-                const Vec3f face3 = FaceVector(face, 1 - 2 * float(u) / kSkyCells, 1 - 2 * float(v) / kSkyCells);
-                const float length = Length(face3);
-                probes.push_back({face3 / length, CellMean(*image, u, v) / length});
+                const Vec3f onCube = FaceVector(face, 1 - 2 * float(u) / kSkyCells, 1 - 2 * float(v) / kSkyCells);
+                const float length = Length(onCube);
+                probes.push_back({onCube / length, CellMean(*image, u, v) / length}); // dimmer towards the corners
             }
     }
     return probes;
 }
 
-Vec3f SampleSky(const std::vector<SkyProbe> &probes, const Vec3f &direction, float upperOrLower) {
+/// Mean color of the sky around a direction, weighted by the cosine to it. half: 1 or -1 for the upper or lower half of
+/// the sky alone, 0 for all.
+Vec3f SampleSky(const std::vector<SkyProbe> &probes, const Vec3f &direction, float half) {
     Vec3d sum;
     double weight = 0;
     for (const SkyProbe &probe : probes) {
-        const float q = Dot(probe.direction, direction);
-        if (q <= 0 || probe.direction.z * upperOrLower < 0)
+        const float cosine = Dot(probe.direction, direction);
+        if (cosine <= 0 || probe.direction.z * half < 0)
             continue;
-        sum += Vec3d(probe.color) * double(q);
-        weight += q;
+        sum += Vec3d(probe.color) * double(cosine);
+        weight += cosine;
     }
     return weight > 0 ? Vec3f(sum / weight) : Vec3f{};
 }
 
+/// Directions of a q3map_skyLight, as the established program places them: on rings of equal elevation `step` degrees
+/// apart, half a step inside the horizons, each ring turned a little against the last; and a pole where the horizon is
+/// one, whose next ring is 1.5 steps away.
 std::vector<Vec3f> SkyDirections(const SkyLightDirective &sky) {
     const double step = 90.0 / sky.iterations;
     const int azimuths = 4 * (sky.iterations - 1);
     const double azimuthStep = 360.0 / azimuths;
     const bool bottom = sky.horizonMin == -90, top = sky.horizonMax == 90;
-    const double first = std::min(bottom ? -90 + 1.5 * step : sky.horizonMin + 0.5 * step, double(sky.horizonMax));
+    const double lowest = bottom ? -90 + 1.5 * step : sky.horizonMin + 0.5 * step;
+    const double first = std::min(lowest, double(sky.horizonMax));
     const double last = top ? 90 - 1.5 * step : sky.horizonMax - 0.5 * step;
-    const double unclampedFirst = bottom ? -90 + 1.5 * step : sky.horizonMin + 0.5 * step;
-    const int rings = int(std::floor(1 + std::max(0.0, (last - unclampedFirst) / step) + 0.5));
+    const int rings = int(std::floor(1 + std::max(0.0, (last - lowest) / step) + 0.5));
 
     std::vector<Vec3f> directions;
     double elevation = first, azimuth = 0;
@@ -157,13 +164,26 @@ std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOp
     return lights;
 }
 
+void AddSunOfEntity(const SunDirective &sun, const Light &common, const LightOptions &options,
+                    std::vector<Light> &lights) {
+    constexpr int kAnySky = -1; // as Light::skyIndex
+    for (Light &one : MakeSuns(sun, kAnySky, options)) {
+        one.name = common.name, one.label = common.label;
+        one.lightsGrid = common.lightsGrid, one.lightsSurfaces = common.lightsSurfaces;
+        lights.push_back(std::move(one));
+    }
+}
+
 std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const ShaderInfo &shader, ShaderLibrary &library,
                                        Log &log) {
     if (sky.value <= 0 || sky.iterations < 2 || sky.horizonMin > sky.horizonMax)
         return {};
+    // Light grows with the height of the band of sky that shines, as in the established program: `value` for 90
+    // degrees.
+    constexpr float kLeastBand = 0.25f;
     const std::vector<Vec3f> directions = SkyDirections(sky);
     const float photons =
-        sky.value / float(directions.size()) * std::max(0.25f, float(sky.horizonMax - sky.horizonMin) / 90);
+        sky.value / float(directions.size()) * std::max(kLeastBand, float(sky.horizonMax - sky.horizonMin) / 90);
     std::vector<SkyProbe> probes;
     if (sky.sampleColor && !shader.skyImageBase.empty())
         probes = SkyProbes(shader.skyImageBase, library, log);
@@ -191,21 +211,23 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+
 /// Rings of directions from the horizon to the zenith; the sky below the horizon has as many.
 constexpr int kSkyRings = 6;
 
-/// Directions of equal solid angle over a cone around the axis, on a spiral of golden angles: any number of them is
-/// well stratified. Turns with the axis around z.
+/// Directions of equal solid angle over a cone around the axis, turned by the golden angle from one to the next (a
+/// Fibonacci lattice): any number of them is well stratified. Turns with the axis around z.
 std::vector<Vec3f> ConeDirections(const Vec3f &axis, double halfAngle, int count) {
     if (count == 1)
         return {axis};
-    const Vec3d w(axis), aside = std::abs(w.z) < 0.9999 ? Normalize(Cross(Vec3d{0, 0, 1}, w)) : Vec3d{1, 0, 0};
+    constexpr double kVertical = 0.9999; // cosine to the vertical from which on an axis has no direction aside
+    const Vec3d w(axis), aside = std::abs(w.z) < kVertical ? Normalize(Cross(Vec3d{0, 0, 1}, w)) : Vec3d{1, 0, 0};
     const Vec3d above = Cross(w, aside);
-    const double golden = kPi * (3 - std::sqrt(5.0));
+    const double goldenAngle = kPi * (3 - std::sqrt(5.0));
     std::vector<Vec3f> directions;
     for (int i = 0; i < count; ++i) {
         const double cosine = 1 - (1 - std::cos(halfAngle)) * (i + 0.5) / count;
-        const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = golden * i;
+        const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = goldenAngle * i;
         directions.push_back(
             Vec3f(Normalize(w * cosine + aside * (sine * std::cos(turn)) + above * (sine * std::sin(turn)))));
     }
@@ -218,8 +240,9 @@ struct SkyDirection {
     double light;
 };
 
-/// A sky of the same radiance everywhere, whose upper half gives a floor exactly the light 1. A ring is a band of the
-/// sphere; its directions are at the middle height of the band, where its mean cosine is exact.
+/// A sky of the same radiance everywhere, whose upper half gives a floor exactly the light 1. A ring is the band of the
+/// sphere with z in [a, b]; its directions are at z = (a + b) / 2 with the light 2 (b - a), so that it gives a floor
+/// b^2 - a^2, the integral of 2 z.
 std::vector<SkyDirection> UniformSky() {
     std::vector<SkyDirection> sky;
     for (int ring = 0; ring < kSkyRings; ++ring) {
@@ -246,15 +269,11 @@ std::vector<Light> EnvironmentLights(const Environment &environment, const Light
                                .photons = photons,
                                .filterRadius = common.filterRadius,
                                .style = common.style};
-        for (Light &one : MakeSuns(sun, -1, options)) {
-            one.name = common.name, one.label = common.label;
-            one.grid = common.grid, one.surfaces = common.surfaces;
-            lights.push_back(std::move(one));
-        }
+        AddSunOfEntity(sun, common, options, lights);
     };
     if (environment.photons != 0) {
         const int count = environment.spread > 0 ? environment.samples : 1;
-        const double halfAngle = double(environment.spread) * kPi / 360;
+        const double halfAngle = double(environment.spread) * kPi / 360; // half of `spread`, radians
         for (const Vec3f &toSun : ConeDirections(-environment.direction, halfAngle, count))
             add(toSun, environment.color, environment.photons / float(count));
     }

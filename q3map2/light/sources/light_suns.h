@@ -13,6 +13,11 @@ namespace q3 {
 /// The lights of one sun: samples of equal strength spread over its deviance, the first in its exact direction.
 std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOptions &options);
 
+/// Appends the lights of a sun that an entity makes: through any sky, with the name, the label and what is lit from
+/// `common`.
+void AddSunOfEntity(const SunDirective &sun, const Light &common, const LightOptions &options,
+                    std::vector<Light> &lights);
+
 /// The directions and colors of one q3map_skyLight: unit vectors toward the sky, photons of each.
 std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const ShaderInfo &shader, ShaderLibrary &library,
                                        Log &log);

@@ -201,11 +201,15 @@ constexpr float kOnCut = 0.125f;                      ///< corners this near to 
 constexpr double kMinArea = 1, kMaxArea = 20'000'000; ///< of a piece that emits. Square game units
 /// A quad stays whole if its fourth corner is this near to the plane of the others. Game units.
 constexpr float kFlatQuad = 0.1f;
-/// Approximate maximum number of lights that one polygon is split into.
-constexpr double kMaxPieces = 65536;
-
-/// Light on a receiver whose hemisphere an emitter of q3map_surfaceLight 1 fills, without options. Byte scale.
-constexpr float kLightOfOne = 0.75f;
+/// Radiosity of an emitter of q3map_surfaceLight 1 if LightOptions::areaScale is 1, as in the established program. Byte
+/// scale.
+constexpr float kRadiosityOfOne = 3;
+/// The same with the default of areaScale, 1/4.
+constexpr float kDefaultRadiosityOfOne = 0.75f;
+/// Factor of backsplashFraction in the light of a backsplash, as in the established program.
+constexpr float kBacksplashScale = 7;
+/// Larger values of q3map_surfaceLight count as this: products of them could overflow float.
+constexpr float kMaxSurfaceLight = 1e9f;
 
 using Polygon = std::vector<MeshVert>;
 
@@ -218,13 +222,19 @@ struct SurfaceEmission {
 
 /// By a texlight, else by its shader.
 SurfaceEmission EmissionOf(const SurfaceEntry &entry) {
-    constexpr float kMost = 1e9f;
     const ShaderInfo &shader = *entry.shader;
     if (!entry.texLight)
-        return {std::min(shader.surfaceLight, kMost), shader.color,
+        return {std::min(shader.surfaceLight, kMaxSurfaceLight), shader.color,
                 shader.backsplashFraction > 0 && (shader.compileFlags & C_SKY) == 0};
-    const float most = MaxComponent(*entry.texLight);
-    return {std::min(most / kLightOfOne, kMost), most > 0 ? *entry.texLight / most : Vec3f{1, 1, 1}, false};
+    const float largest = MaxComponent(*entry.texLight);
+    return {std::min(largest / kDefaultRadiosityOfOne, kMaxSurfaceLight),
+            largest > 0 ? *entry.texLight / largest : Vec3f{1, 1, 1}, false};
+}
+
+/// The style of a light that a shader makes.
+int StyleOf(const ShaderInfo &shader, const LightOptions &options) {
+    constexpr int kNoStyle = 255; // as in the records of surfaces
+    return options.noStyles || shader.lightStyle == kNoStyle ? 0 : shader.lightStyle;
 }
 
 MeshVert Lerp(const MeshVert &a, const MeshVert &b, float t) {
@@ -316,13 +326,12 @@ class AreaLightMaker {
         for (const MeshVert &v : polygon)
             w.push_back(v.xyz);
         const Boundsf box = WindingBounds(w);
-        const double length = double(MaxComponent(box.maxs - box.mins));
-        const float least = float(std::max(length / kMaxPieces, std::sqrt(2 * WindingArea(w) / kMaxPieces)));
+        const float least = LeastPieceSize(w);
         if (wanted < least)
             log_.Warn("light subdivision",
                       "{}: q3map_lightSubdivide {:g} is too small for a surface of {:g} units, "
                       "{:g} is used",
-                      shader_.name, wanted, length, least);
+                      shader_.name, wanted, double(MaxComponent(box.maxs - box.mins)), least);
         return std::max(wanted, least);
     }
 
@@ -330,18 +339,18 @@ class AreaLightMaker {
         Light light;
         Vec3f normal;
         for (const MeshVert &v : polygon) {
-            light.w.push_back(v.xyz);
+            light.polygon.push_back(v.xyz);
             normal += v.normal;
         }
-        const double area = WindingArea(light.w);
+        const double area = WindingArea(light.polygon);
         light.normal = Normalize(normal);
         if (!(area >= kMinArea && area <= kMaxArea) || light.normal == Vec3f{})
             return;
         light.type = LightType::Area;
         light.color = emission_.color;
         light.photons = emission_.value * float(area) * options_.areaScale;
-        light.add = emission_.value * 3 * options_.areaScale;
-        light.style = options_.noStyles || shader_.lightStyle == 255 ? 0 : shader_.lightStyle;
+        light.radiosity = emission_.value * kRadiosityOfOne * options_.areaScale;
+        light.style = StyleOf(shader_, options_);
         light.noFast = shader_.noFast;
         light.twoSided = shader_.twoSided || (shader_.compileFlags & C_FOG) != 0;
         light.origin = box.Center() + light.normal;
@@ -364,11 +373,11 @@ class AreaLightMaker {
     void AddBacksplash(const Light &light) {
         Light splash = light;
         const Vec3f moved = light.normal * BacksplashDistance(light, shader_.backsplashDistance, space_);
-        std::reverse(splash.w.begin(), splash.w.end());
-        for (Vec3f &p : splash.w)
+        std::reverse(splash.polygon.begin(), splash.polygon.end());
+        for (Vec3f &p : splash.polygon)
             p += moved;
-        splash.photons *= 7 * shader_.backsplashFraction;
-        splash.add *= 7 * shader_.backsplashFraction;
+        splash.photons *= kBacksplashScale * shader_.backsplashFraction;
+        splash.radiosity *= kBacksplashScale * shader_.backsplashFraction;
         splash.origin = light.origin + moved;
         splash.normal = -light.normal;
         splash.dist = Dot(splash.origin, splash.normal);
@@ -427,7 +436,7 @@ Light SpriteLight(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderI
     light.origin = surface.numVerts > 0 ? box.Center() : offset;
     light.photons = emission.value * options.pointScale;
     light.color = emission.color;
-    light.style = options.noStyles || shader.lightStyle == 255 ? 0 : shader.lightStyle;
+    light.style = StyleOf(shader, options);
     if (light.style != 0)
         light.label = "light of shader " + shader.name;
     light.noFast = shader.noFast;
@@ -436,7 +445,7 @@ Light SpriteLight(const Bsp &bsp, const bspDrawSurface_t &surface, const ShaderI
 
 void WarnOfHiddenSprite(const Light &light, const SurfaceEntry &entry, const BspSpace &space, Log &log) {
     Vec3f origin = light.origin;
-    if (LightCluster(origin, space) >= 0)
+    if (NudgeIntoOpen(origin, space) >= 0)
         return;
     log.Warn("sprite light in solid",
              "{}: the light of the autosprite surface at {:g} {:g} {:g}, of entity {}, is inside a solid and lights "
@@ -501,12 +510,12 @@ std::vector<Light> SurfaceLights(const BspSpace &space, SurfaceTable &table, con
     const Bsp &bsp = space.Map();
     std::vector<Light> lights;
     SkyLights skies(options, world, library, lights, counts, log);
-    std::size_t named = 0; // lights whose surface is set
-    const auto nameSurface = [&](std::size_t surface) {
-        for (; named < lights.size(); ++named)
-            lights[named].surface = int(surface);
+    std::size_t withSurface = 0; // number of lights whose surface is set
+    const auto setSurface = [&](std::size_t surface) {
+        for (; withSurface < lights.size(); ++withSurface)
+            lights[withSurface].surface = int(surface);
     };
-    for (std::size_t i = 0; i < table.size(); nameSurface(i), ++i) {
+    for (std::size_t i = 0; i < table.size(); setSurface(i), ++i) { // after each surface, also one that is left early
         SurfaceEntry &entry = table[i];
         const ShaderInfo &shader = *entry.shader;
         if (!shader.suns.empty() || !shader.skyLights.empty())

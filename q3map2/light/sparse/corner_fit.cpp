@@ -11,29 +11,29 @@
 
 namespace q3 {
 
-// ---- Stored and hanging corners of the cells of an octree ----
+// ---- Stored and hanging corners ----
 
-CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &light)
-    : tree_(tree), light_(light), storedOf_(light.Size(), LatticePoints::kUnknown), terms_(light.Size()) {
+CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points)
+    : tree_(tree), points_(points), storedOf_(points.Size(), LatticePoints::kUnknown), terms_(points.Size()) {
     for (const std::size_t leaf : tree.OpenLeafs())
         for (std::size_t c = 0; c < 8; ++c)
             TermsOf(tree[leaf].Corner(c));
 }
 
-std::size_t CornerWeights::HangsOn(const LatticePoint &p) const {
+std::size_t CornerWeights::LeafHungOn(const LatticePoint &p) const {
     std::size_t largest = Octree::kNone;
     for (const std::size_t leaf : tree_.LeafsAround(p))
-        if (leaf != Octree::kNone && tree_[leaf].open > 0 && !tree_[leaf].HasCorner(p) &&
+        if (leaf != Octree::kNone && tree_[leaf].openFraction > 0 && !tree_[leaf].HasCorner(p) &&
             (largest == Octree::kNone || tree_[leaf].level > tree_[largest].level))
             largest = leaf;
     return largest;
 }
 
 const std::vector<CornerTerm> &CornerWeights::TermsOf(const LatticePoint &corner) {
-    const std::uint32_t number = light_.Find(corner);
+    const std::uint32_t number = points_.Find(corner);
     if (!terms_[number].empty())
         return terms_[number];
-    const std::size_t leaf = HangsOn(corner);
+    const std::size_t leaf = LeafHungOn(corner);
     if (leaf != Octree::kNone)
         return terms_[number] = TermsIn(tree_[leaf], corner);
     storedOf_[number] = std::uint32_t(stored_.size());
@@ -63,17 +63,20 @@ std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec
 
 namespace {
 
+/// Steps of conjugate gradients, which start from the corners' own light.
 constexpr int kIterations = 4;
 /// The fit changes a corner by at most this fraction of its mean light, so that the dark stays dark beside the bright.
 constexpr float kMaxChange = 0.5f;
-/// Weight of a corner's own light, as a fraction of the weight of the samples around it.
-constexpr float kPull = 0.05f;
+/// Tikhonov regularization: weight of the pull towards a corner's own light, as a fraction of the weight of the samples
+/// around it.
+constexpr float kRegularization = 0.05f;
 
-/// The normal equations of the fit, without their matrix: products with it are sums over the samples.
+/// The normal equations of the fit, (A^T W A + R) x = A^T W light + R x0, with A the interpolation at the samples, W
+/// their weights, R the regularization and x0 the corners' own light. Matrix-free: products are sums over the samples.
 class FitSystem {
   public:
     explicit FitSystem(std::size_t unknowns) : weights_(unknowns), diagonal_(unknowns) {}
-    /// terms: the interpolated value at the sample.
+    /// light: at the sample; terms: of the value that is interpolated there.
     void AddSample(const SHFloats &light, const std::vector<CornerTerm> &terms) {
         const float weight = FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All);
         samples_.push_back({light, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
@@ -83,7 +86,7 @@ class FitSystem {
             diagonal_[term.stored] += weight * term.weight * term.weight;
         }
     }
-    /// A few steps of preconditioned conjugate gradients from `values`, towards which each unknown is pulled.
+    /// kIterations steps of preconditioned conjugate gradients. values: x0, and then the result.
     void Solve(std::vector<SHFloats> &values) const;
 
   private:
@@ -91,21 +94,22 @@ class FitSystem {
     struct Sample {
         SHFloats light;
         float weight;
-        std::uint32_t first, count;
+        std::uint32_t firstTerm, termCount; ///< in terms_
     };
-    /// Matrix times x.
+    /// product = (A^T W A + R) x.
     void Apply(const Vector &x, Vector &product) const;
-    /// Right-hand side minus matrix times x, with the pull towards x itself.
-    Vector Residual(const Vector &x) const;
+    /// A^T W (light - A x): the residual of the normal equations at x = x0, where R cancels.
+    Vector ResidualAtStart(const Vector &x) const;
+    /// A row of A times x.
     SHFloats Interpolated(const Sample &sample, const Vector &x) const {
         SHFloats sum{};
-        for (std::uint32_t t = sample.first; t < sample.first + sample.count; ++t)
+        for (std::uint32_t t = sample.firstTerm; t < sample.firstTerm + sample.termCount; ++t)
             AddScaled(terms_[t].weight, x[terms_[t].stored], sum);
         return sum;
     }
-    /// Adds the transpose of interpolation, times the weight of the sample, of a value at it.
+    /// Adds what a value at one sample gives in A^T W value.
     void Scatter(const Sample &sample, const SHFloats &value, Vector &to) const {
-        for (std::uint32_t t = sample.first; t < sample.first + sample.count; ++t)
+        for (std::uint32_t t = sample.firstTerm; t < sample.firstTerm + sample.termCount; ++t)
             AddScaled(sample.weight * terms_[t].weight, value, to[terms_[t].stored]);
     }
     double Dot(const Vector &a, const Vector &b) const {
@@ -118,31 +122,31 @@ class FitSystem {
         }
         return sum;
     }
-    /// The Jacobi preconditioner applied to a residual.
+    /// The Jacobi preconditioner applied to a residual: it is divided by the diagonal of the matrix.
     Vector Preconditioned(const Vector &r) const {
         Vector z(r.size());
         for (std::size_t i = 0; i < r.size(); ++i)
-            if (const float diagonal = diagonal_[i] + kPull * weights_[i]; diagonal > 0)
+            if (const float diagonal = diagonal_[i] + kRegularization * weights_[i]; diagonal > 0)
                 AddScaled(1 / diagonal, r[i], z[i]);
         return z;
     }
 
     std::vector<Sample> samples_;
     std::vector<CornerTerm> terms_;
-    std::vector<float> weights_;  ///< by unknown: sum over its samples of their weight times its fraction
-    std::vector<float> diagonal_; ///< by unknown: of the matrix, without the pull
+    std::vector<float> weights_;  ///< by unknown i: sum over samples s of w(s) A(s, i); R = kRegularization times this
+    std::vector<float> diagonal_; ///< by unknown: diagonal of A^T W A
 };
 
 void FitSystem::Apply(const Vector &x, Vector &product) const {
     for (std::size_t i = 0; i < x.size(); ++i) {
         product[i] = {};
-        AddScaled(kPull * weights_[i], x[i], product[i]);
+        AddScaled(kRegularization * weights_[i], x[i], product[i]);
     }
     for (const Sample &sample : samples_)
         Scatter(sample, Interpolated(sample, x), product);
 }
 
-FitSystem::Vector FitSystem::Residual(const Vector &x) const {
+FitSystem::Vector FitSystem::ResidualAtStart(const Vector &x) const {
     Vector residual(x.size());
     for (const Sample &sample : samples_) {
         SHFloats difference = Interpolated(sample, x);
@@ -153,64 +157,68 @@ FitSystem::Vector FitSystem::Residual(const Vector &x) const {
     return residual;
 }
 
+/// Names as in the usual form of the algorithm: residual r, z = M^-1 r, rho = r . z, step alpha, and beta, the part of
+/// the last direction in the next one.
 void FitSystem::Solve(Vector &values) const {
-    Vector r = Residual(values), z = Preconditioned(r), direction = z, product(values.size());
+    Vector r = ResidualAtStart(values), z = Preconditioned(r), direction = z, product(values.size());
     double rho = Dot(r, z);
     for (int step = 0; step < kIterations && rho > 0; ++step) {
         Apply(direction, product);
         const double curvature = Dot(direction, product);
         if (!(curvature > 0))
             return;
-        const auto length = float(rho / curvature);
+        const auto alpha = float(rho / curvature);
         for (std::size_t i = 0; i < values.size(); ++i) {
-            AddScaled(length, direction[i], values[i]);
-            AddScaled(-length, product[i], r[i]);
+            AddScaled(alpha, direction[i], values[i]);
+            AddScaled(-alpha, product[i], r[i]);
         }
         z = Preconditioned(r);
-        const double next = Dot(r, z);
-        const auto keep = float(next / rho);
+        const double nextRho = Dot(r, z);
+        const auto beta = float(nextRho / rho);
         for (std::size_t i = 0; i < values.size(); ++i)
             for (std::size_t k = 0; k < kSHFloats; ++k)
-                direction[i][k] = z[i][k] + keep * direction[i][k];
-        rho = next;
+                direction[i][k] = z[i][k] + beta * direction[i][k];
+        rho = nextRho;
     }
 }
 
-/// Scales the change of a value down to kMaxChange times the norm of its coefficients 0.
+/// Scales the change of a value down to kMaxChange times its mean light: the norms are those over all coefficients, and
+/// over coefficient 0 of the three channels.
 void LimitChange(const SHFloats &before, SHFloats &value) {
-    float change = 0, base = 0;
+    float change = 0, meanSquared = 0;
     for (std::size_t k = 0; k < kSHFloats; ++k)
         change += (value[k] - before[k]) * (value[k] - before[k]);
     for (std::size_t channel = 0; channel < 3; ++channel)
-        base += before[channel] * before[channel];
-    const float most = kMaxChange * std::sqrt(base);
+        meanSquared += before[channel] * before[channel];
+    const float maxChange = kMaxChange * std::sqrt(meanSquared);
     change = std::sqrt(change);
-    for (std::size_t k = 0; k < kSHFloats && change > most; ++k)
-        value[k] = before[k] + (value[k] - before[k]) * (most / change);
+    for (std::size_t k = 0; k < kSHFloats && change > maxChange; ++k)
+        value[k] = before[k] + (value[k] - before[k]) * (maxChange / change);
 }
 
 } // namespace
 
-std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
+std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
                                  std::span<const NearLightSample> nearLights) {
     std::vector<SHFloats> values;
     for (const std::uint32_t number : corners.Stored())
-        values.push_back(light[number].value);
-    std::vector<bool> clear(tree.Size()); // leafs without solids
+        values.push_back(points[number].value);
+    std::vector<bool> withoutSolid(tree.Size()); // by leaf
     for (const std::size_t leaf : tree.OpenLeafs())
-        clear[leaf] = !space.AnySolid(lattice.PositionOf(tree[leaf].origin), lattice.PositionOf(tree[leaf].Corner(7)));
+        withoutSolid[leaf] =
+            !space.AnySolid(lattice.PositionOf(tree[leaf].origin), lattice.PositionOf(tree[leaf].Corner(7)));
     FitSystem system(values.size());
-    for (std::size_t i = 0; i < light.Size(); ++i) {
-        const LatticeSample &point = light[i];
-        if (!point.open)
+    for (std::size_t i = 0; i < points.Size(); ++i) {
+        const LatticeSample &point = points[i];
+        if (!point.traced)
             continue;
         std::size_t inside = Octree::kNone;
         bool nearSolid = false;
         for (const std::size_t leaf : tree.LeafsAround(point.at))
-            if (leaf != Octree::kNone && tree[leaf].open > 0) {
+            if (leaf != Octree::kNone && tree[leaf].openFraction > 0) {
                 inside = leaf; // any of the leafs that touch the point will do: light is continuous
-                nearSolid = nearSolid || !clear[leaf];
+                nearSolid = nearSolid || !withoutSolid[leaf];
             }
         const bool stored = corners.IsStored(std::uint32_t(i));
         if (inside != Octree::kNone && (stored || !nearSolid))
@@ -218,46 +226,47 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light,
     }
     for (const NearLightSample &sample : nearLights) {
         const std::size_t leaf = tree.LeafAt(CellAt(sample.at));
-        if (leaf != Octree::kNone && tree[leaf].open > 0 && clear[leaf])
+        if (leaf != Octree::kNone && tree[leaf].openFraction > 0 && withoutSolid[leaf])
             system.AddSample(sample.light, corners.TermsIn(tree[leaf], sample.at));
     }
     system.Solve(values);
     for (std::size_t i = 0; i < values.size(); ++i)
-        LimitChange(light[corners.Stored()[i]].value, values[i]);
+        LimitChange(points[corners.Stored()[i]].value, values[i]);
     return values;
 }
 
-// ---- Converts the octree to the nodes and values of the sparse SH grid ----
+// ---- Nodes and values of the file, from the octree ----
 
 namespace {
 
 /// What the file says of the lower corner of a leaf.
 enum class CornerRecord : std::uint8_t { Nothing, Stored, Hanging };
 
-/// Marks the lower corners of leafs, then writes the nodes breadth first.
+/// Marks the lower corners of leafs, then writes the nodes breadth first. The lattice point at the lower corner of a
+/// cell is the only one that the cell can record.
 class TreeWriter {
   public:
-    TreeWriter(Octree tree, const LatticePoints &light, const CornerWeights &corners)
-        : tree_(std::move(tree)), light_(light), corners_(corners) {
+    TreeWriter(Octree tree, const LatticePoints &points, const CornerWeights &corners)
+        : tree_(std::move(tree)), points_(points), corners_(corners) {
         for (const std::uint32_t number : corners.Stored())
-            Place(light[number].at, CornerRecord::Stored);
+            Place(points[number].at, CornerRecord::Stored);
         for (const std::size_t leaf : tree_.OpenLeafs())
             for (std::size_t c = 0; c < 8; ++c)
-                if (const LatticePoint p = tree_[leaf].Corner(c); !corners.IsStored(light.Find(p)))
+                if (const LatticePoint p = tree_[leaf].Corner(c); !corners.IsStored(points.Find(p)))
                     PlaceHanging(p);
     }
 
     SparseGridTree Write(const std::vector<SHFloats> &values) const;
 
   private:
-    /// Marks p, and splits the leaf that contains it until p is its lower corner. A leaf with open space is not split:
-    /// p lies on its boundary, and readers go on to the cube around by themselves.
+    /// Splits the leaf that contains p until p is its lower corner, and marks that. A leaf with open space is not
+    /// split: p lies on its boundary, and a reader finds no corner there and goes on to the next larger cube around p.
     void Place(const LatticePoint &p, CornerRecord what) {
         std::size_t leaf = tree_.LeafAt(p);
         if (leaf == Octree::kNone)
             return;
         while (tree_[leaf].origin != p) {
-            if (tree_[leaf].open > 0)
+            if (tree_[leaf].openFraction > 0)
                 return;
             tree_.Split(leaf);
             recordOfLeaf_.resize(tree_.Size(), CornerRecord::Nothing);
@@ -269,9 +278,9 @@ class TreeWriter {
         if (recordOfLeaf_[leaf] == CornerRecord::Nothing)
             recordOfLeaf_[leaf] = what;
     }
-    /// Places a hanging point and its parents, between which readers interpolate it: with 2^power the greatest power of
-    /// two that divides all its coordinates, the points 2^power away on both sides of each axis on which its coordinate
-    /// is an odd multiple of that.
+    /// Places a hanging point and its parents, the points between which readers interpolate it. With 2^power the
+    /// greatest power of two that divides all three coordinates, the parents are p +- 2^power along each axis on which
+    /// the coordinate is an odd multiple of 2^power: 2 to 8 points. Parents that are not stored hang in turn.
     void PlaceHanging(const LatticePoint &p) {
         if (!hanging_.insert(KeyOf(p)).second)
             return;
@@ -289,7 +298,7 @@ class TreeWriter {
             }
         }
         for (const LatticePoint &parent : parents) {
-            const std::uint32_t number = light_.Find(parent);
+            const std::uint32_t number = points_.Find(parent);
             if (number == LatticePoints::kUnknown || !corners_.IsStored(number))
                 PlaceHanging(parent);
         }
@@ -298,7 +307,7 @@ class TreeWriter {
     std::vector<bool> FindUsed() const;
 
     Octree tree_;
-    const LatticePoints &light_;
+    const LatticePoints &points_;
     const CornerWeights &corners_;
     std::vector<CornerRecord> recordOfLeaf_;    ///< by leaf; may be shorter than the tree
     std::unordered_set<std::uint64_t> hanging_; ///< keys of the hanging points that are placed
@@ -318,27 +327,27 @@ std::vector<bool> TreeWriter::FindUsed() const {
 SparseGridTree TreeWriter::Write(const std::vector<SHFloats> &values) const {
     SparseGridTree file;
     const std::vector<bool> used = FindUsed();
-    std::vector<std::size_t> level(tree_.RootCount()), next;
-    for (std::size_t i = 0; i < level.size(); ++i)
-        level[i] = i;
-    std::vector<std::uint32_t> valueOf(light_.Size());
+    std::vector<std::size_t> cellsOfLevel(tree_.RootCount()), nextLevel;
+    for (std::size_t i = 0; i < cellsOfLevel.size(); ++i)
+        cellsOfLevel[i] = i;
+    std::vector<std::uint32_t> valueOf(points_.Size()); // by lattice point: index in `values`
     for (std::size_t i = 0; i < values.size(); ++i)
         valueOf[corners_.Stored()[i]] = std::uint32_t(i);
-    for (; !level.empty(); level = std::move(next), next.clear())
-        for (const std::size_t at : level) {
+    for (; !cellsOfLevel.empty(); cellsOfLevel = std::move(nextLevel), nextLevel.clear())
+        for (const std::size_t cell : cellsOfLevel) {
             SparseGridNode &node = file.nodes.emplace_back();
-            for (std::size_t c = 0; c < 8 && tree_[at].child != 0; ++c) {
-                const std::size_t child = tree_[at].child + c;
+            for (std::size_t c = 0; c < 8 && tree_[cell].child != 0; ++c) {
+                const std::size_t child = tree_[cell].child + c;
                 const auto bit = std::uint8_t(1u << c);
                 if (tree_[child].child != 0 && used[child]) {
                     node.inner |= bit;
-                    next.push_back(child);
+                    nextLevel.push_back(child);
                 } else if (used[child] && recordOfLeaf_[child] == CornerRecord::Hanging)
                     node.hanging |= bit;
                 else if (used[child]) {
                     node.stored |= bit;
                     file.values.push_back(
-                        std::bit_cast<bspGridPointSH_t>(values[valueOf[light_.Find(tree_[child].origin)]]));
+                        std::bit_cast<bspGridPointSH_t>(values[valueOf[points_.Find(tree_[child].origin)]]));
                 }
             }
         }
@@ -347,9 +356,9 @@ SparseGridTree TreeWriter::Write(const std::vector<SHFloats> &values) const {
 
 } // namespace
 
-SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &light, const CornerWeights &corners,
+SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
                               const SparseLattice &lattice, const std::vector<SHFloats> &values) {
-    SparseGridTree file = TreeWriter(std::move(tree), light, corners).Write(values);
+    SparseGridTree file = TreeWriter(std::move(tree), points, corners).Write(values);
     const Vec3f &mins = lattice.Mins(), &cell = lattice.Cell();
     file.mins = {mins.x, mins.y, mins.z};
     file.cell = {cell.x, cell.y, cell.z};

@@ -23,7 +23,7 @@ struct CornerTerm {
 /// corners are stored. Keeps references.
 class CornerWeights {
   public:
-    CornerWeights(const Octree &tree, const LatticePoints &light);
+    CornerWeights(const Octree &tree, const LatticePoints &points);
     /// Numbers, in LatticePoints, of the stored points.
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
     bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
@@ -33,30 +33,31 @@ class CornerWeights {
     }
     std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const Vec3f &at);
     /// The largest open leaf that has p on its boundary, but not as a corner; Octree::kNone: p does not hang.
-    std::size_t HangsOn(const LatticePoint &p) const;
+    std::size_t LeafHungOn(const LatticePoint &p) const;
 
   private:
-    /// The value of a corner, likewise. A corner that does not hang becomes a stored one when it is met first.
+    /// The value of a corner as a combination of stored values. A corner that does not hang becomes a stored one when
+    /// it is met first.
     const std::vector<CornerTerm> &TermsOf(const LatticePoint &corner);
 
     const Octree &tree_;
-    const LatticePoints &light_;
+    const LatticePoints &points_;
     std::vector<std::uint32_t> stored_;
     std::vector<std::uint32_t> storedOf_;        ///< by point: index in stored_, or kUnknown
     std::vector<std::vector<CornerTerm>> terms_; ///< by point; empty: not yet known
 };
 
 /// Least-squares values of the stored corners, in the order of corners.Stored(). Minimizes the sum over all points s of
-/// `light` in the open, and over `nearLights`, of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull
+/// `points` in the open, and over `nearLights`, of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull
 /// towards its own light, by conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they
 /// are stored corners, so that no light is fitted through a wall.
-std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &light, CornerWeights &corners,
+std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
                                  std::span<const NearLightSample> nearLights = {});
 
 /// The nodes and values that the file has. values: of the stored corners, in the order of corners.Stored(). A cell owns
 /// its lower corner alone, so cells without open space are split where a stored or hanging corner is not theirs.
-SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &light, const CornerWeights &corners,
+SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
                               const SparseLattice &lattice, const std::vector<SHFloats> &values);
 
 } // namespace q3

@@ -13,14 +13,16 @@ namespace q3 {
 
 namespace {
 
-/// Pairs of opposite normals, and normals.
+/// Number of pairs of opposite normals, and of normals.
 constexpr int kAxes = 13, kNormals = 2 * kAxes;
 
-/// A channel at the normals, as the sums over even and odd bands: at the opposite normals odd bands change sign.
+/// Light of one channel at 13 normals n: even + odd, the sums over bands 0 and 2 and over band 1. At -n it is
+/// even - odd.
 struct Halves {
     Lanes even, odd;
 };
 
+/// light: coefficient 0 of the channel; the following ones are three floats apart.
 Q3_VECTOR Halves HalvesOf(const std::array<Lanes, 9> &basis, const float *light) {
     Halves halves;
     for (const std::size_t i : kEachLane) {
@@ -47,7 +49,8 @@ Q3_VECTOR float SumOfSquares(const Halves &a, const Halves &b) {
 } // namespace
 
 ScreenError::ScreenError() : basis_{} {
-    for (int i = 0; i < kAxes; ++i) { // the first half of the 3 x 3 x 3 directions; the other half is opposite to it
+    // The first 13 of the 3 x 3 x 3 vectors with components -1, 0, 1: number 13 is zero, and the rest are opposite.
+    for (int i = 0; i < kAxes; ++i) {
         const Vec3d n = Normalize(Vec3d{double(i % 3 - 1), double(i / 3 % 3 - 1), double(i / 9 - 1)});
         const SHVector basis = SHBasis(n);
         for (std::size_t k = 0; k < 9; ++k)
@@ -71,9 +74,9 @@ constexpr int kBlockLevels = 1;
 /// On average one in this many points of the uniform grid is measured.
 constexpr std::uint64_t kStride = 12;
 /// In the mean of a block the mean over all blocks has the weight of this many points.
-constexpr double kPrior = 2;
-/// Seeds of the gathers, apart from those of grid points.
-constexpr std::uint64_t kSeed = 0x4E6F697365ull;
+constexpr double kPriorPoints = 2;
+/// Keeps the seeds of these gathers apart from those of grid points: "Noise" in ASCII.
+constexpr std::uint64_t kSeedNoise = 0x4E6F697365ull;
 
 /// Bounced light at a point in the open, convolved with the cosine.
 SHFloats GatherAt(const GridInputs &in, const Vec3f &position, std::uint64_t seed, std::vector<IndirectRay> &rays) {
@@ -94,38 +97,38 @@ BounceNoise::BounceNoise(const GridInputs &in, const SparseLattice &lattice, con
     if (!in.indirect)
         return;
     blockLevel_ = lattice.BaseLevel() + kBlockLevels;
-    std::size_t count = 1;
+    std::size_t blockCount = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         blocks_[axis] = (lattice.Roots()[axis] << (lattice.Levels() - blockLevel_)) + 1;
-        count *= std::size_t(blocks_[axis]);
+        blockCount *= std::size_t(blocks_[axis]);
     }
     std::vector<std::uint32_t> chosen;
     for (std::size_t i = 0; i < points.Size(); ++i)
-        if (points[i].open && HashIndex(KeyOf(points[i].at) + kSeed) % kStride == 0)
+        if (points[i].traced && HashIndex(KeyOf(points[i].at) + kSeedNoise) % kStride == 0)
             chosen.push_back(std::uint32_t(i));
     std::vector<float> measured(chosen.size());
     in.jobs.For(std::int64_t(chosen.size()), [&](std::int64_t i, int) {
         const LatticeSample &point = points[chosen[std::size_t(i)]];
-        const std::uint64_t seed = HashIndex(KeyOf(point.at) ^ kSeed);
+        const std::uint64_t seed = HashIndex(KeyOf(point.at) ^ kSeedNoise);
         const Vec3f position = lattice.PositionOf(point.at);
         std::vector<IndirectRay> rays;
         SHFloats other = point.value;
         AddScaled(1, GatherAt(in, position, seed, rays), other);
         AddScaled(-1, GatherAt(in, position, seed + 1, rays), other);
-        measured[std::size_t(i)] = SquaredDisplayError(point.value, other) / 2;
+        measured[std::size_t(i)] = SquaredDisplayError(point.value, other) / 2; // Var X = E[(X1 - X2)^2] / 2
     });
     double total = 0;
-    std::vector<double> sums(count), numbers(count);
+    std::vector<double> sums(blockCount), counts(blockCount);
     for (std::size_t i = 0; i < chosen.size(); ++i) {
         const std::size_t block = BlockOf(points[chosen[i]].at);
         total += double(measured[i]);
         sums[block] += double(measured[i]);
-        ++numbers[block];
+        ++counts[block];
     }
     const double mean = chosen.empty() ? 0 : total / double(chosen.size());
-    variance_.resize(count);
-    for (std::size_t i = 0; i < count; ++i)
-        variance_[i] = float((sums[i] + kPrior * mean) / (numbers[i] + kPrior));
+    variance_.resize(blockCount);
+    for (std::size_t i = 0; i < blockCount; ++i)
+        variance_[i] = float((sums[i] + kPriorPoints * mean) / (counts[i] + kPriorPoints));
 }
 
 std::size_t BounceNoise::BlockOf(const LatticePoint &p) const {

@@ -29,15 +29,18 @@ inline bspGridPointSH_t ToStored(SHFloats light, bool radiance) {
     return std::bit_cast<bspGridPointSH_t>(light);
 }
 
-/// Factor that limits light to about what a screen shows: light whose mean over all directions is above 1 / kBright is
-/// scaled down to that mean, at which its brightest side is about white.
+/// Factor that limits light to about what a screen shows: light whose mean over all normals is above 1 / kPeakToMean is
+/// scaled down to that mean, at which its brightest side is about white (1).
 inline float ScreenFactor(const SHFloats &light) {
-    constexpr float kBright = 2.2f;
-    return 1 / std::max(1.0f, kBright * MeanLight(light));
+    constexpr float kPeakToMean = 2.2f; // assumed ratio of the light on the brightest side to the mean
+    return 1 / std::max(1.0f, kPeakToMean * MeanLight(light));
 }
 
-/// Mean squared difference of the displayed light of surfaces, over all normals and the three channels, bytes^2. The
-/// basis is orthonormal: the integral over the normals is the squared distance of the coefficients.
+/// Mean squared difference of the displayed light of surfaces, over all normals and the three channels, bytes^2:
+///
+///     255^2 / (3 * 4 pi) |a' - b'|^2, a' = ScreenFactor(a) a, b' likewise
+///
+/// since, in an orthonormal basis, the squared distance of the coefficients is the integral over the sphere (Parseval).
 inline float SquaredDisplayError(const SHFloats &a, const SHFloats &b) {
     constexpr float kScale = 255 * 255 / (3 * 4 * std::numbers::pi_v<float>);
     const float dimA = ScreenFactor(a), dimB = ScreenFactor(b);
@@ -65,17 +68,18 @@ class ScreenError {
 /// different rays, and averaged over blocks of cells.
 class BounceNoise {
   public:
-    /// No noise.
+    /// Variance 0 everywhere.
     BounceNoise() = default;
     /// points: those of the uniform grid. Zero if `in` has no bounced light.
     BounceNoise(const GridInputs &in, const SparseLattice &lattice, const LatticePoints &points);
+    /// Variance at p, bytes^2.
     float At(const LatticePoint &p) const { return variance_.empty() ? 0 : variance_[BlockOf(p)]; }
 
   private:
     std::size_t BlockOf(const LatticePoint &p) const;
 
-    int blockLevel_ = 0;
-    Int3 blocks_{};
+    int blockLevel_ = 0;          ///< edge of a block: 2^blockLevel_ smallest cells
+    Int3 blocks_{};               ///< number of blocks by axis
     std::vector<float> variance_; ///< by block
 };
 

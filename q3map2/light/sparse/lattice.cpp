@@ -11,7 +11,7 @@
 
 namespace q3 {
 
-// ---- The lattice of the sparse SH grid ----
+// ---- The lattice ----
 
 namespace {
 
@@ -30,14 +30,15 @@ int HalvingsDownTo(float least, const Vec3f &size, int most) {
     return halvings;
 }
 
-Int3 AsOftenAlongAllAxes(const bspGridSHHeader_t &uniform) {
+/// The same number of halvings along all axes.
+Int3 EqualHalvings(const bspGridSHHeader_t &uniform) {
     const int halvings = HalvingsDownTo(kMinCell, Vec3f(uniform.gridSize), kMaxFineLevels);
     return {halvings, halvings, halvings};
 }
 
 } // namespace
 
-SparseLattice::SparseLattice(const bspGridSHHeader_t &uniform) : SparseLattice(uniform, AsOftenAlongAllAxes(uniform)) {}
+SparseLattice::SparseLattice(const bspGridSHHeader_t &uniform) : SparseLattice(uniform, EqualHalvings(uniform)) {}
 
 SparseLattice SparseLattice::Cubic(const bspGridSHHeader_t &uniform) {
     const Vec3f size(uniform.gridSize);
@@ -78,7 +79,7 @@ std::size_t SparseLattice::UniformIndex(const LatticePoint &p) const {
     return index;
 }
 
-// ---- The points of the lattice of the sparse SH grid at which light is known ----
+// ---- Points of the lattice at which light is known ----
 
 LatticePoints::LatticePoints(const SparseLattice &lattice) {
     std::size_t count = 1;
@@ -143,28 +144,14 @@ std::uint32_t LatticePoints::Add(const LatticePoint &at) {
     return number;
 }
 
-// ---- Traces light at points of the lattice of the sparse SH grid ----
+// ---- Traces light at points of the lattice ----
 
 namespace {
 
 /// Points of a brick, which share a list of lights.
 constexpr std::size_t kBrickPoints = 256;
 
-/// Inserts two zero bits before each of the lowest 21 bits.
-std::uint64_t SpreadBits(std::int32_t coordinate) {
-    auto x = std::uint64_t(std::uint32_t(coordinate));
-    x = (x | x << 32) & 0x1f00000000ffffull;
-    x = (x | x << 16) & 0x1f0000ff0000ffull;
-    x = (x | x << 8) & 0x100f00f00f00f00full;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-    return (x | x << 2) & 0x1249249249249249ull;
-}
-
 } // namespace
-
-std::uint64_t MortonOf(const LatticePoint &p) {
-    return SpreadBits(p[0]) | SpreadBits(p[1]) << 1 | SpreadBits(p[2]) << 2;
-}
 
 void LatticeTracer::Trace(LatticePoints &points, std::size_t first, GridStats &stats) const {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
@@ -193,8 +180,8 @@ void LatticeTracer::TraceBrick(LatticePoints &points, std::span<const std::uint3
         PlacedPoint placed = PlaceInOpen(in_.space, lattice_.PositionOf(point.at));
         if (placed.state != PointState::Open)
             placed = PlaceBeside(in_.space, placed.position);
-        point.open = placed.state != PointState::Exterior;
-        if (!point.open)
+        point.traced = placed.state != PointState::Exterior;
+        if (!point.traced)
             continue;
         traced.push_back(number);
         receivers.push_back({placed.position, placed.cluster, std::uint32_t(HashIndex(KeyOf(point.at)))});

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The lattice of the sparse SH grid: positions of its points, and the light that is known there.
 #pragma once
 
+#include "libs/math/morton.h"
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/light/grid/gridsh_fill.h"
@@ -30,14 +31,16 @@ class SparseLattice {
     /// A lattice of cells as near to cubes as halving the uniform grid's cells along single axes makes them, since
     /// light near a light changes as fast with height as sideways. Edges are not halved below kMinCubicCell.
     static SparseLattice Cubic(const bspGridSHHeader_t &uniform);
+    /// Level of the smallest cells that have points of the uniform grid at all corners.
     int BaseLevel() const { return baseLevel_; }
     /// Distance of points of the uniform grid along an axis: 2^UniformLevel smallest cells.
     int UniformLevel(std::size_t axis) const { return uniformLevel_[axis]; }
+    /// Level of the roots: their edge is 2^Levels smallest cells.
     int Levels() const { return levels_; }
     Vec3f UniformMins() const { return Vec3f(uniform_.gridMins); } ///< first point of the uniform grid
-    const Vec3f &Mins() const { return mins_; }
-    const Vec3f &Cell() const { return cell_; }
-    const Int3 &Roots() const { return roots_; }
+    const Vec3f &Mins() const { return mins_; }                    ///< lower corner of the roots
+    const Vec3f &Cell() const { return cell_; }                    ///< edges of the smallest cells, game units
+    const Int3 &Roots() const { return roots_; }                   ///< number of roots by axis
     Vec3f PositionOf(const LatticePoint &p) const { return PositionOf(Vec3f{float(p[0]), float(p[1]), float(p[2])}); }
     Vec3f PositionOf(const Vec3f &inCells) const { return mins_ + cell_ * inCells; }
     /// Inverse of PositionOf.
@@ -56,14 +59,14 @@ class SparseLattice {
     int baseLevel_ = 0, levels_ = 0;
     Vec3f mins_, cell_;
     Int3 roots_{};
-    LatticePoint first_{}; ///< of the first point of the uniform grid
+    LatticePoint first_{}; ///< the first point of the uniform grid
 };
 
 /// Light at a point of the lattice.
 struct LatticeSample {
     LatticePoint at{};
-    bool open = false; ///< in the open, with traced light; else in a solid, with a value extrapolated from others
-    SHFloats value{};  ///< convolved with the cosine
+    bool traced = false; ///< in the open, with traced light; else in a solid, with a value extrapolated from others
+    SHFloats value{};    ///< convolved with the cosine
 };
 
 /// Light at a position near a light: NearLightSet.
@@ -118,8 +121,10 @@ inline std::uint64_t KeyOf(const LatticePoint &p) {
            std::uint64_t(std::uint32_t(p[2])) << 42;
 }
 
-/// Morton code: points next to each other in this order are near to each other in space.
-std::uint64_t MortonOf(const LatticePoint &p);
+/// Morton code of a point.
+inline std::uint64_t MortonOf(const LatticePoint &p) {
+    return MortonCode(std::uint32_t(p[0]), std::uint32_t(p[1]), std::uint32_t(p[2]));
+}
 
 /// Traces light at lattice points in the open. Const after construction; keeps references.
 class LatticeTracer {
@@ -127,7 +132,7 @@ class LatticeTracer {
     LatticeTracer(const GridInputs &in, const LightAtPositions &light, const SparseLattice &lattice)
         : in_(in), light_(light), lattice_(lattice) {}
     /// Sets the light of the points from number `first` on that are in the open or a small step from it, and their
-    /// `open`. The others keep value 0. Adds the work to `stats`.
+    /// `traced`. The others keep value 0. Adds the work to `stats`.
     void Trace(LatticePoints &points, std::size_t first, GridStats &stats) const;
 
   private:

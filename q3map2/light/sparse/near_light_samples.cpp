@@ -13,15 +13,15 @@ namespace q3 {
 
 namespace {
 
-/// Distances of positions from point lights and spotlights: nearer ones are inside what a player bumps into, and beyond
-/// them further bytes reduce the error more elsewhere. Game units.
+/// Least and greatest distance of positions from point lights and spotlights. Nearer ones are inside what a player
+/// bumps into; farther ones would take bytes that reduce the error more elsewhere. Game units.
 constexpr float kNearPoint = 16, kFarFromPoint = 24;
-/// Distances from the planes of surface lights. The nearest ones make the cells small that adjoin those within reach of
-/// players, whose corners would else hang on larger cells. Game units.
+/// Least and greatest distance from the planes of surface lights. The nearest positions are out of reach of players,
+/// but make cells small so that the corners of the next cells, within reach, do not hang on larger ones. Game units.
 constexpr float kNearSurface = 8, kFarFromSurface = 34;
-/// Before a surface light, positions lie up to this far beyond its edges. Game units.
+/// In front of a surface light, positions lie up to this far beyond its edges. Game units.
 constexpr float kBeside = 4;
-/// A position is this clear of solids on all sides. Game units.
+/// There is no solid in the cube of this half edge around a position. Game units.
 constexpr float kSampleClearance = 6;
 /// Distance between neighboring positions, game units: at least kLeastStep and at most kMostStep; near a surface
 /// light in between kStepPerRadius times its radius.
@@ -33,7 +33,8 @@ constexpr std::size_t kBrickSamples = 256;
 /// The lights of a sample are hidden from it if their mean light without shadows is more than this times the mean of
 /// all traced light.
 constexpr float kHiddenRatio = 1.25f;
-/// Factor of the variance of noise in the squared error at a sample: that of its own light plus that of the corners.
+/// Factor of the variance of noise in the squared error at a sample: 1 for its own light, and for the corners the mean
+/// over a cell of the sum of the squared trilinear weights, (2/3)^3.
 constexpr float kNoiseOfSample = 1.3f;
 
 /// A position near a light.
@@ -52,8 +53,8 @@ bool IsInFront(const Light &light, const Vec3f &p) {
     if (distance < double(kNearSurface) || distance > double(kFarFromSurface))
         return false;
     const Vec3f normal(light.shape.normal);
-    for (std::size_t i = 0; i < light.w.size(); ++i) {
-        const Vec3f &a = light.w[i], edge = light.w[(i + 1) % light.w.size()] - a;
+    for (std::size_t i = 0; i < light.polygon.size(); ++i) {
+        const Vec3f &a = light.polygon[i], edge = light.polygon[(i + 1) % light.polygon.size()] - a;
         if (Length(edge) == 0)
             continue;
         const Vec3f out = Normalize(Cross(edge, normal));
@@ -81,17 +82,17 @@ bool HasNearPositions(const Light &light) {
     return light.type == LightType::Area || Falloff(light).At(kNearPoint) * MaxComponent(light.color) > kLeastLight;
 }
 
-/// Appends the positions near light `number`: jittered ones, a step apart, that are in the open and see its
-/// clusters. origin: from which the steps count, so that a map that is moved has the same positions.
-void AddPlaces(const BspSpace &space, const Vec3f &origin, const Light &light, std::uint32_t number,
-               std::vector<NearLightPosition> &places) {
+/// Appends the positions near a light: jittered ones, a step apart, that are in the open and see its clusters. origin:
+/// from which the steps count, so that a map that is moved has the same positions.
+void AddPositions(const BspSpace &space, const Vec3f &origin, const Light &light, std::uint32_t lightIndex,
+                  std::vector<NearLightPosition> &positions) {
     constexpr std::int32_t kKeyMask = (1 << 21) - 1; // KeyOf takes 21 bits of each coordinate
     const bool area = light.type == LightType::Area;
     const float radius = area ? light.shape.radius : 0;
     const float step = kLeastStep * std::round(std::clamp(kStepPerRadius * radius, kLeastStep, kMostStep) / kLeastStep);
     Boundsf box;
     if (area)
-        box = WindingBounds(light.w);
+        box = WindingBounds(light.polygon);
     else
         box.Add(light.origin);
     Int3 low{}, high{};
@@ -106,7 +107,7 @@ void AddPlaces(const BspSpace &space, const Vec3f &origin, const Light &light, s
                 const LatticePoint cell{int(float(x) * step / kLeastStep), int(float(y) * step / kLeastStep),
                                         int(float(z) * step / kLeastStep)};
                 const std::uint64_t key =
-                    KeyOf({cell[0] & kKeyMask, cell[1] & kKeyMask, cell[2] & kKeyMask}); // they may be negative
+                    KeyOf({cell[0] & kKeyMask, cell[1] & kKeyMask, cell[2] & kKeyMask}); // coordinates may be negative
                 const Sample3 jitter = PlasticSample3(0, key);
                 const Vec3f p = origin + Vec3f{float(cell[0]) + float(jitter.u), float(cell[1]) + float(jitter.v),
                                                float(cell[2]) + float(jitter.w)} *
@@ -115,33 +116,33 @@ void AddPlaces(const BspSpace &space, const Vec3f &origin, const Light &light, s
                     continue;
                 const int cluster = space.ClusterAt(p, kClearance);
                 if (light.SeenFrom(cluster))
-                    places.push_back({key, p, cluster, number});
+                    positions.push_back({key, p, cluster, lightIndex});
             }
 }
 
 /// The positions near all lights, in the order of their keys; one that is near several lights occurs once for each.
-/// most: random positions are left out so that about this many are left.
-std::vector<NearLightPosition> FindPlaces(const GridInputs &in, const Vec3f &origin, const std::vector<Light> &lights,
-                                          std::size_t most) {
+/// maxCount: of more different positions, random ones are left out so that about this many are left.
+std::vector<NearLightPosition> FindPositions(const GridInputs &in, const Vec3f &origin,
+                                             const std::vector<Light> &lights, std::size_t maxCount) {
     std::vector<std::vector<NearLightPosition>> found(lights.size());
     in.jobs.For(std::int64_t(lights.size()), [&](std::int64_t i, int) {
         if (const Light &light = lights[std::size_t(i)]; HasNearPositions(light))
-            AddPlaces(in.space, origin, light, std::uint32_t(i), found[std::size_t(i)]);
+            AddPositions(in.space, origin, light, std::uint32_t(i), found[std::size_t(i)]);
     });
-    std::vector<NearLightPosition> places;
+    std::vector<NearLightPosition> positions;
     for (const std::vector<NearLightPosition> &some : found)
-        places.insert(places.end(), some.begin(), some.end());
-    std::stable_sort(places.begin(), places.end(),
+        positions.insert(positions.end(), some.begin(), some.end());
+    std::stable_sort(positions.begin(), positions.end(),
                      [](const NearLightPosition &a, const NearLightPosition &b) { return a.key < b.key; });
     std::size_t count = 0;
-    for (std::size_t i = 0; i < places.size(); ++i)
-        count += i == 0 || places[i].key != places[i - 1].key;
-    if (count > most) {
-        const double fraction = double(most) / double(count);
-        std::erase_if(places,
-                      [&](const NearLightPosition &place) { return UnitFromHash(HashIndex(place.key)) > fraction; });
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        count += i == 0 || positions[i].key != positions[i - 1].key;
+    if (count > maxCount) {
+        const double fraction = double(maxCount) / double(count);
+        std::erase_if(positions,
+                      [&](const NearLightPosition &one) { return UnitFromHash(HashIndex(one.key)) > fraction; });
     }
-    return places;
+    return positions;
 }
 
 /// Light of a light as if nothing cast shadows, convolved with the cosine; spotlights count as point lights.
@@ -151,8 +152,8 @@ SHFloats UnshadowedLight(const Light &light, const Vec3f &position) {
     if (light.type == LightType::Area) {
         if (!light.twoSided && Dot(light.shape.normal, Vec3d(position)) <= light.shape.dist)
             return {};
-        projection = MomentsOfPolygon(light.w, Vec3d(position)).Projection();
-        scale *= double(light.add) / std::numbers::pi;
+        projection = MomentsOfPolygon(light.polygon, Vec3d(position)).Projection();
+        scale *= double(light.radiosity) / std::numbers::pi;
     } else {
         const Vec3f to = light.origin - position;
         const float distance = Length(to);
@@ -184,7 +185,7 @@ void Distribute(const Octree &tree, std::span<const NearLightSample> samples, co
         children[child].samples.push_back(i);
     }
     for (std::size_t c = 0; c < 8; ++c)
-        if (!children[c].samples.empty() && tree[cell.child + c].open > 0) {
+        if (!children[c].samples.empty() && tree[cell.child + c].openFraction > 0) {
             children[c].cell = cell.child + c;
             to.push_back(std::move(children[c]));
         }
@@ -193,23 +194,23 @@ void Distribute(const Octree &tree, std::span<const NearLightSample> samples, co
 } // namespace
 
 NearLightSet::NearLightSet(const GridInputs &in, const std::vector<Light> &lights, const LightAtPositions &light,
-                           const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats)
+                           const SparseLattice &lattice, std::size_t maxSamples, GridStats &stats)
     : lights_(lights), lattice_(lattice) {
-    std::vector<std::pair<std::uint64_t, NearLightPosition>> order;
-    for (const NearLightPosition &place : FindPlaces(in, lattice.UniformMins(), lights, mostSamples))
-        order.push_back({MortonOf(CellAt(lattice.InCells(place.position))), place});
+    std::vector<std::pair<std::uint64_t, NearLightPosition>> order; // by Morton code: a brick holds neighbors
+    for (const NearLightPosition &near : FindPositions(in, lattice.UniformMins(), lights, maxSamples))
+        order.push_back({MortonOf(CellAt(lattice.InCells(near.position))), near});
     std::stable_sort(order.begin(), order.end(), [](const auto &a, const auto &b) {
         return a.first != b.first ? a.first < b.first : a.second.key < b.second.key;
     });
     std::vector<ProbeReceiver> receivers;
     for (std::size_t i = 0; i < order.size(); ++i) {
-        const NearLightPosition &place = order[i].second;
-        if (i == 0 || place.key != order[i - 1].second.key) {
-            receivers.push_back({place.position, place.cluster, std::uint32_t(HashIndex(~place.key))});
-            samples_.push_back({.at = lattice.InCells(place.position)});
+        const NearLightPosition &near = order[i].second;
+        if (i == 0 || near.key != order[i - 1].second.key) {
+            receivers.push_back({near.position, near.cluster, std::uint32_t(HashIndex(~near.key))});
+            samples_.push_back({.at = lattice.InCells(near.position)});
             lightNumbersEnd_.push_back(std::uint32_t(lightNumbers_.size()));
         }
-        lightNumbers_.push_back(place.light);
+        lightNumbers_.push_back(near.light);
         ++lightNumbersEnd_.back();
     }
     std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
@@ -225,7 +226,7 @@ NearLightSet::NearLightSet(const GridInputs &in, const std::vector<Light> &light
         stats.Add(part);
 }
 
-/// Light of the lights near a sample at any position, without shadows.
+/// Light at any position of those lights that are near a sample, without shadows.
 SHFloats NearLightSet::NearLightsAt(std::uint32_t sample, const Vec3f &position) const {
     SHFloats sum{};
     for (std::size_t i = sample > 0 ? lightNumbersEnd_[sample - 1] : 0; i < lightNumbersEnd_[sample]; ++i)
@@ -233,30 +234,30 @@ SHFloats NearLightSet::NearLightsAt(std::uint32_t sample, const Vec3f &position)
     return sum;
 }
 
-float NearLightSet::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &light,
+float NearLightSet::ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &points,
                             const BounceNoise &noise) const {
-    const CornerLight corners = CornersOf(light, cell);
+    const CornerLight corners = CornersOf(points, cell);
     if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
         return std::numeric_limits<float>::infinity();
     float traced = 0, unshadowed = 0;
     for (const std::uint32_t i : samples)
         traced += screen_.Squared(InterpolatedLight(cell, corners, samples_[i].at), samples_[i].light);
     for (const std::uint32_t i : samples) {
-        SHFloats shown = samples_[i].light;
+        SHFloats replaced = samples_[i].light; // in the end: minus its near lights, plus these interpolated
         const SHFloats exact = NearLightsAt(i, lattice_.PositionOf(samples_[i].at));
-        if (MeanLight(exact) > kHiddenRatio * MeanLight(shown))
-            continue; // hidden: it would give more than all light there
+        if (MeanLight(exact) > kHiddenRatio * MeanLight(replaced))
+            continue; // its lights are hidden: unshadowed they would give more than all light there
         for (std::size_t c = 0; c < 8; ++c)
-            AddScaled(cell.Weight(c, samples_[i].at), NearLightsAt(i, lattice_.PositionOf(cell.Corner(c))), shown);
-        AddScaled(-1, exact, shown);
-        unshadowed += screen_.Squared(shown, samples_[i].light);
+            AddScaled(cell.Weight(c, samples_[i].at), NearLightsAt(i, lattice_.PositionOf(cell.Corner(c))), replaced);
+        AddScaled(-1, exact, replaced);
+        unshadowed += screen_.Squared(replaced, samples_[i].light);
     }
     const float count = float(samples.size());
     return std::min(unshadowed / count, std::max(0.0f, traced / count - kNoiseOfSample * noise.At(cell.origin)));
 }
 
 void SplitNearLights(const NearLightSet &samples, float maxError, const BounceNoise &noise, const JobPool &jobs,
-                     Octree &tree, const LatticePoints &light, OctreeRefiner &refiner, const LatticeTracer &tracer,
+                     Octree &tree, const LatticePoints &points, OctreeRefiner &refiner, const LatticeTracer &tracer,
                      GridStats &stats) {
     const std::span<const NearLightSample> all = samples.All();
     std::vector<SampledCell> cells, next;
@@ -265,12 +266,12 @@ void SplitNearLights(const NearLightSet &samples, float maxError, const BounceNo
         if (const std::size_t root = tree.RootAt(all[i].at); root != Octree::kNone)
             byRoot[root].push_back(std::uint32_t(i));
     for (std::size_t root = 0; root < byRoot.size(); ++root)
-        if (!byRoot[root].empty() && tree[root].open > 0)
+        if (!byRoot[root].empty() && tree[root].openFraction > 0)
             cells.push_back({root, std::move(byRoot[root])});
     for (; !cells.empty(); cells = std::move(next), next.clear()) {
         jobs.For(std::int64_t(cells.size()), [&](std::int64_t i, int) {
             const SampledCell &at = cells[std::size_t(i)];
-            tree[at.cell].nearLightError = samples.ErrorIn(tree[at.cell], at.samples, light, noise);
+            tree[at.cell].nearLightError = samples.ErrorIn(tree[at.cell], at.samples, points, noise);
         });
         std::vector<std::size_t> split;
         for (const SampledCell &at : cells)

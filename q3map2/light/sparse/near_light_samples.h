@@ -16,15 +16,16 @@ namespace q3 {
 /// cells there is measured at these positions. Const after construction; keeps references.
 class NearLightSet {
   public:
-    /// lights: those of the SH grid. mostSamples: of more, random ones are left out. Adds the work to `stats`.
+    /// lights: those of the SH grid. maxSamples: of more, random ones are left out, about this many stay. Adds the work
+    /// to `stats`.
     NearLightSet(const GridInputs &in, const std::vector<Light> &lights, const LightAtPositions &light,
-                 const SparseLattice &lattice, std::size_t mostSamples, GridStats &stats);
+                 const SparseLattice &lattice, std::size_t maxSamples, GridStats &stats);
     std::span<const NearLightSample> All() const { return samples_; }
     /// Mean squared displayed error of interpolation between the corners of a cell at samples inside it, bytes^2. It is
     /// the lesser of two: the error of traced light without what noise adds, and the error of the light of the samples'
     /// own lights as if nothing cast shadows. So shadow edges do not split cells near a light: there all cells would
     /// become as small as possible. Infinite where the light at a corner is not known.
-    float ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &light,
+    float ErrorIn(const OctreeCell &cell, std::span<const std::uint32_t> samples, const LatticePoints &points,
                   const BounceNoise &noise) const;
 
   private:
@@ -41,7 +42,7 @@ class NearLightSet {
 /// Sets OctreeCell::nearLightError, and splits leafs in which it is above `maxError` (mean squared, bytes^2) down to
 /// the smallest cells.
 void SplitNearLights(const NearLightSet &samples, float maxError, const BounceNoise &noise, const JobPool &jobs,
-                     Octree &tree, const LatticePoints &light, OctreeRefiner &refiner, const LatticeTracer &tracer,
+                     Octree &tree, const LatticePoints &points, OctreeRefiner &refiner, const LatticeTracer &tracer,
                      GridStats &stats);
 
 } // namespace q3

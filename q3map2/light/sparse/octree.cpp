@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-// ---- The octree of the sparse SH grid while it is built ----
+// ---- The octree ----
 
 Octree::Octree(const SparseLattice &lattice) : roots_(lattice.Roots()), levels_(lattice.Levels()) {
     const std::int32_t edge = std::int32_t(1) << levels_;
@@ -23,7 +23,7 @@ void Octree::Split(std::size_t leaf) {
     OctreeCell half = parent;
     half.level = parent.level - 1;
     for (std::size_t c = 0; c < 8; ++c)
-        cells_.push_back({.origin = half.Corner(c), .level = half.level, .open = parent.open});
+        cells_.push_back({.origin = half.Corner(c), .level = half.level, .openFraction = parent.openFraction});
 }
 
 std::size_t Octree::RootAt(const Vec3f &at) const {
@@ -39,19 +39,19 @@ std::size_t Octree::RootAt(const Vec3f &at) const {
 }
 
 std::size_t Octree::LeafAt(const LatticePoint &p) const {
-    std::size_t at = 0, stride = 1;
+    std::size_t cell = 0, stride = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int32_t root = p[axis] >> levels_;
         if (p[axis] < 0 || root >= roots_[axis])
             return kNone;
-        at += stride * std::size_t(root);
+        cell += stride * std::size_t(root);
         stride *= std::size_t(roots_[axis]);
     }
-    while (cells_[at].child != 0) {
-        const int bit = cells_[at].level - 1;
-        at = cells_[at].child + std::size_t((p[0] >> bit & 1) | (p[1] >> bit & 1) << 1 | (p[2] >> bit & 1) << 2);
+    while (cells_[cell].child != 0) {
+        const int bit = cells_[cell].level - 1; // of the coordinates: set in the upper half of the cell
+        cell = cells_[cell].child + std::size_t((p[0] >> bit & 1) | (p[1] >> bit & 1) << 1 | (p[2] >> bit & 1) << 2);
     }
-    return at;
+    return cell;
 }
 
 std::array<std::size_t, 8> Octree::LeafsAround(const LatticePoint &p) const {
@@ -66,30 +66,30 @@ std::vector<std::size_t> Octree::OpenLeafs() const {
     for (std::size_t root = rootCount_; root-- > 0;)
         stack.push_back(root);
     while (!stack.empty()) {
-        const std::size_t at = stack.back();
+        const std::size_t cell = stack.back();
         stack.pop_back();
-        if (cells_[at].child != 0)
+        if (cells_[cell].child != 0)
             for (std::size_t c = 8; c-- > 0;)
-                stack.push_back(cells_[at].child + c);
-        else if (cells_[at].open > 0)
-            leafs.push_back(at);
+                stack.push_back(cells_[cell].child + c);
+        else if (cells_[cell].openFraction > 0)
+            leafs.push_back(cell);
     }
     return leafs;
 }
 
-// ---- Optimal pruning of the octree ----
+// ---- Optimal pruning ----
 
-PrunedOctree PruneOctree(Octree &tree, float price, float maxNearLightError) {
-    std::vector<float> cost(tree.Size());
-    std::vector<bool> kept(tree.Size());          // nodes that are not pruned, for lights nearby, and those above them
+PruningStats PruneOctree(Octree &tree, float price, float maxNearLightError) {
+    std::vector<float> cost(tree.Size()); // by cell: the least sum over the leafs below it, or as a leaf
+    std::vector<bool> kept(tree.Size());  // nodes that lights nearby keep from being pruned, and their ancestors
     for (std::size_t i = tree.Size(); i-- > 0;) { // children come after their parents
         OctreeCell &cell = tree[i];
-        if (cell.open <= 0)
+        if (cell.openFraction <= 0)
             continue;
         if (cell.child != 0) { // the corners of a large cell say little about how open it is
-            cell.open = 0;
+            cell.openFraction = 0;
             for (std::size_t c = 0; c < 8; ++c)
-                cell.open += tree[cell.child + c].open / 8;
+                cell.openFraction += tree[cell.child + c].openFraction / 8;
         }
         const float asLeaf = cell.error * cell.Volume() + price;
         float asParent = 0;
@@ -103,7 +103,7 @@ PrunedOctree PruneOctree(Octree &tree, float price, float maxNearLightError) {
             cell.child = 0;
         cost[i] = cell.child == 0 ? asLeaf : asParent;
     }
-    PrunedOctree result;
+    PruningStats result;
     double error = 0;
     for (const std::size_t leaf : tree.OpenLeafs()) {
         error += double(tree[leaf].error) * double(tree[leaf].Volume());

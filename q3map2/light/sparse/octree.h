@@ -14,13 +14,13 @@ struct OctreeCell {
     LatticePoint origin{};    ///< lower corner
     std::int32_t level = 0;   ///< its edge is 2^level smallest cells
     std::uint32_t child = 0;  ///< index of the first child; child c is the octant of corner c. 0: leaf
-    float open = 0;           ///< open fraction of its volume, estimated from its corners; 0: no open space at all
+    float openFraction = 0;   ///< open fraction of its volume, estimated from its corners; 0: no open space at all
     float error = 0;          ///< expected mean squared error of interpolation between its corners, displayed, bytes^2
-    float nearLightError = 0; ///< the same where NearLightSet measured it; 0: there are none inside
+    float nearLightError = 0; ///< the same, measured by NearLightSet at its samples; 0: it has none inside
 
     std::int32_t Edge() const { return std::int32_t(1) << level; }
     /// Open volume in smallest cells.
-    float Volume() const { return open * float(std::int64_t(1) << (3 * level)); }
+    float Volume() const { return openFraction * float(std::int64_t(1) << (3 * level)); }
     /// Corner c: bit 0 of c is set for the upper corners in x, bit 1 in y, bit 2 in z.
     LatticePoint Corner(std::size_t c) const {
         return {origin[0] + (c & 1 ? Edge() : 0), origin[1] + (c & 2 ? Edge() : 0), origin[2] + (c & 4 ? Edge() : 0)};
@@ -38,6 +38,7 @@ struct OctreeCell {
     }
 };
 
+/// A lattice point as a position in lattice units.
 inline Vec3f LatticePosition(const LatticePoint &p) {
     return {float(p[0]), float(p[1]), float(p[2])};
 }
@@ -52,7 +53,7 @@ class Octree {
   public:
     static constexpr std::size_t kNone = std::size_t(-1);
     explicit Octree(const SparseLattice &lattice);
-    /// Gives a leaf eight children, which inherit its `open`. References to cells become invalid.
+    /// Gives a leaf eight children, which inherit its openFraction. References to cells become invalid.
     void Split(std::size_t leaf);
     /// The root that contains a position in lattice units; kNone outside the roots.
     std::size_t RootAt(const Vec3f &at) const;
@@ -75,8 +76,8 @@ class Octree {
     std::vector<OctreeCell> cells_; ///< the roots first, x fastest; parents before their children
 };
 
-/// Size and expected error of a pruned octree.
-struct PrunedOctree {
+/// Size and expected error of an octree that PruneOctree has pruned.
+struct PruningStats {
     std::size_t leafs = 0; ///< with open space; about the number of stored points
     double volume = 0;     ///< open volume in smallest cells
     double error = 0;      ///< expected displayed error over the open volume: RMS, bytes
@@ -85,7 +86,7 @@ struct PrunedOctree {
 /// Turns inner nodes, except roots, into leafs so that the sum over all leafs of (squared error x open volume + price)
 /// is least: the pruning of Breiman et al. (1984) and of Chou, Lookabaugh and Gray (1989). price: the Lagrange
 /// multiplier of the number of leafs, bytes^2 times smallest cells. maxNearLightError: inner nodes with a larger
-/// OctreeCell::nearLightError stay inner nodes. Sets `open` of inner nodes from their children.
-PrunedOctree PruneOctree(Octree &tree, float price, float maxNearLightError = std::numeric_limits<float>::infinity());
+/// OctreeCell::nearLightError stay inner nodes. Sets openFraction of inner nodes from their children.
+PruningStats PruneOctree(Octree &tree, float price, float maxNearLightError = std::numeric_limits<float>::infinity());
 
 } // namespace q3

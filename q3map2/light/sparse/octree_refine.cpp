@@ -11,17 +11,21 @@ namespace q3 {
 
 namespace {
 
-/// Ratio of the expected squared error of a cell of the uniform grid to the sum of its squared second differences by
-/// axis; of that of a new cell to the mean squared surplus of its corners. They lie between the ratios of smooth light,
-/// 0.02 and 0.06, and those of edges, up to 0.25 and 1.
-constexpr float kSecondDifferenceRatio = 0.15f, kSurplusRatio = 0.2f;
-/// Weight of a point in a solid, whose value serves the open space beside it, in the error of a large cell.
+/// Expected squared error of a cell of the uniform grid, divided by the sum over the axes of its mean SecondDifference.
+/// Chosen between the ratio of smooth light, 0.02, and that of edges, up to 0.25.
+constexpr float kSecondDifferenceRatio = 0.15f;
+/// Expected squared error of a cell made by a split, divided by the mean squared surplus of its corners. Chosen between
+/// the ratio of smooth light, 0.06, and that of edges, up to 1.
+constexpr float kSurplusRatio = 0.2f;
+/// Weight of a point in a solid in the error of a large cell; a point in the open has weight 1. Its value counts, since
+/// interpolation beside the solid uses it.
 constexpr float kSolidWeight = 0.5f;
-/// Factors of the variance of a point in its squared surplus, and in its squared second difference along an axis: that
-/// of the point itself and of the points between which it is interpolated.
+/// Noise of variance V at all points adds this times V to a squared surplus, and to a squared second difference along
+/// an axis: 1 + sum of the squared weights of the points between which is interpolated. For second differences these
+/// are two of weight 1/2; for surpluses the sum is 1/8 in the center of a cell to 1/2 in the middle of an edge.
 constexpr float kNoiseOfSurplus = 1.3f, kNoiseOfSecond = 1.5f;
 /// Cells or points of one job.
-constexpr std::int64_t kChunk = 256;
+constexpr std::size_t kChunk = 256;
 
 /// Calls use(p) for the points of the uniform grid's lattice in a closed cell of the base level or above.
 template <typename Use> void ForUniformPoints(const SparseLattice &lattice, const OctreeCell &cell, const Use &use) {
@@ -34,9 +38,9 @@ template <typename Use> void ForUniformPoints(const SparseLattice &lattice, cons
 
 /// Calls use(i) for i from 0 to count - 1, on all workers.
 template <typename Use> void ForEach(const JobPool &jobs, std::size_t count, const Use &use) {
-    jobs.For((std::int64_t(count) + kChunk - 1) / kChunk, [&](std::int64_t chunk, int) {
-        const std::size_t end = std::min(count, std::size_t((chunk + 1) * kChunk));
-        for (auto i = std::size_t(chunk * kChunk); i < end; ++i)
+    jobs.For(std::int64_t((count + kChunk - 1) / kChunk), [&](std::int64_t chunk, int) {
+        const std::size_t first = std::size_t(chunk) * kChunk, end = std::min(count, first + kChunk);
+        for (std::size_t i = first; i < end; ++i)
             use(i);
     });
 }
@@ -52,11 +56,11 @@ float WithoutNoise(float measured, float noise) {
 
 } // namespace
 
-CornerLight CornersOf(const LatticePoints &light, const OctreeCell &cell) {
+CornerLight CornersOf(const LatticePoints &points, const OctreeCell &cell) {
     CornerLight corners{};
     for (std::size_t c = 0; c < 8; ++c)
-        if (const std::uint32_t number = light.Find(cell.Corner(c)); number != LatticePoints::kUnknown)
-            corners[c] = &light[number].value;
+        if (const std::uint32_t number = points.Find(cell.Corner(c)); number != LatticePoints::kUnknown)
+            corners[c] = &points[number].value;
     return corners;
 }
 
@@ -83,38 +87,38 @@ bool OctreeRefiner::HasOpenSpace(const OctreeCell &cell) const {
 }
 
 float OctreeRefiner::OpenFraction(const OctreeCell &cell) const {
-    float open = 0;
+    float fraction = 0;
     for (std::size_t c = 0; c < 8; ++c) {
-        const std::uint32_t number = light_.Find(cell.Corner(c));
-        open += number != LatticePoints::kUnknown && light_[number].open ? 1.0f / 8 : 0;
+        const std::uint32_t number = points_.Find(cell.Corner(c));
+        fraction += number != LatticePoints::kUnknown && points_[number].traced ? 1.0f / 8 : 0;
     }
-    return std::max(open, 1.0f / 8);
+    return std::max(fraction, 1.0f / 8); // all corners may be in solids
 }
 
 void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
     for (std::size_t i = 0; i < tree_.Size(); ++i) {
-        tree_[i].open = HasOpenSpace(tree_[i]) ? 1.0f : 0.0f;
-        if (tree_[i].open > 0 && tree_[i].level > lattice_.BaseLevel())
+        tree_[i].openFraction = HasOpenSpace(tree_[i]) ? 1.0f : 0.0f;
+        if (tree_[i].openFraction > 0 && tree_[i].level > lattice_.BaseLevel())
             tree_.Split(i);
     }
     AddUniformPoints(uniform, radiance);
     ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
-        if (tree_[i].open > 0)
-            tree_[i].open = OpenFraction(tree_[i]);
+        if (tree_[i].openFraction > 0)
+            tree_[i].openFraction = OpenFraction(tree_[i]);
     });
 }
 
 void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) {
-    const std::size_t first = light_.Size();
-    light_.Reserve(uniform.points.size());
+    const std::size_t first = points_.Size();
+    points_.Reserve(uniform.points.size());
     for (std::size_t i = 0; i < tree_.Size(); ++i)
-        if (tree_[i].level == lattice_.BaseLevel() && tree_[i].open > 0)
+        if (tree_[i].level == lattice_.BaseLevel() && tree_[i].openFraction > 0)
             ForUniformPoints(lattice_, tree_[i], [&](const LatticePoint &p) {
-                light_[light_.Add(p)].value = ToDisplayed(uniform.points[lattice_.UniformIndex(p)], radiance);
+                points_[points_.Add(p)].value = ToDisplayed(uniform.points[lattice_.UniformIndex(p)], radiance);
             });
-    ForEach(jobs_, light_.Size() - first, [&](std::size_t i) {
-        LatticeSample &point = light_[first + i];
-        point.open = PlaceInOpen(space_, lattice_.PositionOf(point.at)).state == PointState::Open;
+    ForEach(jobs_, points_.Size() - first, [&](std::size_t i) {
+        LatticeSample &point = points_[first + i];
+        point.traced = PlaceInOpen(space_, lattice_.PositionOf(point.at)).state == PointState::Open;
     });
 }
 
@@ -123,18 +127,18 @@ void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) 
 /// not count.
 float OctreeRefiner::SecondDifference(const LatticeSample &point) const {
     float sum = 0;
-    for (std::size_t axis = 0; axis < 3 && point.open; ++axis) {
+    for (std::size_t axis = 0; axis < 3 && point.traced; ++axis) {
         if (lattice_.UniformLevel(axis) < lattice_.BaseLevel())
             continue;
         LatticePoint low = point.at, high = point.at;
         low[axis] -= 1 << lattice_.BaseLevel();
         high[axis] += 1 << lattice_.BaseLevel();
-        const std::uint32_t a = light_.Find(low), b = light_.Find(high);
-        if (a == LatticePoints::kUnknown || b == LatticePoints::kUnknown || !light_[a].open || !light_[b].open)
+        const std::uint32_t a = points_.Find(low), b = points_.Find(high);
+        if (a == LatticePoints::kUnknown || b == LatticePoints::kUnknown || !points_[a].traced || !points_[b].traced)
             continue;
         SHFloats mean;
         for (std::size_t i = 0; i < kSHFloats; ++i)
-            mean[i] = 0.5f * (light_[a].value[i] + light_[b].value[i]);
+            mean[i] = 0.5f * (points_[a].value[i] + points_[b].value[i]);
         sum += WithoutNoise(SquaredDisplayError(mean, point.value), kNoiseOfSecond * noise_.At(point.at));
     }
     return sum;
@@ -143,16 +147,16 @@ float OctreeRefiner::SecondDifference(const LatticeSample &point) const {
 /// Mean squared error of interpolation at the points of the uniform grid inside a cell and on its boundary; infinite
 /// where a corner is not known.
 float OctreeRefiner::MeasuredError(const OctreeCell &cell) const {
-    const CornerLight corners = CornersOf(light_, cell);
+    const CornerLight corners = CornersOf(points_, cell);
     if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
         return std::numeric_limits<float>::infinity();
     float sum = 0, count = 0;
     ForUniformPoints(lattice_, cell, [&](const LatticePoint &p) {
-        const std::uint32_t number = light_.Find(p);
+        const std::uint32_t number = points_.Find(p);
         if (number == LatticePoints::kUnknown || cell.HasCorner(p))
             return;
-        const float weight = light_[number].open ? 1 : kSolidWeight;
-        sum += weight * WithoutNoise(SquaredDisplayError(Interpolated(cell, corners, p), light_[number].value),
+        const float weight = points_[number].traced ? 1 : kSolidWeight;
+        sum += weight * WithoutNoise(SquaredDisplayError(Interpolated(cell, corners, p), points_[number].value),
                                      kNoiseOfSurplus * noise_.At(p));
         count += weight;
     });
@@ -161,18 +165,18 @@ float OctreeRefiner::MeasuredError(const OctreeCell &cell) const {
 
 void OctreeRefiner::EstimateErrors(BounceNoise noise) {
     noise_ = std::move(noise);
-    std::vector<float> second(light_.Size());
-    ForEach(jobs_, second.size(), [&](std::size_t i) { second[i] = SecondDifference(light_[i]); });
+    std::vector<float> second(points_.Size());
+    ForEach(jobs_, second.size(), [&](std::size_t i) { second[i] = SecondDifference(points_[i]); });
     ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
         OctreeCell &cell = tree_[i];
-        if (cell.level < lattice_.BaseLevel() || cell.open <= 0)
+        if (cell.level < lattice_.BaseLevel() || cell.openFraction <= 0)
             return;
         cell.error = MeasuredError(cell);
         if (cell.level > lattice_.BaseLevel())
             return;
         float sum = 0, count = 0;
         ForUniformPoints(lattice_, cell, [&](const LatticePoint &p) {
-            if (const std::uint32_t number = light_.Find(p); light_[number].open)
+            if (const std::uint32_t number = points_.Find(p); points_[number].traced)
                 sum += second[number], ++count;
         });
         cell.error += count > 0 ? kSecondDifferenceRatio * sum / count : 0;
@@ -190,11 +194,11 @@ void OctreeRefiner::Refine(float threshold, const LatticeTracer &tracer, GridSta
 }
 
 void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTracer &tracer, GridStats &stats) {
-    const std::size_t firstNew = light_.Size();
+    const std::size_t firstNew = points_.Size();
     for (const std::size_t i : cells)
         for (std::size_t n = 0; n < 27; ++n)
-            light_.Add(ChildCorner(tree_[i], n));
-    tracer.Trace(light_, firstNew, stats);
+            points_.Add(ChildCorner(tree_[i], n));
+    tracer.Trace(points_, firstNew, stats);
     FillSolids(cells, firstNew);
     for (const std::size_t i : cells)
         tree_.Split(i);
@@ -205,39 +209,39 @@ void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTr
 /// points in the open, weighted by the inverse of their squared distance. A point of several cells gets the mean over
 /// them.
 void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew) {
-    std::vector<float> fills(light_.Size() - firstNew);
-    const Vec3f shape = lattice_.Cell();
+    std::vector<float> fillCounts(points_.Size() - firstNew); // by new point: cells that have given it a value
+    const Vec3f cellSize = lattice_.Cell();
     for (const std::size_t i : cells) {
         const OctreeCell &cell = tree_[i];
         std::array<std::uint32_t, 27> numbers{};
         bool anySolid = false;
         for (std::size_t n = 0; n < 27; ++n) {
-            numbers[n] = light_.Find(ChildCorner(cell, n));
-            anySolid = anySolid || (numbers[n] >= firstNew && !light_[numbers[n]].open);
+            numbers[n] = points_.Find(ChildCorner(cell, n));
+            anySolid = anySolid || (numbers[n] >= firstNew && !points_[numbers[n]].traced);
         }
         if (!anySolid)
             continue;
         std::array<SHFloats, 27> interpolated;
-        const CornerLight corners = CornersOf(light_, cell);
+        const CornerLight corners = CornersOf(points_, cell);
         for (std::size_t n = 0; n < 27; ++n)
-            interpolated[n] = Interpolated(cell, corners, light_[numbers[n]].at);
+            interpolated[n] = Interpolated(cell, corners, points_[numbers[n]].at);
         for (std::size_t n = 0; n < 27; ++n) {
-            LatticeSample &point = light_[numbers[n]];
-            if (numbers[n] < firstNew || point.open)
+            LatticeSample &point = points_[numbers[n]];
+            if (numbers[n] < firstNew || point.traced)
                 continue;
             SHFloats surplus{};
             float total = 0;
             for (std::size_t m = 0; m < 27; ++m) {
-                const LatticeSample &other = light_[numbers[m]];
-                if (!other.open)
+                const LatticeSample &other = points_[numbers[m]];
+                if (!other.traced)
                     continue;
-                const Vec3f away = (LatticePosition(other.at) - LatticePosition(point.at)) * shape;
+                const Vec3f away = (LatticePosition(other.at) - LatticePosition(point.at)) * cellSize;
                 const float weight = 1 / Dot(away, away);
                 total += weight;
                 for (std::size_t k = 0; k < kSHFloats; ++k)
                     surplus[k] += weight * (other.value[k] - interpolated[m][k]);
             }
-            float &count = fills[numbers[n] - firstNew];
+            float &count = fillCounts[numbers[n] - firstNew];
             for (std::size_t k = 0; k < kSHFloats; ++k) {
                 const float value = interpolated[n][k] + (total > 0 ? surplus[k] / total : 0);
                 point.value[k] = (point.value[k] * count + value) / (count + 1);
@@ -251,13 +255,13 @@ void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_
 /// open fractions and expected errors of the children.
 void OctreeRefiner::SetErrorsAfterSplit(std::size_t parent) {
     OctreeCell &cell = tree_[parent];
-    const CornerLight corners = CornersOf(light_, cell);
+    const CornerLight corners = CornersOf(points_, cell);
     std::array<float, 27> surplus{};
     std::array<bool, 27> known{};
     float sum = 0, count = 0;
     for (std::size_t n = 0; n < 27; ++n) {
-        const LatticeSample &point = light_.At(ChildCorner(cell, n));
-        known[n] = point.open && !cell.HasCorner(point.at);
+        const LatticeSample &point = points_.At(ChildCorner(cell, n));
+        known[n] = point.traced && !cell.HasCorner(point.at);
         if (!known[n])
             continue;
         surplus[n] = WithoutNoise(SquaredDisplayError(Interpolated(cell, corners, point.at), point.value),
@@ -267,9 +271,9 @@ void OctreeRefiner::SetErrorsAfterSplit(std::size_t parent) {
     cell.error = count > 0 ? sum / count : 0;
     for (std::size_t c = 0; c < 8; ++c) {
         OctreeCell &child = tree_[cell.child + c];
-        child.open = HasOpenSpace(child) ? OpenFraction(child) : 0;
+        child.openFraction = HasOpenSpace(child) ? OpenFraction(child) : 0;
         float childSum = 0, childCount = 0;
-        for (std::size_t d = 0; d < 8; ++d) {
+        for (std::size_t d = 0; d < 8; ++d) { // ChildCorner(cell, n) is corner d of child c
             const std::size_t n = ((c & 1) + (d & 1)) + 3 * ((c >> 1 & 1) + (d >> 1 & 1)) + 9 * ((c >> 2) + (d >> 2));
             if (known[n])
                 childSum += surplus[n], ++childCount;

@@ -7,8 +7,8 @@
 
 namespace q3 {
 
-/// Light at the corners of a cell.
-CornerLight CornersOf(const LatticePoints &light, const OctreeCell &cell);
+/// Light at the corners of a cell; null where a corner is not among the points.
+CornerLight CornersOf(const LatticePoints &points, const OctreeCell &cell);
 /// Trilinear interpolation between the corners of a cell, all known. at: in lattice units.
 SHFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at);
 
@@ -22,8 +22,8 @@ SHFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, c
 class OctreeRefiner {
   public:
     OctreeRefiner(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, Octree &tree,
-                  LatticePoints &light)
-        : space_(space), jobs_(jobs), lattice_(lattice), tree_(tree), light_(light) {}
+                  LatticePoints &points)
+        : space_(space), jobs_(jobs), lattice_(lattice), tree_(tree), points_(points) {}
     /// Splits all cells with open space down to the base level and adds the points of the uniform grid. radiance: see
     /// ToDisplayed.
     void Start(const LightGridSH &uniform, bool radiance);
@@ -39,7 +39,7 @@ class OctreeRefiner {
     /// Point n of the 3 x 3 x 3 corners of a cell's children, x fastest, then y, then z.
     static LatticePoint ChildCorner(const OctreeCell &cell, std::size_t n);
     bool HasOpenSpace(const OctreeCell &cell) const;
-    /// OctreeCell::open of a cell with open space, from its corners.
+    /// OctreeCell::openFraction of a cell with open space, from its corners.
     float OpenFraction(const OctreeCell &cell) const;
     void AddUniformPoints(const LightGridSH &uniform, bool radiance);
     float SecondDifference(const LatticeSample &point) const;
@@ -51,7 +51,7 @@ class OctreeRefiner {
     const JobPool &jobs_;
     const SparseLattice &lattice_;
     Octree &tree_;
-    LatticePoints &light_;
+    LatticePoints &points_;
     BounceNoise noise_;
 };
 

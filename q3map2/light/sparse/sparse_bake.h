@@ -13,24 +13,25 @@
 namespace q3 {
 
 /// Why a sparse grid is not finer than it is.
-enum class SparseEnd {
-    Goal,       ///< it meets the goal, or is the last attempt to meet it as measured
-    Bytes,      ///< without a budget: it would take too many bytes
-    LittleGain, ///< smaller cells would hardly reduce its expected error
-    NoGain,     ///< more cells did not reduce its measured error
-    Smallest,   ///< no threshold for splitting is left
-    NotRefined  ///< it is made from a uniform grid, whose cells are not split
+enum class RefinementStop {
+    GoalMet,            ///< it meets the goal, or is the last attempt to meet it as measured
+    ByteLimit,          ///< without a budget: it would take too many bytes
+    LittleExpectedGain, ///< smaller cells would hardly reduce its expected error
+    NoMeasuredGain,     ///< more cells did not reduce its measured error
+    LastThreshold,      ///< cells are split down to the last threshold
+    NotRefined          ///< it is made from a uniform grid, whose cells are not split
 };
 
 /// Statistics of the bake of a sparse grid.
 struct SparseStats {
-    std::size_t leafs = 0, stored = 0;   ///< cells with open space; stored points
+    std::size_t leafs = 0;               ///< cells with open space
+    std::size_t storedPoints = 0;        ///< corners with a value in the lump
     std::size_t bytes = 0;               ///< of the lump
-    double error = 0;                    ///< expected displayed error of interpolation: RMS, bytes
+    double expectedError = 0;            ///< displayed error of interpolation: RMS, bytes
     std::optional<GridSHError> measured; ///< of the finished grid, where players can be; none: nothing was traced
     std::size_t nearLightSamples = 0;    ///< positions near lights
     double nearLightError = 0;           ///< displayed error there: RMS, bytes
-    SparseEnd end = SparseEnd::Goal;
+    RefinementStop stop = RefinementStop::GoalMet;
     DeringStats dering; ///< with -shdering
 };
 

@@ -29,7 +29,8 @@ void MomentLanes::Clear() {
         row->fill(0);
 }
 
-/// See AddEdge in polygon_moments.h.
+/// AddEdge of polygon_moments.h, which has the derivation, in every lane. Multiplies `half` by the complex number whose
+/// argument is half the solid angle of the triangle of normal, a and b (van Oosterom and Strackee 1983).
 Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfSolidAngles &half) {
     Q3_INDEPENDENT
     for (const std::size_t i : kEachLane) {
@@ -61,27 +62,28 @@ Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Ve
 Q3_VECTOR void MomentLanes::Finish(const HalfSolidAngles &half) {
     constexpr double kPi = std::numbers::pi;
     for (const std::size_t i : kEachLane) {
-        // A negative imaginary part: with an angle above pi, rounding has pushed a solid angle near 2 pi past it; else
-        // the polygon is seen from behind and counts as 0.
+        // The argument of `half` is half the solid angle, 0 to pi. If it is negative, rounding pushed it past pi (to
+        // near -pi: wrapped), or the polygon is seen from behind (0).
         const double angle = 2 * AngleOf(std::abs(half.imaginary[i]), half.real[i]);
         const double wrapped = angle > kPi ? 4 * kPi - angle : 0;
         const double solid = half.imaginary[i] < 0 ? wrapped : angle;
-        const double on = solid > 0 ? 1 : 0, third = solid * (1.0 / 3);
-        solidAngle[i] = on > 0 ? solid : 0;
-        x[i] = on > 0 ? x[i] : 0, y[i] = on > 0 ? y[i] : 0, z[i] = on > 0 ? z[i] : 0;
-        xx[i] = on > 0 ? xx[i] + third : 0, yy[i] = on > 0 ? yy[i] + third : 0, zz[i] = on > 0 ? zz[i] + third : 0;
-        xy[i] = on > 0 ? xy[i] : 0, yz[i] = on > 0 ? yz[i] : 0, xz[i] = on > 0 ? xz[i] : 0;
+        const double seen = solid > 0 ? 1 : 0, third = solid * (1.0 / 3);
+        solidAngle[i] = seen > 0 ? solid : 0;
+        x[i] = seen > 0 ? x[i] : 0, y[i] = seen > 0 ? y[i] : 0, z[i] = seen > 0 ? z[i] : 0;
+        xx[i] = seen > 0 ? xx[i] + third : 0, yy[i] = seen > 0 ? yy[i] + third : 0;
+        zz[i] = seen > 0 ? zz[i] + third : 0;
+        xy[i] = seen > 0 ? xy[i] : 0, yz[i] = seen > 0 ? yz[i] : 0, xz[i] = seen > 0 ? xz[i] : 0;
     }
 }
 
-Q3_VECTOR void MomentLanes::Take(const MomentLanes &from, const LaneMask &lanes) {
-    const auto take = [&](const DoubleLanes &a, DoubleLanes &b) {
+Q3_VECTOR void MomentLanes::CopyLanes(const MomentLanes &from, const LaneMask &lanes) {
+    const auto copy = [&](const DoubleLanes &a, DoubleLanes &b) {
         for (const std::size_t i : kEachLane)
             b[i] = lanes[i] != 0 ? a[i] : b[i];
     };
-    take(from.solidAngle, solidAngle), take(from.x, x), take(from.y, y), take(from.z, z);
-    take(from.xx, xx), take(from.yy, yy), take(from.zz, zz);
-    take(from.xy, xy), take(from.yz, yz), take(from.xz, xz);
+    copy(from.solidAngle, solidAngle), copy(from.x, x), copy(from.y, y), copy(from.z, z);
+    copy(from.xx, xx), copy(from.yy, yy), copy(from.zz, zz);
+    copy(from.xy, xy), copy(from.yz, yz), copy(from.xz, xz);
 }
 
 void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receivers, const LaneMask &lanes) {
@@ -98,7 +100,7 @@ void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receiver
         std::swap(a, b);
     }
     seen.Finish(half);
-    Take(seen, lanes);
+    CopyLanes(seen, lanes);
 }
 
 Q3_VECTOR void MomentLanes::Project(double scale, const LaneMask &lanes, std::array<Lanes, 9> &projections) const {
@@ -176,8 +178,8 @@ struct PickedTriangle {
 };
 
 /// Samples by solid angle in one triangle. normal, distance: the plane of the polygon relative to p.
-Q3_VECTOR void SampleNear(const Picks &picks, PickedTriangle picked, SphericalTriangle triangle, Vec3f p, Vec3d normal,
-                          double distance, AreaSamples &samples) {
+Q3_VECTOR void SampleBySolidAngle(const Picks &picks, PickedTriangle picked, SphericalTriangle triangle, Vec3f p,
+                                  Vec3d normal, double distance, AreaSamples &samples) {
     Lanes3 &target = samples.target, &direction = samples.direction;
     Q3_INDEPENDENT
     for (const std::size_t i : kEachLane) {
@@ -227,7 +229,7 @@ Vec3f SampleUniformArea(const Light &light, const Sample2 &s) {
     while (i + 1 < sums.size() && double(sums[i]) <= pick)
         ++i;
     const float root = std::sqrt(float(PickedTriangle(sums, i).Within(pick))), v = float(s.v);
-    return light.w[0] * (1 - root) + light.w[i + 1] * (root * (1 - v)) + light.w[i + 2] * (root * v);
+    return light.polygon[0] * (1 - root) + light.polygon[i + 1] * (root * (1 - v)) + light.polygon[i + 2] * (root * v);
 }
 
 AreaSampler::AreaSampler(const Light &light, std::span<const Vec3f> corners, const Vec3f &p, float height,
@@ -247,12 +249,13 @@ AreaSampler::AreaSampler(const Light &light, std::span<const Vec3f> corners, con
         triangles_.clear();
 }
 
-void AreaSampler::Take(std::uint32_t first, AreaSamples &samples) const {
+void AreaSampler::Sample(std::uint32_t first, AreaSamples &samples) const {
     if (!triangles_.empty()) {
         const Picks picks(start_, first, cumulative_);
         for (std::size_t i = 0; i < triangles_.size(); ++i)
             if (picks.Any(i))
-                SampleNear(picks, PickedTriangle(cumulative_, i), triangles_[i], p_, normal_, planeDistance_, samples);
+                SampleBySolidAngle(picks, PickedTriangle(cumulative_, i), triangles_[i], p_, normal_, planeDistance_,
+                                   samples);
         samples.weight.fill(float(cumulative_.back()));
         return;
     }
@@ -260,7 +263,8 @@ void AreaSampler::Take(std::uint32_t first, AreaSamples &samples) const {
     const Picks picks(start_, first, sums);
     for (std::size_t i = 0; i < sums.size(); ++i)
         if (picks.Any(i))
-            SampleByArea(picks, PickedTriangle(sums, i), light_.w[0], light_.w[i + 1], light_.w[i + 2], samples.target);
+            SampleByArea(picks, PickedTriangle(sums, i), light_.polygon[0], light_.polygon[i + 1],
+                         light_.polygon[i + 2], samples.target);
     AimByArea(p_, height_ * light_.shape.area, samples);
 }
 

@@ -39,7 +39,7 @@ class MomentLanes {
     void Clear();
     void AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfSolidAngles &half);
     void Finish(const HalfSolidAngles &half);
-    void Take(const MomentLanes &from, const LaneMask &lanes);
+    void CopyLanes(const MomentLanes &from, const LaneMask &lanes);
 
     DoubleLanes solidAngle, x, y, z, xx, yy, zz, xy, yz, xz;
 };
@@ -58,12 +58,13 @@ struct AreaSamples {
 /// cheaper and as accurate at a distance.
 class AreaSampler {
   public:
-    static constexpr int kSamplesPerTake = int(kPacketSize); ///< number of samples per call of Take
-    /// corners: of the polygon, clockwise as seen from p; height: of p over its plane; seed: of the pattern.
+    static constexpr int kSamplesPerCall = int(kPacketSize); ///< number of samples per call of Sample
+    /// corners: of the polygon, clockwise as seen from p; height: of p over its plane; seed: of the pattern; near:
+    /// samples are uniform in solid angle.
     AreaSampler(const Light &light, std::span<const Vec3f> corners, const Vec3f &p, float height, std::uint64_t seed,
                 bool near);
-    /// Samples first to first + 15.
-    void Take(std::uint32_t first, AreaSamples &samples) const;
+    /// Samples first to first + 15 of the pattern.
+    void Sample(std::uint32_t first, AreaSamples &samples) const;
 
   private:
     const Light &light_;
@@ -72,8 +73,8 @@ class AreaSampler {
     Sample2 start_;                            ///< of the pattern
     std::vector<SphericalTriangle> triangles_; ///< fan of the polygon as seen from p; empty: samples by area
     std::vector<double> cumulative_;           ///< their solid angles, summed up
-    Vec3d normal_;
-    double planeDistance_ = 0;
+    Vec3d normal_;                             ///< of the polygon
+    double planeDistance_ = 0;                 ///< of its plane from p, along the normal
 };
 
 } // namespace q3

@@ -19,32 +19,36 @@ namespace {
 constexpr float kPlaneClearance = 1.0f / 64;
 /// Lights that give less than this get one probe ray; brighter ones a ray to each corner. Byte scale.
 constexpr float kFaint = 1.0f / 4;
-/// Partly hidden lights that give less than this are scaled by the fraction of probe rays that arrive. Byte scale.
-constexpr float kRefine = 0.5f;
-/// Receivers that get at least 2 kRefine are also refined where visibility differs within the batch. From kBright on,
-/// additional probe rays to the inside of the emitter find small blockers that rays to its corners miss. Byte scale.
+/// Receivers that a light is partly hidden from are refined if it gives them at least this; else it is scaled by the
+/// fraction of probe rays that arrive. Byte scale.
+constexpr float kRefineFrom = 0.5f;
+/// Receivers that get at least this are also refined where visibility differs within the batch. Byte scale.
+constexpr float kRefineMixedFrom = 2 * kRefineFrom;
+/// From kBright on (byte scale), kInnerProbes more probe rays to the inside of the emitter find small blockers that
+/// rays to its corners miss.
 constexpr float kBright = 2;
 constexpr int kInnerProbes = 2;
 /// A straight shadow edge across a convex emitter separates its corners, so each gets a probe ray, moved toward the
 /// center by this fraction.
 constexpr float kCornerInset = 0.01f;
 /// Projections are approximated where the error stays below this. Byte scale.
-constexpr float kMomentError = 1.0f / 256;
+constexpr float kMaxProjectionError = 1.0f / 256;
 /// From this (radius / distance)^2 on, a light is too near for any approximation.
-constexpr float kNearError = 0.25f;
+constexpr float kNearPointError = 0.25f;
 /// Limits of the number of rays to a partly hidden light.
-constexpr float kMinRefined = 16, kMaxRefined = 1024;
+constexpr float kMinRefinedRays = 16, kMaxRefinedRays = 1024;
 /// Expected error that determines this number. Byte scale.
-constexpr float kTolerance = 0.25f;
+constexpr float kRefinedError = 0.25f;
 /// Rays end this far in front of the emitter, since its surface is in the scene, or half way to its plane if that is
 /// nearer. Game units.
 constexpr float kEmitterGap = 0.125f;
 
-int RefinedRays(float facing, float samples) {
-    // A stratified pattern's error falls about as n^-0.75, from half of the light at one ray.
-    const float n = std::pow(0.5f * facing / kTolerance, 1 / 0.75f) * samples;
-    return int(std::ceil(std::clamp(n, kMinRefined, kMaxRefined * samples) / AreaSampler::kSamplesPerTake)) *
-           AreaSampler::kSamplesPerTake;
+/// Number of rays to a partly hidden light: n times `samples`, where kRefinedError = (estimate / 2) n^-0.75, which is
+/// about the error of n stratified samples.
+int RefinedRays(float estimate, float samples) {
+    const float n = std::pow(0.5f * estimate / kRefinedError, 1 / 0.75f) * samples;
+    return int(std::ceil(std::clamp(n, kMinRefinedRays, kMaxRefinedRays * samples) / AreaSampler::kSamplesPerCall)) *
+           AreaSampler::kSamplesPerCall;
 }
 
 enum class Assign { Set, Add };
@@ -93,10 +97,10 @@ Q3_VECTOR void SampleMoments::Add(const AreaSamples &samples, const LaneMask &se
     }
 }
 
-/// Adds 1 to each lane whose ray arrived.
-Q3_VECTOR void AddSeen(const RayPacket &rays, Lanes &clear) {
+/// Adds 1 to each lane whose ray arrived: `live` is -1 there, else 0.
+Q3_VECTOR void CountArrived(const RayPacket &rays, Lanes &arrived) {
     for (const std::size_t i : kEachLane)
-        clear[i] -= float(rays.live[i]);
+        arrived[i] -= float(rays.live[i]);
 }
 
 } // namespace
@@ -106,25 +110,27 @@ inline float AreaContribution::EmitterOffset(std::size_t i) const {
     return behind_[i] != 0 ? -off : off;
 }
 
-/// Height over the emitter's plane, distance and, with A the area and r the radius of the emitter, h the height and d
-/// the distance: unoccluded estimate add A h / (pi d^3), error (r / d)^2. Ends receivers behind a one-sided light.
+/// Height h over the emitter's plane and, with A the area and r the radius of the emitter and d the distance to its
+/// center: unoccluded estimate radiosity A h / (pi d^3), error as a point (r / d)^2. Receivers behind a one-sided light
+/// are live no longer.
 Q3_VECTOR void AreaContribution::MeasureLanes() {
     const AreaShape &shape = light_.shape;
     const bool twoSided = light_.twoSided;
-    const float strength = light_.add * shape.area / std::numbers::pi_v<float>, size2 = shape.radius * shape.radius;
+    const float strength = light_.radiosity * shape.area / std::numbers::pi_v<float>,
+                size2 = shape.radius * shape.radius;
     for (const std::size_t i : kEachLane) {
         const float px = receivers_->position.x[i], py = receivers_->position.y[i], pz = receivers_->position.z[i];
-        const float s =
+        const float signedHeight =
             float(shape.normal.x * double(px) + shape.normal.y * double(py) + shape.normal.z * double(pz) - shape.dist);
         const float x = shape.center.x - px, y = shape.center.y - py, z = shape.center.z - pz;
         const float d2 = x * x + y * y + z * z;
-        height_[i] = std::abs(s);
-        behind_[i] = s < 0 ? -1 : 0;
-        error_[i] = d2 > 0 ? size2 / d2 : 1;
+        height_[i] = std::abs(signedHeight);
+        behind_[i] = signedHeight < 0 ? -1 : 0;
+        pointError_[i] = d2 > 0 ? size2 / d2 : 1;
         unoccludedEstimate_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
-        const bool inFront = (std::abs(s) >= kPlaneClearance) & (int(s > 0) | int(twoSided));
+        const bool inFront = (std::abs(signedHeight) >= kPlaneClearance) & (int(signedHeight > 0) | int(twoSided));
         live_[i] = inFront ? live_[i] : 0;
-        near_[i] = error_[i] < kNearError ? 0 : live_[i];
+        near_[i] = pointError_[i] < kNearPointError ? 0 : live_[i];
     }
 }
 
@@ -134,22 +140,22 @@ void AreaContribution::MeasureMoments(const LaneMask &lanes) {
     for (const std::size_t i : kEachLane)
         front[i] = lanes[i] & ~behind_[i], behind[i] = lanes[i] & behind_[i];
     if (front.Any())
-        moments_.Measure(light_.w, receivers_->position, front);
+        moments_.Measure(light_.polygon, receivers_->position, front);
     if (behind.Any())
         moments_.Measure(light_.shape.back, receivers_->position, behind);
 }
 
-/// MeasureMoments for the near receivers, and the unoccluded estimate from the moments: add |m1| / pi, m1 the first
-/// moment.
+/// MeasureMoments for the near receivers, and the unoccluded estimate from the moments: radiosity |m1| / pi, m1 the
+/// first moment.
 void AreaContribution::MeasureNear() {
     MeasureMoments(near_);
     for (const std::size_t i : kEachLane)
         if (near_[i] != 0)
-            unoccludedEstimate_[i] = light_.add * float(moments_.FirstLength(i) / std::numbers::pi);
+            unoccludedEstimate_[i] = light_.radiosity * float(moments_.FirstLength(i) / std::numbers::pi);
 }
 
-/// Ends receivers outside the light's bounds and those that get at most `least` (>= 0). Returns the greatest estimate
-/// of the remaining ones.
+/// Receivers outside the light's bounds and those that get at most `least` (>= 0) are live no longer. Returns the
+/// greatest estimate of the remaining ones.
 Q3_VECTOR float AreaContribution::CullUnlit(float least) {
     const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
     float brightest = 0;
@@ -168,13 +174,13 @@ Q3_VECTOR float AreaContribution::CullUnlit(float least) {
 bool AreaContribution::EstimateUnoccluded() {
     MeasureLanes();
     MeasureNear();
-    brightest_ = CullUnlit(light_.fast ? light_.tolerance : 0);
-    TakePart();
+    brightest_ = CullUnlit(light_.endsAtTolerance ? light_.tolerance : 0);
+    SetPartFractions();
     return live_.Any();
 }
 
-/// Sets partFraction_; ends receivers at which the part is 0.
-Q3_VECTOR void AreaContribution::TakePart() {
+/// Sets partFraction_; receivers at which the part is 0 are live no longer.
+Q3_VECTOR void AreaContribution::SetPartFractions() {
     partFraction_.fill(1);
     if (settings_.part == LightPart::Whole)
         return;
@@ -185,34 +191,36 @@ Q3_VECTOR void AreaContribution::TakePart() {
     }
 }
 
-/// The cheapest method whose error is under kMomentError for all receivers that are not near.
+/// The cheapest method whose error is under kMaxProjectionError for all receivers that are not near.
 AreaContribution::Method AreaContribution::ChooseMethod() const {
     if (!settings_.skip.moments)
         return Method::ClosedForm;
-    // Relative errors: a point with a cosine about (radius / distance)^2, three samples per triangle about its square.
+    // Relative errors: as a point about (radius / distance)^2, by three samples per triangle about its square.
     float asPoint = 0, asSamples = 0;
     for (const std::size_t i : kEachLane) {
-        const float light = live_[i] != 0 && near_[i] == 0 ? unoccludedEstimate_[i] * error_[i] : 0;
-        asPoint = std::max(asPoint, light);
-        asSamples = std::max(asSamples, light * error_[i]);
+        const float error = live_[i] != 0 && near_[i] == 0 ? unoccludedEstimate_[i] * pointError_[i] : 0;
+        asPoint = std::max(asPoint, error);
+        asSamples = std::max(asSamples, error * pointError_[i]);
     }
-    return asPoint < kMomentError ? Method::Point : asSamples < kMomentError ? Method::Quadrature : Method::ClosedForm;
+    return asPoint < kMaxProjectionError     ? Method::Point
+           : asSamples < kMaxProjectionError ? Method::Quadrature
+                                             : Method::ClosedForm;
 }
 
-int AreaContribution::Probes() const {
+int AreaContribution::ProbeCount() const {
     const bool shortcuts = settings_.skip.probes;
     if (brightest_ < kFaint && shortcuts)
         return 1;
-    return int(light_.w.size()) + (brightest_ < kBright && shortcuts ? 0 : kInnerProbes);
+    return int(light_.polygon.size()) + (brightest_ < kBright && shortcuts ? 0 : kInnerProbes);
 }
 
 /// Point of the emitter for a probe ray: the same for all receivers, so that their rays are coherent.
 Vec3f AreaContribution::ProbeTarget(int probe) const {
-    const bool one = brightest_ < kFaint && settings_.skip.probes;
-    const int corners = one ? 0 : int(light_.w.size());
+    const bool onlyOne = brightest_ < kFaint && settings_.skip.probes;
+    const int corners = onlyOne ? 0 : int(light_.polygon.size());
     if (probe >= corners)
         return SampleUniformArea(light_, PlasticSample(std::uint32_t(probe - corners), receivers_->index[0]));
-    const Vec3f &corner = light_.w[std::size_t(probe)];
+    const Vec3f &corner = light_.polygon[std::size_t(probe)];
     return corner + (light_.shape.center - corner) * kCornerInset;
 }
 
@@ -231,7 +239,7 @@ Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) co
     }
 }
 
-/// Adds the transmittances of a round of probe rays; called from the first round on in which a ray was tinted.
+/// Adds the transmittances of one probe ray per receiver; called from the first time on that a ray was tinted.
 void AreaContribution::AddTint(const RayPacket &rays) {
     if (!tinted_) // all rays so far were untinted
         tintSum_ = {arrived_, arrived_, arrived_};
@@ -251,12 +259,12 @@ void AreaContribution::TraceProbes(int probes) {
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
         if (tinted_ || rays.tinted)
             AddTint(rays);
-        AddSeen(rays, arrived_);
+        CountArrived(rays, arrived_);
     }
 }
 
-/// Live receivers whose visibility the probe rays leave uncertain. Ends receivers from which no probe ray arrived;
-/// Refine makes those to be refined live again.
+/// Live receivers whose visibility the probe rays leave uncertain. Receivers from which no probe ray arrived are live
+/// no longer; Refine makes those to be refined live again.
 Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
     const float allProbes = float(probes);
     std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
@@ -269,17 +277,17 @@ Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
     const std::int32_t mixed = comparesNeighbors && ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
     // Shortcuts: dim receivers are not refined; those that only differ from their neighbors must be twice as bright.
     const bool shortcuts = settings_.skip.probes;
-    const float partlyFrom = shortcuts ? kRefine : 0, mixedFrom = shortcuts ? 2 * kRefine : 0;
-    LaneMask unsure;
+    const float partlyFrom = shortcuts ? kRefineFrom : 0, mixedFrom = shortcuts ? kRefineMixedFrom : 0;
+    LaneMask uncertain;
     for (const std::size_t i : kEachLane) {
-        const float clear = arrived_[i], estimate = unoccludedEstimate_[i];
-        const std::int32_t partly = -std::int32_t((clear != allProbes) & (clear != 0));
-        const std::int32_t asked =
+        const float arrived = arrived_[i], estimate = unoccludedEstimate_[i];
+        const std::int32_t partly = -std::int32_t((arrived != allProbes) & (arrived != 0));
+        const std::int32_t doubtful =
             (partly & -std::int32_t(estimate >= partlyFrom)) | (mixed & -std::int32_t(estimate >= mixedFrom));
-        unsure[i] = live_[i] & asked;
-        live_[i] &= -std::int32_t(clear > 0);
+        uncertain[i] = live_[i] & doubtful;
+        live_[i] &= -std::int32_t(arrived > 0);
     }
-    return unsure;
+    return uncertain;
 }
 
 /// Coefficient k is the unoccluded estimate times Y[k](direction to the center).
@@ -292,7 +300,7 @@ Q3_VECTOR void AreaContribution::ProjectAsPoint() {
     }
 }
 
-/// Adds a small piece of the emitter at `at`: strength h / d^3 times Y[k](direction); strength: add * area / pi.
+/// Adds a small piece of the emitter at `at`: strength h / d^3 times Y[k](direction); strength: radiosity area / pi.
 Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
     const Lanes3 &p = receivers_->position;
     for (const std::size_t i : kEachLane) {
@@ -302,15 +310,16 @@ Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
     }
 }
 
-/// Quadrature over the emitter with three interior points a triangle, exact for quadratic integrands.
+/// Quadrature over the emitter with three points a triangle, at barycentric coordinates (2/3, 1/6, 1/6) in turn, and
+/// equal weights: exact for polynomials of degree 2 (Strang and Fix 1973).
 void AreaContribution::ProjectByQuadrature() {
-    const Winding<float> &w = light_.w;
+    const Winding<float> &w = light_.polygon;
     const AreaShape &shape = light_.shape;
     for (Lanes &row : incident_->shCoeffs)
         row.fill(0);
     float before = 0;
     for (std::size_t t = 2; t < w.size(); ++t) {
-        const float strength = light_.add * (shape.cumulative[t - 2] - before) / (3 * std::numbers::pi_v<float>);
+        const float strength = light_.radiosity * (shape.cumulative[t - 2] - before) / (3 * std::numbers::pi_v<float>);
         before = shape.cumulative[t - 2];
         const Vec3f sum = w[0] + w[t - 1] + w[t];
         for (const Vec3f &corner : {w[0], w[t - 1], w[t]}) {
@@ -322,16 +331,16 @@ void AreaContribution::ProjectByQuadrature() {
 
 /// Sets the projections of the near receivers by closed form, and those of the others if that is their method; also
 /// measures the moments of receivers to refine.
-void AreaContribution::TakeClosedForms(Method others, const LaneMask &refine) {
-    LaneMask more, taken;
+void AreaContribution::ProjectByClosedForm(Method others, const LaneMask &refine) {
+    LaneMask unmeasured, projected;
     for (const std::size_t i : kEachLane) {
-        taken[i] = others == Method::ClosedForm ? live_[i] : near_[i];
-        more[i] = (taken[i] | refine[i]) & ~near_[i];
+        projected[i] = others == Method::ClosedForm ? live_[i] : near_[i];
+        unmeasured[i] = (projected[i] | refine[i]) & ~near_[i];
     }
-    if (more.Any())
-        MeasureMoments(more);
-    if (taken.Any())
-        moments_.Project(double(light_.add) / std::numbers::pi, taken, incident_->shCoeffs);
+    if (unmeasured.Any())
+        MeasureMoments(unmeasured);
+    if (projected.Any())
+        moments_.Project(double(light_.radiosity) / std::numbers::pi, projected, incident_->shCoeffs);
 }
 
 /// Visible fractions and tints from the probe rays, for receivers that are not refined.
@@ -351,9 +360,9 @@ Q3_VECTOR void AreaContribution::SetVisibleFractions(float probes, const LaneMas
     }
 }
 
-/// Coefficients of receiver i from the projection of the visible solid angle: times add / pi.
+/// Coefficients of receiver i from the projection of the visible solid angle: times radiosity / pi.
 void AreaContribution::SetProjection(std::size_t i, const SHVector &projection) {
-    const double scale = double(light_.add) / std::numbers::pi;
+    const double scale = double(light_.radiosity) / std::numbers::pi;
     for (std::size_t k = 0; k < 9; ++k)
         incident_->shCoeffs[k][i] = float(projection[k] * scale);
 }
@@ -371,42 +380,43 @@ void AreaContribution::Refine(std::size_t i) {
                               near_[i] != 0);
     SampleMoments moments;
     Vec3d tint;
-    int clear = 0;
+    int arrived = 0;
     ++counts_.refined;
     RayPacket rays;
     AreaSamples samples{};
-    for (int first = 0; first < n; first += AreaSampler::kSamplesPerTake) {
-        sampler.Take(std::uint32_t(first), samples);
+    for (int first = 0; first < n; first += AreaSampler::kSamplesPerCall) {
+        sampler.Sample(std::uint32_t(first), samples);
         AimFrom(receivers_->rayOrigin[i], samples.target, lift, rays);
         scene_.TraceToLight(rays, ShadowRules::Exact, counts_);
         moments.Add(samples, rays.live);
-        clear += rays.live.Count();
+        arrived += rays.live.Count();
         for (const std::size_t ray : kEachLane)
             if (rays.tinted && rays.live[ray] != 0)
-                tint += Vec3d(rays.tint[ray]) - Vec3d{1, 1, 1};
+                tint += Vec3d(rays.tint[ray]) - Vec3d{1, 1, 1}; // the ones are added below, also for untinted packets
         tinted_ = tinted_ || rays.tinted;
     }
-    live_.Set(i, clear > 0);
-    if (clear == 0)
+    live_.Set(i, arrived > 0);
+    if (arrived == 0)
         return;
-    tint += Vec3d{1, 1, 1} * double(clear);
-    const double fraction = double(clear) / n;
+    tint += Vec3d{1, 1, 1} * double(arrived);
+    const double fraction = double(arrived) / n;
     SHVector projection = moments_.Of(i).Projection();
     for (std::size_t k = 0; k < 9; ++k) {
         const double visible = SampleMoments::Total(moments.visible[k]), whole = SampleMoments::Total(moments.whole[k]);
         projection[k] = fraction * projection[k] + (visible - fraction * whole) / n;
     }
     SetProjection(i, projection);
-    incident_->tint.Set(i, Vec3f(tint / double(clear)));
+    incident_->tint.Set(i, Vec3f(tint / double(arrived)));
 }
 
-/// Applies fraction, weight and the cosine lobe; sets `add`.
+/// Applies fraction, weight and the cosine lobe; sets `add` to the sum of the light over all directions: coefficient 0
+/// divided by Y[0], which is kSHC0 = 1 / sqrt(4 pi).
 Q3_VECTOR void AreaContribution::Convolve() {
-    const float fromAll = float(4 * std::numbers::pi * kSHC0);
+    const float perBasis = float(4 * std::numbers::pi * kSHC0);
     for (const std::size_t i : kEachLane)
         visibleFraction_[i] *= partFraction_[i];
     for (const std::size_t i : kEachLane)
-        incident_->add[i] = incident_->shCoeffs[0][i] * visibleFraction_[i] * weight_ * fromAll;
+        incident_->add[i] = incident_->shCoeffs[0][i] * visibleFraction_[i] * weight_ * perBasis;
     for (std::size_t k = 0; k < 9; ++k) {
         const float scale = weight_ * float(StoredFactor(k, settings_.radiance));
         for (const std::size_t i : kEachLane)
@@ -414,7 +424,7 @@ Q3_VECTOR void AreaContribution::Convolve() {
     }
 }
 
-void AreaContribution::Add(ReceiverBatch &receivers, ProbeIncidentLight &incident) {
+void AreaContribution::Evaluate(ReceiverBatch &receivers, ProbeIncidentLight &incident) {
     receivers_ = &receivers;
     incident_ = &incident;
     weight_ = givenWeight_;
@@ -422,7 +432,7 @@ void AreaContribution::Add(ReceiverBatch &receivers, ProbeIncidentLight &inciden
     live_ = incident_->live;
     incident_->live = {};
     const int inSight = live_.Count();
-    const bool any = light_.w.size() >= 3 && EstimateUnoccluded();
+    const bool any = light_.polygon.size() >= 3 && EstimateUnoccluded();
     counts_.skippedFacing += std::uint64_t(any ? inSight - live_.Count() : inSight);
     if (!any)
         return;
@@ -430,7 +440,7 @@ void AreaContribution::Add(ReceiverBatch &receivers, ProbeIncidentLight &inciden
         counts_.skippedFaint += std::uint64_t(live_.Count());
         return;
     }
-    const int probes = Probes();
+    const int probes = ProbeCount();
     counts_.skippedProbes += std::uint64_t(probes == 1 ? live_.Count() : 0);
     TraceProbes(probes);
     const LaneMask refine = LanesToRefine(probes);
@@ -442,7 +452,7 @@ void AreaContribution::Add(ReceiverBatch &receivers, ProbeIncidentLight &inciden
     else if (method == Method::Quadrature)
         ProjectByQuadrature();
     counts_.skippedMoments += std::uint64_t(method == Method::ClosedForm ? 0 : live_.Count());
-    TakeClosedForms(method, refine);
+    ProjectByClosedForm(method, refine);
     SetVisibleFractions(float(probes), refine);
     for (unsigned lanes = refine.Bits(); lanes != 0; lanes &= lanes - 1)
         Refine(std::size_t(std::countr_zero(lanes)));

@@ -23,7 +23,7 @@ class AreaContribution {
         : light_(light), givenWeight_(weight), settings_(settings), scene_(scene), counts_(counts) {}
 
     /// Sets `incident` of the live receivers; those that get nothing are live no longer.
-    void Add(ReceiverBatch &receivers, ProbeIncidentLight &incident);
+    void Evaluate(ReceiverBatch &receivers, ProbeIncidentLight &incident);
 
   private:
     /// How the unoccluded projection is computed, from the cheapest to the exact one.
@@ -31,15 +31,15 @@ class AreaContribution {
     bool FromBehind(std::size_t i) const { return behind_[i] != 0; }
     /// Signed distance along the emitter's normal at which rays of receiver i end in front of it, see kEmitterGap.
     float EmitterOffset(std::size_t i) const;
-    std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.w; }
+    std::span<const Vec3f> Corners(std::size_t i) const { return FromBehind(i) ? light_.shape.back : light_.polygon; }
     void MeasureLanes();
     void MeasureMoments(const LaneMask &lanes);
     void MeasureNear();
     float CullUnlit(float least);
     bool EstimateUnoccluded();
-    void TakePart();
+    void SetPartFractions();
     Method ChooseMethod() const;
-    int Probes() const;
+    int ProbeCount() const;
     Vec3f ProbeTarget(int probe) const;
     void AimAll(const Vec3f &target, RayPacket &rays) const;
     void TraceProbes(int probes);
@@ -48,7 +48,7 @@ class AreaContribution {
     void ProjectAsPoint();
     void AddSample(const Vec3f &at, float strength);
     void ProjectByQuadrature();
-    void TakeClosedForms(Method others, const LaneMask &refine);
+    void ProjectByClosedForm(Method others, const LaneMask &refine);
     void SetVisibleFractions(float probes, const LaneMask &refine);
     void SetProjection(std::size_t i, const SHVector &projection);
     void Refine(std::size_t i);
@@ -60,7 +60,7 @@ class AreaContribution {
     const LightScene &scene_;
     ContributionCounts &counts_;
 
-    // State of the batch in Add, a lane per receiver.
+    // State of the batch in Evaluate, a lane per receiver.
     ReceiverBatch *receivers_ = nullptr;
     ProbeIncidentLight *incident_ = nullptr;
     float weight_ = 1; ///< givenWeight_, changed by SelectFaintLight for this batch
@@ -70,9 +70,9 @@ class AreaContribution {
     Lanes height_;             ///< distance to the plane of the light
     Lanes partFraction_;       ///< see FractionOfPart; 1 for LightPart::Whole
     Lanes unoccludedEstimate_; ///< approximate light without shadows on a surface facing the emitter; byte scale
-    Lanes error_;              ///< (radius of the emitter / distance)^2, a measure of approximation error
+    Lanes pointError_;         ///< (radius of the emitter / distance)^2, about the relative error of a point light
     float brightest_ = 0;      ///< greatest unoccludedEstimate_
-    MomentLanes moments_;      ///< of near receivers and, after TakeClosedForms, of all that need closed forms
+    MomentLanes moments_;      ///< of near receivers and, after ProjectByClosedForm, of all that need closed forms
     Lanes arrived_;            ///< number of probe rays that arrived
     Lanes visibleFraction_;    ///< visible fraction of the light; 1 for refined receivers, whose projection includes it
     Lanes3 tintSum_;           ///< sum of the transmittances of the probe rays that arrived; valid if tinted_

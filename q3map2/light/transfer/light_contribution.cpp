@@ -41,7 +41,7 @@ float LightBound(const Light &light, const Boundsf &box) {
     const float reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
     const float height = std::abs(Dot(n, box.Center()) - float(shape.dist)) + reach;
     const float fraction = d > 0 ? shape.area * std::min(1.0f, height / d) / (std::numbers::pi_v<float> * d * d) : 1;
-    return color * light.add * std::min(1.0f, fraction);
+    return color * light.radiosity * std::min(1.0f, fraction);
 }
 
 // ---- Light of one source at points of the light grids ----
@@ -51,7 +51,7 @@ namespace {
 /// Lights dimmer than this may use coarse visibility. Byte scale.
 constexpr float kDim = 1;
 
-/// Ends receivers outside the light's bounds or beyond its envelope.
+/// Receivers outside the light's bounds or beyond its envelope are live no longer.
 Q3_VECTOR void CullReach(const Light &light, const Lanes3 &position, ProbeIncidentLight &incident) {
     const Vec3f from = light.bounds.mins, to = light.bounds.maxs;
     const float envelope = light.envelope;
@@ -64,43 +64,45 @@ Q3_VECTOR void CullReach(const Light &light, const Lanes3 &position, ProbeIncide
     }
 }
 
-/// add = |f| light.add, f the form factor for a receiver that faces the light; 0 behind a one-sided light.
-Q3_VECTOR void TakeFormFactors(const Light &light, const Lanes &s, const Lanes &f, ProbeIncidentLight &incident) {
+/// add = |form factor| radiosity; 0 behind a one-sided light.
+Q3_VECTOR void SetFromFormFactors(const Light &light, const Lanes &heights, const Lanes &formFactors,
+                                  ProbeIncidentLight &incident) {
     const bool twoSided = light.twoSided;
-    const float add = light.add;
+    const float radiosity = light.radiosity;
     for (const std::size_t i : kEachLane) {
-        const float height = s[i], factor = f[i];
+        const float height = heights[i], factor = formFactors[i];
         const float front = height < -kAreaBehind ? 0 : std::max(factor, 0.0f);
-        incident.add[i] = (twoSided ? std::abs(factor) : front) * add;
+        incident.add[i] = (twoSided ? std::abs(factor) : front) * radiosity;
     }
 }
 
 /// An area light by the established program's formula: the form factor of a receiver that faces the light's center.
-void LegacyAreaLight(const Light &light, const ReceiverBatch &receivers, ProbeIncidentLight &incident) {
-    Lanes s, f;
+void SetLegacyAreaLight(const Light &light, const ReceiverBatch &receivers, ProbeIncidentLight &incident) {
+    Lanes heights, formFactors;
     Lanes3 pushed;
-    AreaHeights(light, receivers.position, s, pushed);
-    FormFactors(pushed, incident.direction, light.w, f);
-    TakeFormFactors(light, s, f, incident);
+    AreaHeights(light, receivers.position, heights, pushed);
+    FormFactors(pushed, incident.direction, light.polygon, formFactors);
+    SetFromFormFactors(light, heights, formFactors, incident);
 }
 
 /// Sets the unshadowed light of a source other than a sun.
-void Unshadowed(const Light &light, const LightSettings &settings, const ReceiverBatch &receivers,
-                ProbeIncidentLight &incident) {
+void SetUnshadowedLight(const Light &light, const LightSettings &settings, const ReceiverBatch &receivers,
+                        ProbeIncidentLight &incident) {
     AimAt(light.origin, receivers.position, incident);
     CullReach(light, receivers.position, incident);
     if (!incident.live.Any())
         return;
     if (light.type == LightType::Area && !settings.pointAreas)
-        return LegacyAreaLight(light, receivers, incident);
-    Lanes angle;
-    angle.fill(1);
-    PointLight(light, angle, incident);
+        return SetLegacyAreaLight(light, receivers, incident);
+    Lanes angleFactor;
+    angleFactor.fill(1);
+    SetPointLight(light, angleFactor, incident);
 }
 
 /// Projects light from one direction u on the SH basis: coefficient k is add * Y[k](u) times the convolution factor of
 /// its band. At the light's own position u is zero: light from all directions, band 0 alone.
 Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
+    // s0 to s4: SHBasis's constants times the factors; s2 is of xy, yz and xz, s3 of 3 z^2 - 1, s4 of x^2 - y^2.
     const float s0 = float(kSHC0) * float(StoredFactor(0, radiance));
     const float s1 = float(kSHC1) * float(StoredFactor(1, radiance));
     const float band2 = float(StoredFactor(4, radiance));
@@ -115,14 +117,14 @@ Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
         c[3][i] = s1 * x * add;
         c[4][i] = s2 * (x * y) * add;
         c[5][i] = s2 * (y * z) * add;
-        c[6][i] = s3 * (2 * z * z - x * x - y * y) * add; // 3 z^2 - 1, and 0 where there is no direction
+        c[6][i] = s3 * (2 * z * z - x * x - y * y) * add; // 3 z^2 - 1, but 0 where u is zero
         c[7][i] = s2 * (x * z) * add;
         c[8][i] = s4 * (x * x - y * y) * add;
     }
 }
 
-/// Reduces `add` to the part of the light that the pass takes; ends receivers at which that is 0.
-void TakePart(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
+/// Reduces `add` to the part of the light that the pass takes; receivers at which that is 0 are live no longer.
+void ReduceToPart(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
     if (settings.part == LightPart::Whole)
         return;
     const float color = MaxAbsComponent(light.color);
@@ -140,7 +142,8 @@ class SingleRayLight {
         : light_(light), weight_(weight), settings_(settings), scene_(scene), batches_(batches), incident_(incident),
           counts_(counts), exact_(settings.pass == LightPass::GridSH), rays_(Trace{*this}) {}
 
-    void Add() {
+    /// Sets `incident` of the live receivers; those that get nothing are live no longer.
+    void Evaluate() {
         float strongest = 0;
         for (std::size_t batch = 0; batch < batches_.size(); ++batch)
             if (incident_[batch].live.Any())
@@ -157,7 +160,8 @@ class SingleRayLight {
     }
 
   private:
-    /// Lanes of a full batch that are spread over all axes of its block of points.
+    /// Lanes of a full batch, a block of 4 x 2 x 2 points with x fastest, that differ along all axes: the points
+    /// (0, 0, 0), (1, 1, 0), (2, 0, 1) and (3, 1, 1).
     static constexpr unsigned kCoarseLanes = 1u << 0 | 1u << 5 | 1u << 10 | 1u << 15;
 
     /// The receiver of a queued ray.
@@ -165,11 +169,11 @@ class SingleRayLight {
         std::size_t batch, lane;
     };
     struct Trace {
-        SingleRayLight &of;
+        SingleRayLight &light;
         void operator()(RayPacket &packet, std::span<const Receiver> receivers) const {
-            of.Cast(packet);
+            light.Cast(packet);
             for (std::size_t ray = 0; ray < receivers.size(); ++ray)
-                of.Take(packet, ray, receivers[ray]);
+                light.StoreResult(packet, ray, receivers[ray]);
         }
     };
 
@@ -187,7 +191,7 @@ class SingleRayLight {
         else
             scene_.TraceToLight(rays, rules, counts_);
     }
-    void Take(const RayPacket &rays, std::size_t ray, const Receiver &receiver) const;
+    void StoreResult(const RayPacket &rays, std::size_t ray, const Receiver &receiver) const;
     void Queue(std::size_t batch, unsigned lanes);
     void TraceCoarse();
 
@@ -211,17 +215,17 @@ float SingleRayLight::Prepare(std::size_t batch) {
         incident.add.fill(light_.photons * weight_);
         if (!(light_.photons * weight_ > 0))
             incident.live = {};
-        TakePart(light_, settings_, incident);
+        ReduceToPart(light_, settings_, incident);
         return Strongest(incident);
     }
     const int inSight = incident.live.Count();
-    Unshadowed(light_, settings_, receivers, incident);
-    CullFaint(light_, incident);
+    SetUnshadowedLight(light_, settings_, receivers, incident);
+    CullBelowTolerance(light_, incident);
     const int inReach = incident.live.Count();
     counts_.skippedFacing += std::uint64_t(inSight - inReach);
-    if (inReach == 0 || !TakeFaint(light_, settings_.faint, weight_, receivers, incident, counts_))
+    if (inReach == 0 || !ApplyFaintSelection(light_, settings_.faint, weight_, receivers, incident, counts_))
         return 0;
-    TakePart(light_, settings_, incident);
+    ReduceToPart(light_, settings_, incident);
     return Strongest(incident);
 }
 
@@ -234,7 +238,7 @@ void SingleRayLight::Queue(std::size_t batch, unsigned lanes) {
         RayPacket rays;
         SetShadowRays(receivers, incident, rays);
         Cast(rays);
-        return TakeShadowRays(rays, incident);
+        return ApplyShadowRays(rays, incident);
     }
     for (; lanes != 0; lanes &= lanes - 1) {
         const auto lane = std::size_t(std::countr_zero(lanes));
@@ -243,7 +247,7 @@ void SingleRayLight::Queue(std::size_t batch, unsigned lanes) {
 }
 
 /// Stores the result of a queued ray.
-void SingleRayLight::Take(const RayPacket &rays, std::size_t ray, const Receiver &receiver) const {
+void SingleRayLight::StoreResult(const RayPacket &rays, std::size_t ray, const Receiver &receiver) const {
     ProbeIncidentLight &incident = incident_[receiver.batch];
     incident.live[receiver.lane] = rays.live[ray];
     if (!rays.tinted || rays.live[ray] == 0 || rays.filtered[ray] == 0)
@@ -292,10 +296,10 @@ void LightContributionToPoint(const Light &light, float weight, const LightSetti
         AreaContribution area(light, weight, settings, scene, counts);
         for (std::size_t i = 0; i < batches.size(); ++i)
             if (incident[i].live.Any())
-                area.Add(batches[i], incident[i]);
+                area.Evaluate(batches[i], incident[i]);
         return;
     }
-    SingleRayLight(light, weight, settings, scene, batches, incident.first(batches.size()), counts).Add();
+    SingleRayLight(light, weight, settings, scene, batches, incident.first(batches.size()), counts).Evaluate();
 }
 
 } // namespace q3

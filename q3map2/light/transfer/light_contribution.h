@@ -22,8 +22,8 @@ bool SelectFaintLight(float faint, float bound, float &residual, float &weight);
 ///
 ///     sun:         photons
 ///     point, spot: falloff at the distance of the box
-///     area:        add min(1, A cos / (pi d^2)), A its area, d the least distance of the box from it, cos the greatest
-///                  height of the box over its plane divided by d, at most 1
+///     area:        radiosity min(1, A cos / (pi d^2)), A its area, d the least distance of the box from it, cos the
+///                  greatest height of the box over its plane divided by d, at most 1
 float LightBound(const Light &light, const Boundsf &box);
 
 /// The part of each light that a grid pass traces. Weak and strong part add up to the light; see FractionOfPart.
@@ -49,8 +49,8 @@ struct LightSettings {
     bool shadows = true;     ///< false: no rays are cast, everything that faces the receiver arrives
     float samples = 1;       ///< factor of the number of rays to partly hidden area lights
     SkipOptions skip;
-    float faint =
-        0; ///< area lights that give a batch less may be represented by others, see SelectFaintLight. Byte scale
+    /// Area lights that give a batch less may be represented by others, see SelectFaintLight. Byte scale.
+    float faint = 0;
     LightPart part = LightPart::Whole; ///< others: GridSH only
     float weakBelow = 0;               ///< see FractionOfPart. Byte scale
 };

@@ -17,25 +17,25 @@ Q3_VECTOR void CullBelow(float least, IncidentLight &incident) {
     }
 }
 
-Q3_VECTOR void SetFalloff(Falloff falloff, const Lanes &angle, IncidentLight &incident) {
+Q3_VECTOR void SetFalloff(Falloff falloff, const Lanes &angleFactor, IncidentLight &incident) {
     const Lanes &distance = incident.distance;
     Lanes &add = incident.add;
     switch (falloff.Curve()) {
     case FalloffCurve::InverseSquare:
         for (const std::size_t i : kEachLane)
-            add[i] = falloff.InverseSquare(distance[i], angle[i]);
+            add[i] = falloff.InverseSquare(distance[i], angleFactor[i]);
         break;
     case FalloffCurve::Linear:
         for (const std::size_t i : kEachLane)
-            add[i] = falloff.Linear(distance[i], angle[i]);
+            add[i] = falloff.Linear(distance[i], angleFactor[i]);
         break;
     case FalloffCurve::Windowed:
         for (const std::size_t i : kEachLane)
-            add[i] = falloff.Windowed(distance[i], angle[i]);
+            add[i] = falloff.Windowed(distance[i], angleFactor[i]);
         break;
     case FalloffCurve::Polynomial:
         for (const std::size_t i : kEachLane)
-            add[i] = falloff.Polynomial(distance[i], angle[i]);
+            add[i] = falloff.Polynomial(distance[i], angleFactor[i]);
         break;
     }
 }
@@ -71,8 +71,8 @@ void AimAtSun(const Light &light, IncidentLight &incident) {
     incident.distance.fill(kSunDistance);
 }
 
-void PointLight(const Light &light, const Lanes &angle, IncidentLight &incident) {
-    SetFalloff(Falloff(light), angle, incident);
+void SetPointLight(const Light &light, const Lanes &angleFactor, IncidentLight &incident) {
+    SetFalloff(Falloff(light), angleFactor, incident);
     if (light.type != LightType::Spot)
         return;
     for (const std::size_t i : kEachLane)
@@ -80,20 +80,20 @@ void PointLight(const Light &light, const Lanes &angle, IncidentLight &incident)
             incident.add[i] *= ConeFraction(light, incident.direction[i] * incident.distance[i]);
 }
 
-Q3_VECTOR void AreaHeights(const Light &light, const Lanes3 &position, Lanes &s, Lanes3 &pushed) {
+Q3_VECTOR void AreaHeights(const Light &light, const Lanes3 &position, Lanes &heights, Lanes3 &pushed) {
     const Vec3f n = light.normal;
     const float dist = light.dist;
     for (const std::size_t i : kEachLane) {
         const float x = position.x[i], y = position.y[i], z = position.z[i];
         const float height = x * n.x + y * n.y + z * n.z - dist;
         const float push = std::abs(height) < kAreaPush ? kAreaPush - height : 0;
-        s[i] = height;
+        heights[i] = height;
         pushed.x[i] = x + n.x * push, pushed.y[i] = y + n.y * push, pushed.z[i] = z + n.z * push;
     }
 }
 
-void CullFaint(const Light &light, IncidentLight &incident) {
-    CullBelow(light.fast && light.type != LightType::Sun ? light.tolerance : 0, incident);
+void CullBelowTolerance(const Light &light, IncidentLight &incident) {
+    CullBelow(light.endsAtTolerance && light.type != LightType::Sun ? light.tolerance : 0, incident);
 }
 
 Q3_VECTOR float Strongest(const IncidentLight &incident) {
@@ -103,8 +103,8 @@ Q3_VECTOR float Strongest(const IncidentLight &incident) {
     return strongest;
 }
 
-bool TakeFaint(const Light &light, float faint, float weight, ReceiverBatch &receivers, IncidentLight &incident,
-               ContributionCounts &counts) {
+bool ApplyFaintSelection(const Light &light, float faint, float weight, ReceiverBatch &receivers,
+                         IncidentLight &incident, ContributionCounts &counts) {
     if (light.type == LightType::Area && faint > 0 &&
         !SelectFaintLight(faint, Strongest(incident), receivers.faintResidual, weight)) {
         counts.skippedFaint += std::uint64_t(incident.live.Count());
@@ -124,7 +124,7 @@ void SetShadowRays(const ReceiverBatch &receivers, const IncidentLight &incident
     rays.live = incident.live;
 }
 
-void TakeShadowRays(const RayPacket &rays, IncidentLight &incident) {
+void ApplyShadowRays(const RayPacket &rays, IncidentLight &incident) {
     incident.live = rays.live;
     incident.tinted = rays.tinted;
     if (rays.tinted)

@@ -17,7 +17,7 @@ struct ContributionCounts : RayCounts {
     std::uint64_t skippedMoments = 0; ///< with an emitter approximated by a point or a few samples
     std::uint64_t skippedProbes = 0;  ///< with a faint area light, its visibility from one ray
     std::uint64_t skippedCoarse = 0;  ///< with visibility taken from other receivers of the batch
-    std::uint64_t refined = 0;        ///< with an area light partly hidden, traced with many rays
+    std::uint64_t refined = 0;        ///< with an area light partly hidden, its visibility from many rays
 
     ContributionCounts &operator+=(const ContributionCounts &o) {
         rays += o.rays, pairs += o.pairs, skippedFacing += o.skippedFacing, skippedPvs += o.skippedPvs;
@@ -41,25 +41,26 @@ void AimAt(const Vec3f &target, const Lanes3 &position, IncidentLight &incident)
 /// Direction and distance of suns: the same for all receivers.
 void AimAtSun(const Light &light, IncidentLight &incident);
 
-/// Sets `add` of point lights and spotlights: Falloff at `distance`, with the angle's factor, times ConeFraction.
-void PointLight(const Light &light, const Lanes &angle, IncidentLight &incident);
+/// Sets `add` of point lights and spotlights: Falloff(distance, angleFactor) times ConeFraction. angleFactor: of the
+/// angle of incidence.
+void SetPointLight(const Light &light, const Lanes &angleFactor, IncidentLight &incident);
 
-/// s: signed height of each receiver over the plane of an area light; pushed: where its form factor is taken, moved
-/// along the light's normal to kAreaPush over the plane if it is within kAreaPush of it.
-void AreaHeights(const Light &light, const Lanes3 &position, Lanes &s, Lanes3 &pushed);
+/// heights: signed, of each receiver over the plane of an area light; pushed: where its form factor is taken, moved
+/// along the light's normal to kAreaPush over the plane if it is within kAreaPush of it. Game units.
+void AreaHeights(const Light &light, const Lanes3 &position, Lanes &heights, Lanes3 &pushed);
 
-/// Ends receivers that get at most the light's tolerance if it is `fast`, at most 0 otherwise.
-void CullFaint(const Light &light, IncidentLight &incident);
+/// Receivers that get at most the light's tolerance are live no longer; at most 0 unless it endsAtTolerance.
+void CullBelowTolerance(const Light &light, IncidentLight &incident);
 /// The greatest `add` of a live receiver; 0 if there is none.
 float Strongest(const IncidentLight &incident);
 /// SelectFaintLight for area lights; multiplies `add` by the weight of the light. False: not selected, and no receiver
 /// stays live. Call only if a receiver is live.
-bool TakeFaint(const Light &light, float faint, float weight, ReceiverBatch &receivers, IncidentLight &incident,
-               ContributionCounts &counts);
+bool ApplyFaintSelection(const Light &light, float faint, float weight, ReceiverBatch &receivers,
+                         IncidentLight &incident, ContributionCounts &counts);
 
 /// Shadow rays of the live receivers of a batch.
 void SetShadowRays(const ReceiverBatch &receivers, const IncidentLight &incident, RayPacket &rays);
-/// Takes the results of the traced shadow rays.
-void TakeShadowRays(const RayPacket &rays, IncidentLight &incident);
+/// Receivers whose traced shadow ray was blocked are live no longer; the others get its tint.
+void ApplyShadowRays(const RayPacket &rays, IncidentLight &incident);
 
 } // namespace q3

@@ -26,154 +26,154 @@ struct SurfaceTransfer {
     const SurfaceLightSettings &settings;
     const SurfaceReceiverBatch &receivers;
     SurfaceIncidentLight &incident;
-    Lanes cosine; ///< between the normal and the direction to the light
-    Lanes angle;  ///< factor of the angle of incidence
+    Lanes cosine;      ///< between the normal and the direction to the light
+    Lanes angleFactor; ///< of the angle of incidence
 };
 
 /// cosine = N . u. Drops receivers at or beyond the envelope, and one-sided receivers that face away.
-Q3_VECTOR void CullFacing(SurfaceTransfer &t) {
-    const Lanes3 &n = t.receivers.normal, &u = t.incident.direction;
-    const float envelope = t.light.envelope;
-    const bool twoSided = t.receivers.twoSided;
+Q3_VECTOR void CullFacing(SurfaceTransfer &transfer) {
+    const Lanes3 &n = transfer.receivers.normal, &u = transfer.incident.direction;
+    const float envelope = transfer.light.envelope;
+    const bool twoSided = transfer.receivers.twoSided;
     for (const std::size_t i : kEachLane) {
         const float cosine = u.x[i] * n.x[i] + u.y[i] * n.y[i] + u.z[i] * n.z[i];
-        t.cosine[i] = cosine;
-        const float d = t.incident.distance[i];
+        transfer.cosine[i] = cosine;
+        const float d = transfer.incident.distance[i];
         const bool lit = (d < envelope) & (twoSided | (cosine >= 0));
-        t.incident.live[i] = lit ? t.incident.live[i] : 0;
+        transfer.incident.live[i] = lit ? transfer.incident.live[i] : 0;
     }
 }
 
-/// angle = |cosine|, or ((1 + |cosine|) / 2)^2 with -lightanglehl. Light from behind on two-sided surfaces has no
+/// angleFactor = |cosine|, or ((1 + |cosine|) / 2)^2 with -lightanglehl. Light from behind on two-sided surfaces has no
 /// direction.
-Q3_VECTOR void SetAngles(SurfaceTransfer &t) {
-    const bool twoSided = t.receivers.twoSided, half = t.settings.halfLambert;
+Q3_VECTOR void SetAngles(SurfaceTransfer &transfer) {
+    const bool twoSided = transfer.receivers.twoSided, half = transfer.settings.halfLambert;
     for (const std::size_t i : kEachLane) {
-        const float toLight = t.cosine[i];
+        const float toLight = transfer.cosine[i];
         const bool behind = twoSided & (toLight < 0);
         const float cosine = behind ? -toLight : toLight;
         const float wrapped = 0.5f * std::min(cosine, 1.0f) + 0.5f;
-        t.angle[i] = !half ? cosine : cosine > kLeastHalfLambert ? wrapped * wrapped : 0;
-        t.incident.undirected[i] = behind ? -1 : 0;
+        transfer.angleFactor[i] = !half ? cosine : cosine > kLeastHalfLambert ? wrapped * wrapped : 0;
+        transfer.incident.undirected[i] = behind ? -1 : 0;
     }
 }
 
-/// add = photons * angle.
-Q3_VECTOR void SunLight(SurfaceTransfer &t) {
-    const Lanes3 &n = t.receivers.normal;
-    const Vec3f u = -t.light.normal;
-    const float photons = t.light.photons;
+/// add = photons angleFactor.
+Q3_VECTOR void SetSunLight(SurfaceTransfer &transfer) {
+    const Lanes3 &n = transfer.receivers.normal;
+    const Vec3f u = -transfer.light.normal;
+    const float photons = transfer.light.photons;
     for (const std::size_t i : kEachLane)
-        t.cosine[i] = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
-    AimAtSun(t.light, t.incident);
-    SetAngles(t);
+        transfer.cosine[i] = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
+    AimAtSun(transfer.light, transfer.incident);
+    SetAngles(transfer);
     for (const std::size_t i : kEachLane)
-        t.incident.add[i] = photons * t.angle[i];
+        transfer.incident.add[i] = photons * transfer.angleFactor[i];
 }
 
-/// angle = 1 for lights without angle attenuation; then min(1, angle / angleScale), if there is a scale.
-void SetPointAngles(SurfaceTransfer &t) {
-    if (t.light.angle)
-        SetAngles(t);
+/// angleFactor = 1 for lights without angle attenuation; then min(1, angleFactor / angleScale), if there is a scale.
+void SetPointAngles(SurfaceTransfer &transfer) {
+    if (transfer.light.angleAttenuation)
+        SetAngles(transfer);
     else {
-        t.angle.fill(1);
-        t.incident.undirected = {};
+        transfer.angleFactor.fill(1);
+        transfer.incident.undirected = {};
     }
-    if (t.light.angleScale != 0)
-        for (float &angle : t.angle)
-            angle = std::min(1.0f, angle / t.light.angleScale);
+    if (transfer.light.angleScale != 0)
+        for (float &factor : transfer.angleFactor)
+            factor = std::min(1.0f, factor / transfer.light.angleScale);
 }
 
-/// Drops receivers behind a one-sided area light or on its own surface. s: heights above the light's plane.
-Q3_VECTOR void CullAreaSides(const Lanes &s, SurfaceTransfer &t) {
-    const Lanes3 &n = t.receivers.normal;
-    const Vec3f facing = t.light.normal;
-    const bool oneSided = !t.light.twoSided;
+/// Drops receivers behind a one-sided area light or on its own surface. heights: over the light's plane.
+Q3_VECTOR void CullAreaSides(const Lanes &heights, SurfaceTransfer &transfer) {
+    const Lanes3 &n = transfer.receivers.normal;
+    const Vec3f facing = transfer.light.normal;
+    const bool oneSided = !transfer.light.twoSided;
     for (const std::size_t i : kEachLane) {
         const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
-        const float height = s[i];
+        const float height = heights[i];
         const bool behind = oneSided & (height < -kAreaBehind);
         const bool onEmitter = (height > -kAreaOwnSide) & (along > kAreaOwnCosine);
         const bool hidden = (height < kAreaOwnSide) & (behind | onEmitter);
-        t.incident.live[i] = hidden ? 0 : t.incident.live[i];
+        transfer.incident.live[i] = hidden ? 0 : transfer.incident.live[i];
     }
 }
 
 /// -faster: add = falloff * (N . u) (-n_l . u), the two cosines of a small patch; sides as for form factors.
-Q3_VECTOR void AreaAsPoint(SurfaceTransfer &t) {
-    const Lanes3 &u = t.incident.direction;
-    const Vec3f facing = t.light.normal;
-    const bool twoSided = t.receivers.twoSided, anySide = twoSided || t.light.twoSided;
-    const Falloff falloff(t.light);
+Q3_VECTOR void SetAreaLightAsPoint(SurfaceTransfer &transfer) {
+    const Lanes3 &u = transfer.incident.direction;
+    const Vec3f facing = transfer.light.normal;
+    const bool twoSided = transfer.receivers.twoSided, anySide = twoSided || transfer.light.twoSided;
+    const Falloff falloff(transfer.light);
     for (const std::size_t i : kEachLane) {
-        const float toLight = t.cosine[i];
+        const float toLight = transfer.cosine[i];
         const bool behind = twoSided & (toLight < 0);
         const float cosine = behind ? -toLight : toLight;
-        const float angle = cosine * -(u.x[i] * facing.x + u.y[i] * facing.y + u.z[i] * facing.z);
-        const bool turned = (angle < 0) & anySide;
-        t.incident.undirected[i] = (behind | turned) ? -1 : 0;
-        t.incident.add[i] = falloff.InverseSquare(t.incident.distance[i], turned ? -angle : angle);
+        const float cosines = cosine * -(u.x[i] * facing.x + u.y[i] * facing.y + u.z[i] * facing.z);
+        const bool turned = (cosines < 0) & anySide;
+        transfer.incident.undirected[i] = (behind | turned) ? -1 : 0;
+        transfer.incident.add[i] = falloff.InverseSquare(transfer.incident.distance[i], turned ? -cosines : cosines);
     }
 }
 
-/// add = |f| light.add. Negative form factors count if the receiver or the light is two-sided: `flipped`.
-Q3_VECTOR void AreaFormFactors(const Lanes &f, SurfaceTransfer &t, LaneMask &flipped) {
-    const bool anySide = t.receivers.twoSided || t.light.twoSided;
-    const float add = t.light.add;
+/// add = |form factor| radiosity. Negative form factors count if the receiver or the light is two-sided: `flipped`.
+Q3_VECTOR void SetAreaLight(const Lanes &formFactors, SurfaceTransfer &transfer, LaneMask &flipped) {
+    const bool anySide = transfer.receivers.twoSided || transfer.light.twoSided;
+    const float add = transfer.light.radiosity;
     for (const std::size_t i : kEachLane) {
-        const float factor = f[i], cosine = t.cosine[i];
+        const float factor = formFactors[i], cosine = transfer.cosine[i];
         const bool flip = (factor < 0) & anySide;
-        t.incident.add[i] = (flip ? -factor : factor) * add;
-        t.incident.undirected[i] = (flip | (cosine < 0)) ? -1 : 0;
-        flipped[i] = flip ? t.incident.live[i] : 0;
+        transfer.incident.add[i] = (flip ? -factor : factor) * add;
+        transfer.incident.undirected[i] = (flip | (cosine < 0)) ? -1 : 0;
+        flipped[i] = flip ? transfer.incident.live[i] : 0;
     }
 }
 
-/// Aims flipped lanes at a point behind the plane of the light: L' = L - 2 n_l.
-Q3_VECTOR void AimAtBack(const LaneMask &flipped, SurfaceTransfer &t) {
+/// Aims flipped lanes 1 unit behind the light's surface: L' = L - 2 n_l, since its origin L is 1 unit in front.
+Q3_VECTOR void AimAtBack(const LaneMask &flipped, SurfaceTransfer &transfer) {
     SurfaceIncidentLight back;
-    AimAt(t.light.origin - t.light.normal * 2, t.receivers.position, back);
-    const float envelope = t.light.envelope;
+    AimAt(transfer.light.origin - transfer.light.normal * 2, transfer.receivers.position, back);
+    const float envelope = transfer.light.envelope;
     for (const std::size_t i : kEachLane) {
         const bool on = flipped[i] != 0;
         const float d = back.distance[i];
-        t.incident.distance[i] = on ? d : t.incident.distance[i];
-        t.incident.direction.x[i] = on ? back.direction.x[i] : t.incident.direction.x[i];
-        t.incident.direction.y[i] = on ? back.direction.y[i] : t.incident.direction.y[i];
-        t.incident.direction.z[i] = on ? back.direction.z[i] : t.incident.direction.z[i];
-        t.incident.live[i] = (on & (d >= envelope)) ? 0 : t.incident.live[i];
+        transfer.incident.distance[i] = on ? d : transfer.incident.distance[i];
+        transfer.incident.direction.x[i] = on ? back.direction.x[i] : transfer.incident.direction.x[i];
+        transfer.incident.direction.y[i] = on ? back.direction.y[i] : transfer.incident.direction.y[i];
+        transfer.incident.direction.z[i] = on ? back.direction.z[i] : transfer.incident.direction.z[i];
+        transfer.incident.live[i] = (on & (d >= envelope)) ? 0 : transfer.incident.live[i];
     }
 }
 
-void AreaLight(SurfaceTransfer &t) {
-    Lanes s;
+void SetAreaLight(SurfaceTransfer &transfer) {
+    Lanes heights;
     Lanes3 pushed;
-    AreaHeights(t.light, t.receivers.position, s, pushed);
-    CullAreaSides(s, t);
-    if (!t.incident.live.Any())
+    AreaHeights(transfer.light, transfer.receivers.position, heights, pushed);
+    CullAreaSides(heights, transfer);
+    if (!transfer.incident.live.Any())
         return;
-    if (t.settings.pointAreas)
-        return AreaAsPoint(t);
-    Lanes f;
+    if (transfer.settings.pointAreas)
+        return SetAreaLightAsPoint(transfer);
+    Lanes formFactors;
     LaneMask flipped;
-    FormFactors(pushed, t.receivers.normal, t.light.w, f);
-    AreaFormFactors(f, t, flipped);
+    FormFactors(pushed, transfer.receivers.normal, transfer.light.polygon, formFactors);
+    SetAreaLight(formFactors, transfer, flipped);
     if (flipped.Any())
-        AimAtBack(flipped, t);
+        AimAtBack(flipped, transfer);
 }
 
 /// Sets the unshadowed light; drops receivers that are out of reach, or on a side that gets no light.
-void Unshadowed(SurfaceTransfer &t) {
-    if (t.light.type == LightType::Sun)
-        return SunLight(t);
-    AimAt(t.light.origin, t.receivers.position, t.incident);
-    CullFacing(t);
-    if (!t.incident.live.Any())
+void SetUnshadowedLight(SurfaceTransfer &transfer) {
+    if (transfer.light.type == LightType::Sun)
+        return SetSunLight(transfer);
+    AimAt(transfer.light.origin, transfer.receivers.position, transfer.incident);
+    CullFacing(transfer);
+    if (!transfer.incident.live.Any())
         return;
-    if (t.light.type == LightType::Area)
-        return AreaLight(t);
-    SetPointAngles(t);
-    PointLight(t.light, t.angle, t.incident);
+    if (transfer.light.type == LightType::Area)
+        return SetAreaLight(transfer);
+    SetPointAngles(transfer);
+    SetPointLight(transfer.light, transfer.angleFactor, transfer.incident);
 }
 
 void TraceShadows(const Light &light, const SurfaceLightSettings &settings, const LightScene &scene,
@@ -185,7 +185,7 @@ void TraceShadows(const Light &light, const SurfaceLightSettings &settings, cons
         scene.TraceSurfaceToSky(rays, light.skyIndex, settings.receiveShadows, counts);
     else
         scene.TraceSurfaceToLight(rays, settings.receiveShadows, counts);
-    TakeShadowRays(rays, incident);
+    ApplyShadowRays(rays, incident);
     incident.filtered = rays.filtered;
 }
 
@@ -198,22 +198,22 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
     incident.filtered = {};
     incident.live = {};
     const bool sun = light.type == LightType::Sun;
-    if (!light.surfaces || (settings.sunOnly && !sun))
+    if (!light.lightsSurfaces || (settings.sunOnly && !sun))
         return;
-    const bool traced = settings.Occludes(light);
+    const bool traced = settings.TracesShadowsOf(light);
     incident.live = InSight(light, traced || !sun, receivers, counts);
     const int inSight = incident.live.Count();
     if (inSight == 0)
         return;
     SurfaceTransfer transfer{light, settings, receivers, incident, {}, {}};
-    Unshadowed(transfer);
-    CullFaint(light, incident);
+    SetUnshadowedLight(transfer);
+    CullBelowTolerance(light, incident);
     const int inReach = incident.live.Count();
     counts.skippedFacing += std::uint64_t(inSight - inReach);
-    if (inReach > 0 && TakeFaint(light, settings.faint, 1, receivers, incident, counts) && traced)
+    if (inReach > 0 && ApplyFaintSelection(light, settings.faint, 1, receivers, incident, counts) && traced)
         TraceShadows(light, settings, scene, receivers, incident, counts);
     if (settings.directional && incident.live.Any())
-        SetLightDirections(light, settings.pointAreas, receivers, transfer.cosine, transfer.angle, incident);
+        SetLightDirections(light, settings.pointAreas, receivers, transfer.cosine, transfer.angleFactor, incident);
 }
 
 // ---- The directions that the light of one source comes from, at receivers on surfaces ----
@@ -223,8 +223,9 @@ namespace {
 /// Lower bound of cosines and form factors that are divided by.
 constexpr float kLeastCosine = 1e-6f;
 
-/// towardLight: light on a receiver that faces the light, divided by the light on the receiver itself.
-Q3_VECTOR void FromPoint(const Lanes &towardLight, const Lanes &cosine, SurfaceIncidentLight &incident) {
+/// Directions of a light from one point. towardLight: light on a receiver that faces the light, divided by the light on
+/// the receiver itself, L(1) / L(A).
+Q3_VECTOR void SetDirectionsToPoint(const Lanes &towardLight, const Lanes &cosine, SurfaceIncidentLight &incident) {
     LightDirections &to = incident.directions;
     for (const std::size_t i : kEachLane) {
         const float c = std::max(cosine[i], kLeastCosine);
@@ -237,8 +238,9 @@ Q3_VECTOR void FromPoint(const Lanes &towardLight, const Lanes &cosine, SurfaceI
     }
 }
 
-/// vectors: as set by FormFactorVectors.
-Q3_VECTOR void FromArea(const Lanes3 &vectors, const Lanes3 &normal, const LaneMask &undirected, LightDirections &to) {
+/// Directions of an area light. vectors: as set by FormFactorVectors.
+Q3_VECTOR void SetDirectionsToArea(const Lanes3 &vectors, const Lanes3 &normal, const LaneMask &undirected,
+                                   LightDirections &to) {
     for (const std::size_t i : kEachLane) {
         const float x = vectors.x[i], y = vectors.y[i], z = vectors.z[i];
         const float formFactor = x * normal.x[i] + y * normal.y[i] + z * normal.z[i];
@@ -246,39 +248,40 @@ Q3_VECTOR void FromArea(const Lanes3 &vectors, const Lanes3 &normal, const LaneM
         const float scale = back ? 0 : 1 / std::max(formFactor, kLeastCosine);
         to.vector.x[i] = x * scale, to.vector.y[i] = y * scale, to.vector.z[i] = z * scale;
         to.uniform[i] = back ? 1.0f : 0.0f;
-        // A cone of half angle a: irradiance vector pi sin^2 a, fluence (solid angle) 2 pi (1 - cos a).
+        // A cone of half angle a has an irradiance vector of length pi sin^2 a (here divided by pi) and a fluence
+        // (solid angle) of 2 pi (1 - cos a): their ratio, the spread, is 2 / (1 + cos a).
         const float sine2 = std::min(1.0f, std::sqrt(x * x + y * y + z * z));
         to.spread[i] = 2 / (1 + std::sqrt(1 - sine2));
     }
 }
 
-/// factor = light on a receiver that faces the point light, divided by the light on the receiver itself.
-void TowardLight(const Light &light, const Lanes &angle, const Lanes &distance, Lanes &factor) {
+/// factor = L(1) / L(A) of a point light or spotlight.
+void SetTowardLight(const Light &light, const Lanes &angleFactor, const Lanes &distance, Lanes &factor) {
     const Falloff falloff(light);
     for (const std::size_t i : kEachLane)
-        factor[i] = falloff.At(distance[i]) / std::max(falloff.At(distance[i], angle[i]), kLeastCosine);
+        factor[i] = falloff.At(distance[i]) / std::max(falloff.At(distance[i], angleFactor[i]), kLeastCosine);
 }
 
 } // namespace
 
 void SetLightDirections(const Light &light, bool pointAreas, const SurfaceReceiverBatch &receivers, const Lanes &cosine,
-                        const Lanes &angle, SurfaceIncidentLight &incident) {
+                        const Lanes &angleFactor, SurfaceIncidentLight &incident) {
     Lanes factor;
     if (light.type == LightType::Area && !pointAreas) {
         Lanes heights;
         Lanes3 pushed, vectors;
         AreaHeights(light, receivers.position, heights, pushed);
-        FormFactorVectors(pushed, light.w, vectors);
-        return FromArea(vectors, receivers.normal, incident.undirected, incident.directions);
+        FormFactorVectors(pushed, light.polygon, vectors);
+        return SetDirectionsToArea(vectors, receivers.normal, incident.undirected, incident.directions);
     }
     if (light.type == LightType::Area)
         factor.fill(1 / kLeastCosine);
     else if (light.type == LightType::Sun)
         for (const std::size_t i : kEachLane)
-            factor[i] = 1 / std::max(angle[i], kLeastCosine);
+            factor[i] = 1 / std::max(angleFactor[i], kLeastCosine);
     else
-        TowardLight(light, angle, incident.distance, factor);
-    FromPoint(factor, cosine, incident);
+        SetTowardLight(light, angleFactor, incident.distance, factor);
+    SetDirectionsToPoint(factor, cosine, incident);
 }
 
 } // namespace q3

@@ -13,16 +13,16 @@ struct SurfaceLightSettings {
     bool sunOnly = false;
     bool pointAreas = false;  ///< -faster: area lights as points with two cosines
     bool halfLambert = false; ///< -lightanglehl: light wraps around
-    bool occlusion = true;    ///< rays are traced
-    bool sunOcclusion = true; ///< for suns too
+    bool shadows = true;      ///< shadow rays are traced
+    bool sunShadows = true;   ///< for suns too
     int receiveShadows = 1;   ///< shadow group of the surface; 0: nothing shadows it
     float faint = 0;          ///< as LightSettings::faint
     int ignoredProp = -1;     ///< static prop that does not shadow the receivers; -1: none
     bool directional = false; ///< SurfaceIncidentLight::directions are wanted
 
-    /// Whether rays are traced for the light.
-    bool Occludes(const Light &light) const {
-        return occlusion && receiveShadows != 0 && (sunOcclusion || light.type != LightType::Sun);
+    /// Whether shadow rays are traced for the light.
+    bool TracesShadowsOf(const Light &light) const {
+        return shadows && receiveShadows != 0 && (sunShadows || light.type != LightType::Sun);
     }
 };
 
@@ -41,8 +41,8 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
 /// the fluence of a cone that has the same irradiance vector, exact for disks seen from their axis. Light from behind a
 /// two-sided receiver, and from the back of a two-sided area light unless `pointAreas`, is uniform.
 ///
-/// pointAreas: area lights count as points (-faster). cosine, angle: C and A, not used for area lights.
+/// pointAreas: area lights count as points (-faster). cosine, angleFactor: C and A, not used for area lights.
 void SetLightDirections(const Light &light, bool pointAreas, const SurfaceReceiverBatch &receivers, const Lanes &cosine,
-                        const Lanes &angle, SurfaceIncidentLight &incident);
+                        const Lanes &angleFactor, SurfaceIncidentLight &incident);
 
 } // namespace q3

@@ -21,8 +21,7 @@ constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it.
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
 /// Polygons with a larger coordinate are skipped as damaged: no map is so large. Game units.
 constexpr float kMaxCoordinate = 262144;
-/// Approximate limit on the patches of one polygon.
-constexpr double kMaxPatches = 65536;
+
 /// A quad stays whole if its fourth corner is this near to the plane of its other corners. Game units.
 constexpr float kFlatQuad = 0.1f;
 /// LightVaries samples a triangle at barycentric weights i : j : k, each 1 to kMaxWeight; at most kMaxSamples for a
@@ -141,10 +140,7 @@ void FaintPatches::PatchBuilder::Add(Face first) {
     for (const FaceCorner &corner : first)
         if (!IsFinite(corner.xyz) || MaxAbsComponent(corner.xyz) > kMaxCoordinate)
             return;
-    const Winding<float> whole = WindingOf(first);
-    const Boundsf bounds = WindingBounds(whole);
-    const float least = float(std::max(double(MaxComponent(bounds.maxs - bounds.mins)) / kMaxPatches,
-                                       std::sqrt(2 * WindingArea(whole) / kMaxPatches)));
+    const float least = LeastPieceSize(WindingOf(first));
     const float wanted = in.table[surface].shader->lightSubdivide;
     pending.emplace_back(std::move(first), std::max(wanted > 0 ? wanted : kPatchSize, least));
     while (!pending.empty()) {

@@ -31,8 +31,8 @@ struct LightReach {
     LightReach(const Light &light, bool pointAreas)
         : origin(light.origin), normal(light.normal), center(light.shape.center), dist(light.dist),
           envelope(light.envelope), area(light.type == LightType::Area), oneSided(!light.twoSided),
-          bounded(area && light.fast && !pointAreas), areaRadius(light.shape.radius + kPushReach),
-          strength(light.add * light.shape.area / std::numbers::pi_v<float>), least(light.tolerance) {
+          bounded(area && light.endsAtTolerance && !pointAreas), areaRadius(light.shape.radius + kPushReach),
+          strength(light.radiosity * light.shape.area / std::numbers::pi_v<float>), least(light.tolerance) {
         // A two-sided light is also seen from 2 units behind.
         envelope += area && light.twoSided ? 2 : 0;
     }

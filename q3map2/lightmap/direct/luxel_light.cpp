@@ -43,7 +43,7 @@ void LuxelLightList::Build(const LightsByCluster &passLights, const RawLightmap 
     const auto use = [&](std::size_t number) {
         const Light &light = passLights.Lights()[number];
         const bool sun = light.type == LightType::Sun;
-        if (!light.surfaces || light.envelope <= 0 || (sunOnly && !sun))
+        if (!light.lightsSurfaces || light.envelope <= 0 || (sunOnly && !sun))
             return;
         if (!sun && (Length(light.origin - center) - light.envelope - radius > 0 || ConeMisses(light, center, radius)))
             return;
@@ -74,7 +74,7 @@ void AddLight(const Light &light, Shadows shadows, const SurfaceInputs &in, cons
               std::vector<float> &sums, ContributionCounts &counts) {
     const SurfaceLightSettings settings{.pointAreas = in.lightmap.faster,
                                         .halfLambert = in.lightmap.halfLambert,
-                                        .occlusion = shadows == Shadows::On,
+                                        .shadows = shadows == Shadows::On,
                                         .receiveShadows = raw.receiveShadows};
     std::vector<std::uint32_t> reached;
     blocks.FindReached(light, settings, reached);

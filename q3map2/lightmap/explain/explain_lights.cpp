@@ -68,26 +68,26 @@ std::vector<PreparedLight> PrepareLights(const LightSetup &setup, LightPass pass
     for (const Light &given : setup.lights) {
         PreparedLight &prepared = result.emplace_back();
         Light asked = given;
-        asked.grid = asked.surfaces = true;
+        asked.lightsGrid = asked.lightsSurfaces = true;
         int culled = 0;
         std::vector<Light> kept =
             SetupEnvelopes({asked}, pass, setup.options, setup.space, setup.skySeenFrom, culled, fastPoint);
         prepared.isUsed = !kept.empty();
         Vec3f origin = given.origin;
         if (kept.empty())
-            prepared.fate = given.type != LightType::Sun && LightCluster(origin, setup.space) < 0
+            prepared.fate = given.type != LightType::Sun && NudgeIntoOpen(origin, setup.space) < 0
                                 ? LightFate::InSolid
                                 : LightFate::OutOfReach;
         prepared.light = kept.empty() ? given : std::move(kept.front());
-        prepared.light.grid = given.grid, prepared.light.surfaces = given.surfaces;
+        prepared.light.lightsGrid = given.lightsGrid, prepared.light.lightsSurfaces = given.lightsSurfaces;
         const auto exclude = [&](LightFate fate) { prepared.isUsed = false, prepared.fate = fate; };
         if (setup.options.sunOnly && given.type != LightType::Sun)
             exclude(LightFate::NotSun);
         if (prepared.isUsed && pass == LightPass::GridSH && given.style != 0)
             exclude(LightFate::Styled);
-        if (prepared.fate != LightFate::InSolid && pass == LightPass::Surfaces && !given.surfaces)
+        if (prepared.fate != LightFate::InSolid && pass == LightPass::Surfaces && !given.lightsSurfaces)
             exclude(LightFate::NotForSurfaces);
-        if (prepared.fate != LightFate::InSolid && pass != LightPass::Surfaces && !given.grid)
+        if (prepared.fate != LightFate::InSolid && pass != LightPass::Surfaces && !given.lightsGrid)
             exclude(LightFate::NotForGrids);
     }
     return result;
@@ -104,7 +104,8 @@ LightFate LightExplainer::WhyNothing(const PreparedLight &prepared, const Vec3f 
         return normal ? LightFate::FacesAway : LightFate::TooFaint;
     if (normal && Dot(light.origin - p, *normal) < 0)
         return LightFate::FacesAway;
-    if (light.type == LightType::Area && !light.twoSided && Dot(light.normal, p) < Dot(light.normal, light.w.front()))
+    if (light.type == LightType::Area && !light.twoSided &&
+        Dot(light.normal, p) < Dot(light.normal, light.polygon.front()))
         return LightFate::BehindEmitter;
     if (light.type == LightType::Spot && ConeFraction(light, light.origin - p) <= 0)
         return LightFate::OutsideCone;
@@ -275,7 +276,7 @@ std::vector<LightAccount> LightExplainer::AtLuxel(const std::vector<PreparedLigh
     SurfaceLightSettings shadowed = pass.settings;
     shadowed.faint = 0, shadowed.directional = false;
     SurfaceLightSettings plain = shadowed;
-    plain.occlusion = plain.sunOnly = false;
+    plain.shadows = plain.sunOnly = false;
     arriving.assign(receivers.size(), {});
     const auto lightUp = [&](const Light &one, const SurfaceLightSettings &settings, std::vector<Vec3f> &values) {
         values.assign(receivers.size(), {});
@@ -309,7 +310,7 @@ std::vector<LightAccount> LightExplainer::AtLuxel(const std::vector<PreparedLigh
         Part part;
         part.light = i;
         Light open = one.light;
-        open.surfaces = true;
+        open.lightsSurfaces = true;
         open.seenFrom.clear();
         if (one.fate != LightFate::InSolid) {
             lightUp(open, plain, values);

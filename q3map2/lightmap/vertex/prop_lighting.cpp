@@ -164,7 +164,7 @@ PropLighter::PropLighter(const SurfaceInputs &in, const StaticProps &props, std:
     : in_(in), props_(props), lights_(std::move(lights)), bounce_(bounce), around_(in), flood_(WorldFlood(in)),
       direct_(!(in.lightmap.bounceOnly && in.lightmap.bounces > 0)), points_(props.props.size()) {
     std::erase_if(lights_,
-                  [](const Light &light) { return light.style != 0 || !light.surfaces || light.envelope <= 0; });
+                  [](const Light &light) { return light.style != 0 || !light.lightsSurfaces || light.envelope <= 0; });
 }
 
 std::vector<PropVertexLight> PropLighter::Run(ContributionCounts &counts) {
@@ -320,7 +320,7 @@ void PropLighter::AddLight(const Light &light, const StaticProp &prop, const Sur
                            std::span<SurfaceReceiverBatch> batches, std::span<const PropReceiver> receivers,
                            std::vector<Vec3f> &sums, ContributionCounts &counts) const {
     SurfaceIncidentLight incident;
-    const float factor = prop.ignoresNormals && light.angle ? kNoNormalFactor : 1;
+    const float factor = prop.ignoresNormals && light.angleAttenuation ? kNoNormalFactor : 1;
     for (std::size_t b = 0; b < batches.size(); ++b) {
         SurfaceReceiverBatch &batch = batches[b];
         for (std::size_t i = 0; i < batch.count && prop.ignoresNormals; ++i)

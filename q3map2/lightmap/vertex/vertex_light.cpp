@@ -170,8 +170,8 @@ VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &
     settings_.pointAreas = in.options.faster;
     settings_.halfLambert = in.lightmap.halfLambert;
     settings_.receiveShadows = entry_.receiveShadows;
-    settings_.occlusion = surfaces.lightmapOf[surface] < 0; // -cpma lights lightmapped surfaces without shadows
-    settings_.sunOcclusion = settings_.occlusion && !entry_.shader->forceSunlight;
+    settings_.shadows = surfaces.lightmapOf[surface] < 0; // -cpma lights lightmapped surfaces without shadows
+    settings_.sunShadows = settings_.shadows && !entry_.shader->forceSunlight;
     FindLights(lights);
 }
 
@@ -179,7 +179,7 @@ void VertexLighter::FindLights(const std::vector<Light> &lights) {
     const Vec3f center = bounds_.Center();
     const float radius = Length(bounds_.maxs - center);
     for (const Light &light : lights) {
-        if (!light.surfaces || light.envelope <= 0)
+        if (!light.lightsSurfaces || light.envelope <= 0)
             continue;
         if (light.type != LightType::Sun) {
             const bool seen = surfaceClusters_.empty() || light.seenFrom.empty() ||

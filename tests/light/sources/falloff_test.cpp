@@ -379,10 +379,10 @@ TEST_F(CurvesTest, BadKeysAreNamedWhereTheyAreRead) {
 
 TEST_F(CurvesTest, SpawnflagsOfSourceDoNotChangeTheLight) {
     const Light dark = LightOf({{"_light", "255 255 255 100"}, {"spawnflags", "1"}});
-    EXPECT_TRUE(dark.angle);
+    EXPECT_TRUE(dark.angleAttenuation);
     EXPECT_EQ(dark.curve, FalloffCurve::Polynomial);
     const Light linear = LightOf({{"_light", "100"}, {"spawnflags", "1"}});
-    EXPECT_FALSE(linear.angle);
+    EXPECT_FALSE(linear.angleAttenuation);
     EXPECT_EQ(linear.curve, FalloffCurve::Linear);
     LightOf({{"_light", "255 255 255 100"}, {"_color", "1 0 0"}});
     EXPECT_TRUE(Said("_color has no effect beside the color in _light"));

@@ -84,9 +84,9 @@ Octree RandomOctree(const SparseLattice &lattice, std::mt19937 &random, double s
     std::uniform_real_distribution<double> unit;
     Octree tree(lattice);
     for (std::size_t i = 0; i < tree.Size(); i++) {
-        tree[i].open = unit(random) < closed && i > 0 ? 0 : 1;
-        if ((i < tree.RootCount() && tree[i].open > 0) ||
-            (tree[i].open > 0 && tree[i].level > 1 && unit(random) < split))
+        tree[i].openFraction = unit(random) < closed && i > 0 ? 0 : 1;
+        if ((i < tree.RootCount() && tree[i].openFraction > 0) ||
+            (tree[i].openFraction > 0 && tree[i].level > 1 && unit(random) < split))
             tree.Split(i);
     }
     return tree;
@@ -98,7 +98,7 @@ struct BruteForce {
     std::vector<std::size_t> inner; ///< that may become leafs
 
     double OpenVolume(std::size_t cell) const {
-        if (tree[cell].child == 0 || tree[cell].open <= 0)
+        if (tree[cell].child == 0 || tree[cell].openFraction <= 0)
             return double(tree[cell].Volume());
         double sum = 0;
         for (std::size_t c = 0; c < 8; c++)
@@ -108,7 +108,7 @@ struct BruteForce {
     double Cost(std::size_t cell, unsigned joined) const {
         const auto found = std::find(inner.begin(), inner.end(), cell);
         const bool isJoined = found != inner.end() && (joined >> (found - inner.begin()) & 1) != 0;
-        if (tree[cell].open <= 0)
+        if (tree[cell].openFraction <= 0)
             return 0;
         if (tree[cell].child == 0 || isJoined)
             return double(tree[cell].error) * OpenVolume(cell) + double(price);
@@ -127,7 +127,7 @@ TEST(PruneOctree, CostsAsLittleAsTheBestOfAllTrees) {
     for (int trial = 0; trial < 60; trial++) {
         Octree tree(lattice);
         ASSERT_EQ(tree.RootCount(), 1u);
-        tree[0].open = 1;
+        tree[0].openFraction = 1;
         std::vector<std::size_t> inner;
         tree.Split(0);
         while (inner.size() < 9) {
@@ -139,7 +139,7 @@ TEST(PruneOctree, CostsAsLittleAsTheBestOfAllTrees) {
         }
         for (std::size_t i = 0; i < tree.Size(); i++) {
             if (tree[i].child == 0)
-                tree[i].open = unit(random) < 0.2f ? 0 : unit(random);
+                tree[i].openFraction = unit(random) < 0.2f ? 0 : unit(random);
             tree[i].error = std::pow(unit(random), 4.0f) * float(1 << tree[i].level);
         }
         const BruteForce all{tree, 40 * unit(random), inner};
@@ -147,7 +147,7 @@ TEST(PruneOctree, CostsAsLittleAsTheBestOfAllTrees) {
         for (unsigned joined = 0; joined < 1u << inner.size(); joined++)
             best = std::min(best, all.Cost(0, joined));
         Octree result = tree;
-        const PrunedOctree stats = PruneOctree(result, all.price);
+        const PruningStats stats = PruneOctree(result, all.price);
         unsigned joined = 0;
         for (std::size_t i = 0; i < inner.size(); i++)
             joined |= unsigned(result[inner[i]].child == 0) << i;
@@ -163,7 +163,7 @@ TEST(PruneOctree, CostsAsLittleAsTheBestOfAllTrees) {
 TEST(PruneOctree, CellsThatLampsNeedAreNotJoined) {
     for (const float lamp : {9.0f, 1.0f}) {
         Octree tree(SmallLattice());
-        tree[0].open = 1;
+        tree[0].openFraction = 1;
         tree.Split(0);
         const std::size_t child = tree[0].child;
         tree.Split(child);
@@ -177,7 +177,7 @@ TEST(PruneOctree, CellsThatLampsNeedAreNotJoined) {
 struct CutRoot {
     CutRoot() {
         for (std::size_t i = 0; i < tree.Size(); i++)
-            tree[i].open = 1;
+            tree[i].openFraction = 1;
         tree.Split(0);
         tree.Split(tree[0].child);
         AddCorners();
@@ -185,7 +185,7 @@ struct CutRoot {
     void AddCorners() {
         for (const std::size_t leaf : tree.OpenLeafs())
             for (std::size_t c = 0; c < 8; c++)
-                light[light.Add(tree[leaf].Corner(c))].open = true;
+                light[light.Add(tree[leaf].Corner(c))].traced = true;
     }
     SparseLattice lattice = SmallLattice();
     Octree tree{lattice};
@@ -214,7 +214,7 @@ TEST(CornerWeights, CornersOnLargerCellsHang) {
     EXPECT_EQ(terms({half, half, quarter}),
               (std::map<LatticePoint, float>{{{half, half, 0}, 0.5f}, {{half, half, half}, 0.5f}}));
     EXPECT_EQ(terms({quarter, quarter, quarter}), (std::map<LatticePoint, float>{{{quarter, quarter, quarter}, 1.0f}}));
-    EXPECT_EQ(corners.HangsOn({half, half, half}), Octree::kNone);
+    EXPECT_EQ(corners.LeafHungOn({half, half, half}), Octree::kNone);
 }
 
 /// A room around the whole lattice, without a solid in it.
@@ -244,7 +244,7 @@ TEST(FitCorners, KeepsALinearField) {
         for (std::int32_t y = 0; y <= 16; y++)
             for (std::int32_t x = 0; x <= 16; x++) {
                 LatticeSample &point = light[light.Add({x, y, z})];
-                point.open = true;
+                point.traced = true;
                 point.value = fieldAt(point.at);
             }
     CornerWeights corners(tree, light);
@@ -261,14 +261,14 @@ TEST(FitCorners, HalvesTheErrorOfACurvedField) {
     const Bsp room = OpenRoom();
     const BspSpace space(room, std::vector<bool>(room.brushes.size(), true));
     Octree tree(lattice);
-    tree[0].open = 1;
+    tree[0].openFraction = 1;
     tree.Split(0);
     LatticePoints light(lattice);
     for (std::int32_t z = 0; z <= 16; z++)
         for (std::int32_t y = 0; y <= 16; y++)
             for (std::int32_t x = 0; x <= 16; x++) {
                 LatticeSample &point = light[light.Add({x, y, z})];
-                point.open = true;
+                point.traced = true;
                 point.value.fill(0.5f + float(x * x) / 1024); // interpolation errs to one side
             }
     CornerWeights corners(tree, light);
@@ -302,12 +302,12 @@ TEST(SparseTree, ReadersGetWhatTheCornersSay) {
         for (const std::size_t leaf : tree.OpenLeafs()) // the lattice has room beyond all open space
             for (std::size_t axis = 0; axis < 3; axis++)
                 if (tree[leaf].Corner(7)[axis] == lattice.Roots()[axis] * edge)
-                    tree[leaf].open = 0;
+                    tree[leaf].openFraction = 0;
         LatticePoints light(lattice);
         for (const std::size_t leaf : tree.OpenLeafs())
             for (std::size_t c = 0; c < 8; c++) {
                 LatticeSample &point = light[light.Add(tree[leaf].Corner(c))];
-                point.open = true;
+                point.traced = true;
                 for (std::size_t k = 0; k < kSHFloats; k++)
                     point.value[k] = k < 3 ? 0.25f + 0.75f * unit(random) : 0.1f * (unit(random) - 0.5f);
             }

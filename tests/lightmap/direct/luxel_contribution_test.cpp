@@ -162,14 +162,14 @@ TEST_F(DirectionalTest, HalfLambertLightIsPartlyUniform) {
 /// Against sums over small pieces of the emitter.
 TEST_F(DirectionalTest, AreaLight) {
     const Vec3f center{20, 0, 80};
-    constexpr float kWidth = 96, kAdd = 400;
+    constexpr float kWidth = 96, kRadiosity = 400;
     Light light;
     light.type = LightType::Area;
     light.normal = {0, 0, -1};
     const Vec3f x{kWidth / 2, 0, 0}, y{0, -kWidth / 2, 0};
-    light.w = {center - x + y, center + x + y, center + x - y, center - x - y};
-    light.add = kAdd;
-    light.photons = kAdd / 3 * kWidth * kWidth;
+    light.polygon = {center - x + y, center + x + y, center + x - y, center - x - y};
+    light.radiosity = kRadiosity;
+    light.photons = kRadiosity / 3 * kWidth * kWidth;
     light.origin = center + light.normal;
     light.dist = Dot(light.origin, light.normal);
     light.SetShape();
@@ -187,7 +187,7 @@ TEST_F(DirectionalTest, AreaLight) {
                     center + Vec3f{(float(u) + 0.5f) * step - kWidth / 2, (float(v) + 0.5f) * step - kWidth / 2, 0};
                 const Vec3f to = at - floor.positions[i];
                 const double distance = Length(to), cosine = double(to.z) / distance;
-                const double weight = kAdd / double(kPi) * double(step * step) * cosine / (distance * distance);
+                const double weight = kRadiosity / double(kPi) * double(step * step) * cosine / (distance * distance);
                 vector += Vec3d(to) * (weight / distance), fluence += weight;
                 for (std::size_t k = 0; k < 3; ++k)
                     onBasis[k] += weight * std::max(0.0, double(Dot(basis[k], to)) / distance);

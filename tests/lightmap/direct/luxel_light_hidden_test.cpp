@@ -216,7 +216,7 @@ TEST_F(HiddenLampTest, LampInTheOpenStaysAsItIs) {
     Light();
     ASSERT_EQ(created_.size(), 2u);
     for (const q3::Light &light : created_) {
-        ASSERT_EQ(light.w.size(), 3u);
+        ASSERT_EQ(light.polygon.size(), 3u);
         EXPECT_EQ(light.origin, (Vec3f{-28, 0, 9}));
     }
 }

@@ -28,15 +28,15 @@ Light PointLight(const Vec3f &at, float photons) {
 }
 
 /// A rectangle that shines along an axis.
-Light AreaLight(const Vec3f &center, float width, float depth, const Vec3f &normal, float add) {
+Light AreaLight(const Vec3f &center, float width, float depth, const Vec3f &normal, float radiosity) {
     Light light;
     light.type = LightType::Area;
     light.normal = normal;
     const Vec3f across = normal.x == 0 ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0};
     const Vec3f x = across * (width / 2), y = Cross(normal, across) * (depth / 2);
-    light.w = {center - x + y, center + x + y, center + x - y, center - x - y};
-    light.add = add;
-    light.photons = add / 3 * width * depth;
+    light.polygon = {center - x + y, center + x + y, center + x - y, center - x - y};
+    light.radiosity = radiosity;
+    light.photons = radiosity / 3 * width * depth;
     light.origin = center + light.normal;
     light.dist = Dot(light.origin, light.normal);
     light.SetShape();
@@ -118,10 +118,10 @@ TEST_F(LuxelLightTest, LightEndsAtTheTolerance) {
 
 TEST_F(LuxelLightTest, LightThatIsNotForGridsLightsSurfaces) {
     Light light = PointLight({0, 0, 100}, 100000);
-    light.grid = false;
+    light.lightsGrid = false;
     const Lit lit(Case(), {light});
     ForFloor(lit, [](const Vec3f &, const Vec3f &, const Vec3f &got) { EXPECT_GT(got.x, 0); });
-    light.grid = true, light.surfaces = false;
+    light.lightsGrid = true, light.lightsSurfaces = false;
     SurfaceCase &c = *case_;
     ForFloor(Lit(c, {light}), [](const Vec3f &, const Vec3f &, const Vec3f &got) { EXPECT_EQ(got.x, 0); });
 }

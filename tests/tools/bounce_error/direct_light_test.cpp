@@ -87,7 +87,7 @@ TEST_F(PathTest, DirectLightIsThatOfTheLightStage) {
             batch.Add(at.position, at.normal, at.cluster);
             SurfaceIncidentLight incident;
             ContributionCounts counts;
-            LightContributionToSample(light, {.occlusion = false, .sunOcclusion = false}, scene->setup.scene, batch,
+            LightContributionToSample(light, {.shadows = false, .sunShadows = false}, scene->setup.scene, batch,
                                       incident, counts);
             const float add = incident.live[0] != 0 ? incident.add[0] : 0;
             const Vec3f expected = light.color * (light.negative ? -add : add);

@@ -151,7 +151,7 @@ TEST(CellsToLight, CountsEachAxisInItsOwnCells) {
     EXPECT_NEAR(CellsToLight(point, {0, 0, 0}, {32, 32, 64}), std::sqrt(5.0), 1e-6);
     Light area;
     area.type = LightType::Area;
-    area.w = {{-100, -100, 64}, {-100, 100, 64}, {100, 100, 64}, {100, -100, 64}};
+    area.polygon = {{-100, -100, 64}, {-100, 100, 64}, {100, 100, 64}, {100, -100, 64}};
     area.SetShape();
     EXPECT_NEAR(CellsToLight(area, {40, 20, 0}, {32, 32, 64}), 1, 1e-6);  // straight under it
     EXPECT_NEAR(CellsToLight(area, {132, 0, 64}, {32, 32, 64}), 1, 1e-6); // beside its edge

@@ -20,7 +20,7 @@ namespace {
 constexpr float kOwnSide = 3, kOwnCosine = 0.9f;
 
 UnshadowedLight Colored(const Light &light, const SurfacePoint &at, float add, const Vec3f &target) {
-    const float least = light.fast && light.type != LightType::Sun ? light.tolerance : 0;
+    const float least = light.endsAtTolerance && light.type != LightType::Sun ? light.tolerance : 0;
     if (!(add > least))
         return {};
     const Vec3f way = target - at.position;
@@ -41,12 +41,12 @@ UnshadowedLight AreaAt(const Light &light, const SurfacePoint &at) {
     if (height < kOwnSide && (behind || own))
         return {};
     const Vec3f pushed = std::abs(height) < kAreaPush ? at.position + light.normal * (kAreaPush - height) : at.position;
-    const double factor = FormFactor(Vec3d(pushed), Vec3d(at.normal), light.w);
+    const double factor = FormFactor(Vec3d(pushed), Vec3d(at.normal), light.polygon);
     if (factor >= 0)
-        return Colored(light, at, float(factor) * light.add, light.origin);
+        return Colored(light, at, float(factor) * light.radiosity, light.origin);
     if (!at.twoSided && !light.twoSided)
         return {};
-    UnshadowedLight back = Colored(light, at, float(-factor) * light.add, light.origin - light.normal * 2);
+    UnshadowedLight back = Colored(light, at, float(-factor) * light.radiosity, light.origin - light.normal * 2);
     return back.distance < light.envelope ? back : UnshadowedLight{};
 }
 
@@ -63,7 +63,7 @@ UnshadowedLight LightWithoutShadow(const Light &light, const SurfacePoint &at) {
         return {};
     if (light.type == LightType::Area)
         return AreaAt(light, at);
-    float angle = light.angle ? std::abs(cosine) : 1;
+    float angle = light.angleAttenuation ? std::abs(cosine) : 1;
     if (light.angleScale != 0)
         angle = std::min(1.0f, angle / light.angleScale);
     float add = Falloff(light).At(distance, angle);
@@ -122,14 +122,14 @@ double BoundAt(const Light &light, const Vec3f &center, int facing) {
     const float spread = distance > reach ? std::asin(reach / distance) : 1.6f;
     const float cosine = distance > 0 ? BoundOfCosine(facing, way / distance, spread) : 1;
     if (!area)
-        return color *
-               double(std::max(0.0f, Falloff(light).At(near, light.angle && light.angleScale == 0 ? cosine : 1)));
+        return color * double(std::max(0.0f, Falloff(light).At(
+                                                 near, light.angleAttenuation && light.angleScale == 0 ? cosine : 1)));
     const float height = Dot(center, light.normal) - light.dist;
     if (!light.twoSided && height < -kCellRadius)
         return 0;
     const float facingLight = std::min(1.0f, (std::max(std::abs(height), kAreaPush) + kCellRadius) / near);
     const float share = std::min(1.0f, light.shape.area * facingLight / (std::numbers::pi_v<float> * near * near));
-    return color * double(light.add * share * cosine);
+    return color * double(light.radiosity * share * cosine);
 }
 
 /// The lights of a cell with their cumulative distribution.
@@ -202,7 +202,7 @@ const LightList &DirectLights::Cells::ListAt(const std::vector<Light> &lights, c
 
 DirectLights::DirectLights(const SurfaceInputs &in, std::vector<Light> lights)
     : in_(in), lights_([&] {
-          std::erase_if(lights, [](const Light &light) { return light.style != 0 || !light.surfaces; });
+          std::erase_if(lights, [](const Light &light) { return light.style != 0 || !light.lightsSurfaces; });
           return std::move(lights);
       }()),
       cells_(std::make_unique<Cells>()) {}

@@ -51,8 +51,8 @@ std::string KeyOf(const SurfaceInputs &in, const DirectLights &lights, const Rec
     AddReflection(hash, in);
     for (const Light &light : lights.Lights()) {
         bench::AddLight(hash, light);
-        hash.Value(light.envelope), hash.Value(light.fast), hash.Value(light.tolerance);
-        hash.Value(light.angle), hash.Value(light.angleScale);
+        hash.Value(light.envelope), hash.Value(light.endsAtTolerance), hash.Value(light.tolerance);
+        hash.Value(light.angleAttenuation), hash.Value(light.angleScale);
     }
     for (const LuxelReceiver &one : receivers.luxels)
         AddReceiver(hash, one);

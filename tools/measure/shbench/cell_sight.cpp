@@ -46,7 +46,7 @@ Vec3d NearestOnTriangle(const Vec3d &p, const Vec3d &a, const Vec3d &b, const Ve
 
 /// Point `sample` of the polygon: 0 is its center, the others are spread evenly over its area.
 Vec3f PointOn(const Light &light, int sample) {
-    const Winding<float> &w = light.w;
+    const Winding<float> &w = light.polygon;
     if (sample == 0)
         return light.shape.center;
     double total = 0;
@@ -88,11 +88,11 @@ SHVector UnshadowedLight(const Light &light, const Vec3d &p) {
         const double add = PointLightAt(light, p);
         return add > 0 && Length(way) > 0 ? FromDirection(Normalize(way), add) : SHVector{};
     }
-    SHVector projection = MomentsOfPolygon(light.w, p).Projection();
+    SHVector projection = MomentsOfPolygon(light.polygon, p).Projection();
     if (light.twoSided && projection[0] == 0)
         projection = MomentsOfPolygon(light.shape.back, p).Projection();
     for (std::size_t k = 0; k < 9; ++k)
-        projection[k] *= kCosineLobe[k] * double(light.add) / std::numbers::pi;
+        projection[k] *= kCosineLobe[k] * double(light.radiosity) / std::numbers::pi;
     return projection;
 }
 
@@ -114,9 +114,10 @@ double CellsToLight(const Light &light, const Vec3f &p, const Vec3f &cell) {
     if (light.type != LightType::Area)
         return Length(inCells(light.origin - p));
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 2; i < light.w.size(); ++i)
-        least = std::min(least, Length(NearestOnTriangle({}, inCells(light.w[0] - p), inCells(light.w[i - 1] - p),
-                                                         inCells(light.w[i] - p))));
+    for (std::size_t i = 2; i < light.polygon.size(); ++i)
+        least = std::min(least,
+                         Length(NearestOnTriangle({}, inCells(light.polygon[0] - p), inCells(light.polygon[i - 1] - p),
+                                                  inCells(light.polygon[i] - p))));
     return least;
 }
 

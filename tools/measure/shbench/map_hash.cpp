@@ -26,15 +26,15 @@ void AddSurfaces(Hash &hash, const SurfaceTable &table) {
 
 void AddLight(Hash &hash, const Light &light) {
     hash.Value(light.type), hash.Value(light.curve), hash.Value(light.twoSided), hash.Value(light.negative);
-    hash.Value(light.color), hash.Value(light.photons), hash.Value(light.add);
+    hash.Value(light.color), hash.Value(light.photons), hash.Value(light.radiosity);
     hash.Value(light.origin), hash.Value(light.normal), hash.Value(light.fade), hash.Value(light.radiusByDist);
     const Attenuation &k = light.attenuation;
     hash.Value(k.constant), hash.Value(k.linear), hash.Value(k.quadratic);
     hash.Value(k.flatFrom), hash.Value(k.fadeFrom), hash.Value(k.end);
     hash.Value(light.cone.byAngles), hash.Value(light.cone.cosInner), hash.Value(light.cone.cosOuter);
     hash.Value(light.cone.exponent);
-    hash.Value(light.extraDist), hash.Value(light.skyIndex), hash.Value(light.w.size());
-    for (const Vec3f &corner : light.w)
+    hash.Value(light.extraDist), hash.Value(light.skyIndex), hash.Value(light.polygon.size());
+    for (const Vec3f &corner : light.polygon)
         hash.Value(corner);
 }
 

@@ -17,7 +17,7 @@ double AreaLightAt(const Light &light, const Vec3d &toCenter) {
     const double d2 = std::max(1.0, Dot(toCenter, toCenter));
     const double cosine = -Dot(Normalize(toCenter), light.shape.normal);
     const double facing = light.twoSided ? std::abs(cosine) : std::max(0.0, cosine);
-    return double(light.add) * facing * double(light.shape.area) / (std::numbers::pi * d2);
+    return double(light.radiosity) * facing * double(light.shape.area) / (std::numbers::pi * d2);
 }
 
 bspGridPointSH_t LightPoint(const BenchMap &map, const Vec3f &position, std::uint64_t &rayCount) {

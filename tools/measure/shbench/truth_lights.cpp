@@ -143,10 +143,10 @@ double PointLightAt(const Light &light, const Vec3d &p) {
 }
 
 void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pieces) {
-    if (light.w.size() < 3)
+    if (light.polygon.size() < 3)
         return;
-    const Vec3d front = -Normalize(WindingAreaVector(light.w));
-    const double height = Dot(front, p - Vec3d(light.w[0]));
+    const Vec3d front = -Normalize(WindingAreaVector(light.polygon));
+    const double height = Dot(front, p - Vec3d(light.polygon[0]));
     if (height == 0 || (height < 0 && !light.twoSided))
         return;
     const Vec3d lift = front * std::copysign(std::min(kEmitterGap, 0.5 * std::abs(height)), height);
@@ -155,8 +155,8 @@ void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pi
         int cuts;
     };
     std::vector<Part> stack;
-    for (std::size_t i = 2; i < light.w.size(); ++i)
-        stack.push_back({{Vec3d(light.w[0]), Vec3d(light.w[i - 1]), Vec3d(light.w[i])}, 0});
+    for (std::size_t i = 2; i < light.polygon.size(); ++i)
+        stack.push_back({{Vec3d(light.polygon[0]), Vec3d(light.polygon[i - 1]), Vec3d(light.polygon[i])}, 0});
     while (!stack.empty()) {
         const Part part = stack.back();
         stack.pop_back();
@@ -171,7 +171,7 @@ void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pi
             longest = edges[i] > edges[longest] ? i : longest;
         }
         const double share = d > 0 ? std::min(1.0, area * std::abs(height) / (std::numbers::pi * d * d * d)) : 1;
-        const double bound = Strongest(light) * double(light.add) * share;
+        const double bound = Strongest(light) * double(light.radiosity) * share;
         if (edges[longest] > kPieceSize * d && part.cuts < kMaxCuts && bound > kSmallPiece) {
             const Vec3d &a = part.c[longest], &b = part.c[(longest + 1) % 3], &c = part.c[(longest + 2) % 3];
             const Vec3d middle = (a + b) / 2.0;
@@ -224,7 +224,7 @@ int SamplePiece(const AreaPiece &piece, const Vec3d &p, int n, Random &random, P
     const int rows = std::max(1, int(std::sqrt(double(n)))), columns = (n + rows - 1) / rows;
     const Vec3d normal = Normalize(Cross(piece.corners[1] - piece.corners[0], piece.corners[2] - piece.corners[0]));
     const Vec3d color = SignedColor(*piece.light) *
-                        (double(piece.light->add) * piece.area / (std::numbers::pi * double(rows * columns)));
+                        (double(piece.light->radiosity) * piece.area / (std::numbers::pi * double(rows * columns)));
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < columns; ++column) {
             const double root = std::sqrt((row + Unit(random)) / rows), v = (column + Unit(random)) / columns;
