@@ -17,8 +17,6 @@
 
 namespace q3 {
 
-// ---- What the program prints, in the form that editors and build scripts expect ----
-
 enum class LogLevel { Normal = 1, Warning = 2, Error = 3 };
 
 /// A position in the map source that an editor marks along with a message.
@@ -52,6 +50,8 @@ class Log {
     Log &operator=(const Log &) = delete;
 
     static Sink StandardOutput();
+    /// A sink that prints nothing, for steps whose messages nobody should see.
+    static Sink Nowhere();
 
     /// At most one; null: none. Must outlive its use.
     void SetObserver(LogObserver *observer) { observer_ = observer; }

@@ -7,8 +7,6 @@
 
 namespace q3 {
 
-// ---- The games table: what differs between the games that share the format ----
-
 namespace {
 
 Game MakeGame(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
@@ -29,7 +27,35 @@ Game &Limits(Game &game, int surfaceVerts, int verts, int indexes) {
     return game;
 }
 
-constexpr int kLargeSurface = 1048575; ///< vertices and indexes
+constexpr int kLargeSurface = 1048575; ///< vertices and indexes; 2^20 - 1
+
+struct GameTitle {
+    std::string_view name, title;
+};
+
+/// Game::title of each game.
+constexpr GameTitle kTitles[] = {
+    {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
+    {"quakelive", "Quake Live"},
+    {"nexuiz", "Nexuiz"},
+    {"xonotic", "Xonotic"},
+    {"tremulous", "Tremulous"},
+    {"unvanquished", "Unvanquished"},
+    {"tenebrae", "Tenebrae"},
+    {"wolf", "Return to Castle Wolfenstein"},
+    {"et", "Wolfenstein: Enemy Territory"},
+    {"etut", "Urban Terror on Enemy Territory's engine"},
+    {"ef", "Star Trek: Voyager - Elite Force"},
+    {"reaction", "Reaction"},
+    {"darkplaces", "DarkPlaces, for Quake"},
+    {"dq", "DeluxeQuake"},
+    {"prophecy", "Prophecy"},
+};
+
+std::string_view TitleOf(std::string_view game) {
+    const auto found = std::ranges::find(kTitles, game, &GameTitle::name);
+    return found == std::end(kTitles) ? std::string_view() : found->title;
+}
 
 Game QuakeLive() {
     Game game = MakeGame("quakelive", "baseq3", ".quakelive", "quake", QuakeLiveParms());
@@ -126,9 +152,11 @@ std::vector<Game> MakeGames() {
         prophecy,
     };
     constexpr std::uint32_t kNoOb = 0x80000;
-    for (Game &game : games)
+    for (Game &game : games) {
+        game.title = TitleOf(game.name);
         if (game.name != "quake3" && game.bevelSurfaceFlags == Game().bevelSurfaceFlags)
             game.bevelSurfaceFlags &= ~kNoOb;
+    }
     return games;
 }
 

@@ -42,6 +42,7 @@ struct SurfaceParm {
 /// One row of the games table. Only IBSP games: RBSP and FBSP are another container.
 struct Game {
     std::string_view name;             ///< argument of -game
+    std::string_view title;            ///< the game in full, for people
     std::string_view gameDir, homeDir; ///< base game folder; sub-folder of home with leading dot
     std::string_view magic;            ///< word that marks the engine path in a file name
     std::string_view shaderDir = "scripts";
@@ -49,6 +50,7 @@ struct Game {
     int bspVersion = 46;
     bool hasAdvertisements = false; ///< slot 17 (quakelive)
     bool wolfLighting = false;      ///< linear falloff without angle attenuation by default
+    // Defaults of the options -nostyle, -keeplights, -patchshadows and -lightanglehl.
     bool noStyles = false, keepLights = false, patchShadows = false, halfLambert = false;
     bool sRgbLightmap = false, sRgbTexture = false, sRgbColor = false;
     float gamma = 1, exposure = 0, compensate = 1;

@@ -65,7 +65,7 @@ FileGuard GuardPackage(const std::vector<fs::path> &outputs, const std::vector<f
     }
     for (const fs::path &output : outputs) {
         guard.Writes(output, bytes);
-        bytes = 0;
+        bytes = 0; // only one of the outputs is large
     }
     return guard;
 }
@@ -234,7 +234,7 @@ int SHReportStage(const StageContext &context, Arguments arguments) {
         options.output.empty() ? WithExtension(bspPath, ".html") : std::filesystem::absolute(options.output);
     FileGuard guard(context);
     guard.Needs(bspPath);
-    guard.Writes(path, SizeOfFile(bspPath) / 4);
+    guard.Writes(path, SizeOfFile(bspPath) / 4); // assumed: the map is packed
     const auto folders = GameFolders(context.options, context.words, context.program);
     if (options.textureSize > 0)
         RequireGameFiles(context.options, folders, context.words, log);
