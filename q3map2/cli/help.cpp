@@ -456,6 +456,20 @@ std::string MapWordHelp(std::string_view topic) {
     return text;
 }
 
+/// For the word of a stage: where its meanings as a key or a directive are explained. Empty: it has none.
+std::string MapWordHint(std::string_view topic) {
+    std::vector<std::string> meanings;
+    const auto look = [&](const std::vector<SettingSection> &sections, std::string_view meaning) {
+        bool isNamed = false;
+        ForEntries(sections, [&](const SettingInfo &info) { isNamed |= info.Names(topic); });
+        if (isNamed)
+            meanings.emplace_back(meaning);
+    };
+    look(EntitySections(), "a key of entities (q3map2 -help keys)");
+    look(DirectiveSections(), "a directive of shaders (q3map2 -help shader)");
+    return meanings.empty() ? "" : fmt::format("\n{} is also {}.\n", topic, fmt::join(meanings, " and "));
+}
+
 [[noreturn]] void FailUnknown(StageList stages, std::string_view topic, const std::vector<std::string> &topics) {
     std::vector<std::string> names = topics;
     for (const Stage &stage : stages) {
@@ -497,9 +511,11 @@ std::string HelpText(StageList stages, std::string_view topic) {
     for (const Stage &stage : stages)
         if (EqualNoCase(stage.word.substr(1), bare))
             text += StageText(stage);
-    // The word of a stage may be an option of other stages, a key or a directive too: "light" is a key.
-    if (const std::string others = OptionHelp(stages, bare) + MapWordHelp(bare); !others.empty())
-        text += (text.empty() ? "" : "\n") + others;
+    const std::string options = OptionHelp(stages, bare);
+    if (text.empty())
+        text = options + MapWordHelp(bare);
+    else // the word of a stage may be an option of other stages, a key or a directive too
+        text += (options.empty() ? "" : "\n" + options) + MapWordHint(bare);
     if (text.empty()) {
         std::vector<std::string> topics;
         for (const auto &[name, page] : pages)

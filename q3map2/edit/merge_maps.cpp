@@ -154,8 +154,8 @@ class Merger {
     Log &log_;
     Bsp bsp_;
     int planeBase_ = 0, fogBase_ = 0, lightmapBase_ = 0;
-    std::vector<int> shaders_, surfaces_,
-        brushes_;                              ///< numbers in the merged map, by number in the added one; kNotTaken
+    /// Numbers in the merged map, or kNotTaken, by number in the added one.
+    std::vector<int> shaders_, surfaces_, brushes_;
     int worldSurfaces_ = 0, worldBrushes_ = 0; ///< records of the added world that join the main one
     /// First number in the merged map of runs of vertices and indexes of the added one, by first number and count.
     std::map<std::pair<int, int>, int> vertRuns_, indexRuns_;

@@ -150,7 +150,7 @@ void ShaderRemap::WarnOfUnmatched(std::span<const std::string> shaders, std::str
 namespace {
 
 /// Larger meshes are split. Engines draw surfaces of less than SHADER_MAX_VERTEXES, 1000; the limit of triangles is
-/// never reached.
+/// chosen.
 constexpr unsigned kMaxMeshVerts = 999, kMaxMeshTriangles = 1 << 20;
 constexpr bool kStreamOwnsBytes = true; ///< argument of assimp's stream: it frees the bytes itself
 

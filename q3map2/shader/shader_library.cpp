@@ -21,7 +21,7 @@ namespace {
 constexpr int kDefaultImageSize = 64;                  ///< texels a side
 constexpr std::string_view kDefaultImage = "*default"; ///< name of the white image
 constexpr std::string_view kMissingName = "missing";   ///< of the shader in place of one without a name
-constexpr std::string_view kNoShader = "noshader";     ///< of brush sides that nobody sees: it has no image
+constexpr std::string_view kNoShader = "noshader";     ///< of brush sides without a shader: it has no image
 constexpr std::uint32_t kSeeThrough = C_ALPHASHADOW | C_LIGHTFILTER;
 
 /// Whether direct light needs the image: the shader emits or transmits light.

@@ -61,7 +61,7 @@ std::uint64_t EstimateGridSH(const Bsp &bsp, const LightOptions &options) {
     if (!options.sh || bsp.models.empty())
         return 0;
     try {
-        constexpr float kLeastScale = 1e-3f; // keeps the division finite; the bake reports such a -gridscalesh
+        constexpr float kLeastScale = 1e-3f; // chosen: keeps the cell of a tiny -gridscalesh finite
         const Vec3f scaled = Vec3f(GridCellOf(StoredEntities(bsp.entities, "the map").front())) *
                              float(1 / std::max(options.gridScaleSH, kLeastScale));
         const Vec3f cell = options.gridSizeSH.value_or(scaled);
