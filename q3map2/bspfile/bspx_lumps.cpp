@@ -16,7 +16,7 @@
 
 namespace q3 {
 
-// ---- The BSPX directory that may follow the header lumps ----
+// ---- The directory ----
 
 namespace {
 
@@ -96,7 +96,7 @@ std::vector<std::byte> BspxSource::Bytes() const {
     return bytes;
 }
 
-// ---- The table of the BSPX lumps that Bsp has members for: how each is read, written and checked ----
+// ---- The table of lumps ----
 
 namespace {
 

@@ -231,7 +231,7 @@ ChosenStage TakeStage(StageList stages, Arguments &arguments) {
     return {.stage = stages.front(), .isNamed = false};
 }
 
-// ---- From the command line to a stage ----
+// ---- A run of the program ----
 
 namespace {
 

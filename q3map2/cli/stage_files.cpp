@@ -170,7 +170,7 @@ fs::path ExistingBsp(const std::string &word, std::span<const fs::path> gameFold
     return path;
 }
 
-// ---- The files that a stage reads and writes ----
+// ---- FileGuard ----
 
 FileGuard::FileGuard(const StageContext &context) : FileGuard(context.options.force, context.log) {}
 
