@@ -13,8 +13,6 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMaxThreads = 64;
-
 /// One call of For, shared by the workers that take part.
 class Loop {
   public:

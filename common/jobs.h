@@ -8,6 +8,9 @@
 
 namespace q3 {
 
+/// Most workers of a pool; chosen.
+inline constexpr int kMaxThreads = 64;
+
 /// Worker threads that run loops. They start with the pool, sleep between loops and end with the pool.
 ///
 /// Workers: worker 0 is the thread that calls For, workers 1 to Threads() - 1 are threads of the pool. A worker runs
@@ -32,7 +35,7 @@ class JobPool {
     /// Starts a thread that runs `work`. Throws std::system_error if the system refuses.
     using ThreadStarter = std::function<std::thread(std::function<void()> work)>;
 
-    /// threads < 1: one per hardware thread. At most 64. `start` defaults to std::thread's constructor.
+    /// threads < 1: one per hardware thread. At most kMaxThreads. `start` defaults to std::thread's constructor.
     explicit JobPool(int threads = 0, const ThreadStarter &start = {});
     ~JobPool();
     /// Neither pool may be running a loop. One that was moved from can only be assigned to or destroyed.

@@ -9,8 +9,6 @@
 
 namespace q3 {
 
-// ---- What the program prints ----
-
 namespace {
 
 /// Whether warnings and errors are colored: on a terminal that can, unless NO_COLOR is set (no-color.org).
@@ -19,10 +17,11 @@ bool WantsColor() {
     return (noColor == nullptr || *noColor == 0) && HasColors();
 }
 
-/// The text in yellow or red, its line end behind the color.
+/// The text in yellow or red; the color ends before the line end.
 std::string Colored(LogLevel level, std::string_view text) {
+    constexpr int kRed = 31, kYellow = 33; // foreground colors of ECMA-48, "select graphic rendition"
     const std::size_t end = text.find_last_not_of('\n') + 1;
-    return fmt::format("\x1b[{}m{}\x1b[0m{}", level == LogLevel::Error ? 31 : 33, text.substr(0, end),
+    return fmt::format("\x1b[{}m{}\x1b[0m{}", level == LogLevel::Error ? kRed : kYellow, text.substr(0, end),
                        text.substr(end));
 }
 
@@ -42,6 +41,10 @@ Log::Sink Log::StandardOutput() {
         std::fwrite(shown.data(), 1, shown.size(), stdout);
         std::fflush(stdout);
     };
+}
+
+Log::Sink Log::Nowhere() {
+    return [](LogLevel, std::string_view) {};
 }
 
 void Log::AddSink(Sink sink, MarkSink marks) {
@@ -159,8 +162,9 @@ int Log::WarningCount(std::string_view kind) const {
 
 // ---- Progress of a pass ----
 
-constexpr int kProgressMarks = 40; ///< digits and dots of a finished pass
-constexpr double kRedrawSeconds = 0.2;
+constexpr int kProgressMarks = 40;     ///< digits and dots of a finished pass
+constexpr int kMarksPerDigit = 4;      ///< a digit and three dots, for a tenth of the pass
+constexpr double kRedrawSeconds = 0.2; ///< least time between two changes of the live line
 
 Progress::Progress(Log &log, std::int64_t total) : log_(log), total_(total), terminal_(IsTerminal()) {}
 
@@ -188,7 +192,7 @@ void Progress::Update(std::int64_t done, std::uint64_t rays) {
     std::string steps;
     for (; marksPrinted_ < kProgressMarks && done * kProgressMarks >= std::int64_t(marksPrinted_ + 1) * total_;
          ++marksPrinted_)
-        steps += marksPrinted_ % 4 == 0 ? fmt::format("{}", marksPrinted_ / 4) : ".";
+        steps += marksPrinted_ % kMarksPerDigit == 0 ? fmt::format("{}", marksPrinted_ / kMarksPerDigit) : ".";
     if (steps.empty())
         return;
     if (terminal_)
@@ -199,7 +203,7 @@ void Progress::Update(std::int64_t done, std::uint64_t rays) {
 
 void Progress::Finish() {
     if (terminal_)
-        log_.WriteLive(fmt::format("\r{:60}\r", ""));
+        log_.WriteLive(fmt::format("\r{:60}\r", "")); // 60 blanks cover the longest live line
     log_.Print(" ({:.0f})\n", Seconds());
 }
 

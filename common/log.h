@@ -17,8 +17,6 @@
 
 namespace q3 {
 
-// ---- What the program prints, in the form that editors and build scripts expect ----
-
 enum class LogLevel { Normal = 1, Warning = 2, Error = 3 };
 
 /// A position in the map source that an editor marks along with a message.
@@ -51,7 +49,10 @@ class Log {
     Log(const Log &) = delete;
     Log &operator=(const Log &) = delete;
 
+    /// Standard output; warnings and errors in color on terminals that have it.
     static Sink StandardOutput();
+    /// A sink that prints nothing, for steps whose messages nobody should see.
+    static Sink Nowhere();
 
     /// At most one; null: none. Must outlive its use.
     void SetObserver(LogObserver *observer) { observer_ = observer; }
@@ -98,6 +99,7 @@ class Log {
     /// Warnings of that kind since the last flush, for tests.
     int WarningCount(std::string_view kind) const;
 
+    /// Writes to all sinks.
     void Write(LogLevel level, std::string_view text);
     /// Writes to the sink of the constructor only: text that a terminal overwrites in place, such as progress.
     void WriteLive(std::string_view text);
@@ -140,6 +142,7 @@ class Progress {
     void Update(std::int64_t done, std::uint64_t rays);
     /// Ends the line with the elapsed seconds.
     void Finish();
+    /// Since the pass began.
     double Seconds() const;
 
   private:
@@ -149,7 +152,7 @@ class Progress {
     std::int64_t total_;
     bool terminal_;
     int marksPrinted_ = 0;
-    double lastShown_ = 0;
+    double lastShown_ = 0; ///< when the live line changed last, in seconds since the start
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -34,6 +34,7 @@ enum class OutOfRange {
     UseDefault ///< a warning; SettingInfo::outsideValue is used
 };
 
+/// The numbers that a setting may have.
 struct SettingRange {
     double low = -kMaxSetting, high = kMaxSetting;
     bool aboveLow = false, belowHigh = false; ///< the limit itself is not allowed
@@ -41,6 +42,7 @@ struct SettingRange {
     bool Contains(double number) const {
         return (aboveLow ? number > low : number >= low) && (belowHigh ? number < high : number <= high);
     }
+    /// The nearest number of the range, whose limits count as allowed.
     double Clamp(double number) const { return number < low ? low : number > high ? high : number; }
     /// Whether it is the range of settings that declare none.
     bool IsDefault() const { return low == -kMaxSetting && high == kMaxSetting; }
@@ -66,6 +68,7 @@ struct SettingInfo {
     std::string_view help{};     ///< one line, a sentence without its full stop
     std::string_view details{};  ///< more for the documentation page
 
+    /// Whether the word is the name or an alias, whatever its case.
     bool Names(std::string_view word) const;
     /// Least and greatest number of values that follow.
     std::size_t MinValues() const, MaxValues() const;
@@ -92,6 +95,8 @@ struct SettingValues {
     std::vector<double> numbers; ///< of the kinds Integer and Number
 };
 
+// A value as the documentation and logs show it: "on" and "off", numbers of 7 digits, words with blanks between them;
+// empty: none.
 std::string SettingText(bool value);
 std::string SettingText(double value);
 std::string SettingText(int value);

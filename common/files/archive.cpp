@@ -26,10 +26,11 @@ namespace q3 {
 
 namespace {
 
-constexpr std::uint64_t kMaxEntrySize = 256u << 20;
-constexpr std::size_t kMaxName = 255;
-constexpr std::size_t kChunk = 1u << 16;
-constexpr std::size_t kMinEntryBytes = 46; // size of a directory entry without its name
+constexpr std::uint64_t kMaxEntrySize = 256u << 20; ///< bytes; chosen
+constexpr std::size_t kMaxName = 255;               ///< bytes of a name with its folders; chosen
+constexpr std::size_t kChunk = 1u << 16;            ///< bytes that are unpacked at once, at least
+constexpr std::size_t kMinEntryBytes = 46;          ///< of a directory entry, without its name
+constexpr unsigned long kEncryptedFlag = 1;         ///< of an entry
 
 struct CloseZip {
     void operator()(void *zip) const { unzClose(zip); }
@@ -115,7 +116,7 @@ void Archive::ReadDirectory() {
                                                                       at.num_of_file,
                                                                       info.compressed_size,
                                                                       info.uncompressed_size,
-                                                                      (info.flag & 1) != 0});
+                                                                      (info.flag & kEncryptedFlag) != 0});
     }
     if (result != UNZ_END_OF_LIST_OF_FILE)
         throw Error("{}: the directory of the archive is damaged after {} entries", path_.string(), entries_.size());
@@ -138,7 +139,7 @@ const Archive::Entry *Archive::Find(std::string_view name) const {
 }
 
 std::string Archive::Location(const Entry &entry) const {
-    return fmt::format("{} :: {}", path_.string(), entry.name);
+    return fmt::format("{}{}{}", path_.string(), kInArchive, entry.name);
 }
 
 std::vector<std::string> Archive::Names() const {
@@ -153,7 +154,7 @@ std::vector<std::byte> Archive::Read(std::string_view name) const {
     const Entry *entry = Find(name);
     if (!entry)
         throw Error("{}: expected an entry {}", path_.string(), name);
-    if (entry->encrypted)
+    if (entry->isEncrypted)
         throw Error("{}: the entry is encrypted, expected plain data", Location(*entry));
     if (entry->size > kMaxEntrySize)
         throw Error("{}: {} bytes, expected at most {}", Location(*entry), entry->size, kMaxEntrySize);
@@ -191,10 +192,10 @@ namespace {
 
 /// 1980-01-01, 00:00: year - 1980, month and day in 7, 4 and 5 bits, then the time in 16.
 constexpr unsigned long kFirstDate = (0UL << 9 | 1UL << 5 | 1UL) << 16;
-constexpr std::size_t kMostAtOnce = std::size_t(1) << 30;
-constexpr std::size_t kZip64From = 0xffffffffu;
+constexpr std::size_t kMostAtOnce = std::size_t(1) << 30; ///< bytes given to minizip, which counts in unsigned
+constexpr std::size_t kZip64From = 0xffffffffu;           ///< bytes of an entry whose sizes need 64 bits
 
-/// What minizip takes for a file.
+/// What minizip takes for a file. The functions that follow are its zlib_filefunc64_def.
 struct MemoryFile {
     std::vector<std::byte> bytes;
     std::size_t at = 0;

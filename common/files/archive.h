@@ -13,6 +13,9 @@
 
 namespace q3 {
 
+/// Stands between the path of an archive and the name of an entry where a location is printed.
+inline constexpr std::string_view kInArchive = " :: ";
+
 /// One open archive: its directory in memory, contents read on demand. Safe for concurrent reads, which take turns.
 class Archive {
   public:
@@ -35,7 +38,7 @@ class Archive {
         std::string name;
         std::uint64_t directoryAt, number; ///< position of the entry, for unzGoToFilePos64
         std::uint64_t packedSize, size;
-        bool encrypted;
+        bool isEncrypted;
     };
 
     struct Reader;

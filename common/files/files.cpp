@@ -26,7 +26,7 @@ std::string Reason(int number) {
 
 /// The file that a chain of symbolic links ends at, so that the file is replaced and not the link.
 fs::path BehindLinks(fs::path path) {
-    constexpr int kMaxLinks = 40;
+    constexpr int kMaxLinks = 40; // as Linux has it
     for (int i = 0; i < kMaxLinks; i++) {
         std::error_code notALink;
         const fs::path next = fs::read_symlink(path, notALink);
@@ -95,7 +95,8 @@ FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target
     std::error_code ignored;
     RequireReplaceable(path_, target_);
     const fs::file_status old = fs::status(target_, ignored);
-    const int mode = fs::exists(old) ? int(old.permissions()) : 0666;
+    constexpr int kNewFileMode = 0666; // readable and writable for all, less the umask
+    const int mode = fs::exists(old) ? int(old.permissions()) : kNewFileMode;
 
     std::string name = target_.string() + ".XXXXXX";
     file_.reset(CreateTemporary(name, mode));

@@ -14,9 +14,10 @@
 
 namespace q3 {
 
-/// No deflate stream expands to more than this many times its size.
+/// No deflate stream expands to more than this many times its size: a match of 258 bytes takes at least 2 bits.
 inline constexpr std::size_t kMaxDeflateRatio = 1032;
 
+/// Deleter of C files.
 struct CloseFile {
     void operator()(std::FILE *file) const { std::fclose(file); }
 };
@@ -52,6 +53,7 @@ class FileReplacement {
     FileReplacement(const FileReplacement &) = delete;
     FileReplacement &operator=(const FileReplacement &) = delete;
     ~FileReplacement();
+    /// Writes more bytes after those before.
     void Append(std::span<const std::byte> data);
     /// Puts the whole file on the disk, still under its temporary name. No Append after it.
     void Finish();

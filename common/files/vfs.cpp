@@ -173,7 +173,7 @@ std::string VirtualFileSystem::Location(std::string_view name) const {
             return true;
         },
         [&](const Archive &archive) {
-            location = fmt::format("{} :: {}", archive.Path().string(), safe);
+            location = fmt::format("{}{}{}", archive.Path().string(), kInArchive, safe);
             return true;
         });
     return location;

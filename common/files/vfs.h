@@ -35,7 +35,7 @@ class VirtualFileSystem {
     /// Contents of every occurrence of that name, the winner first.
     std::vector<std::vector<std::byte>> ReadAll(std::string_view name) const;
     bool Exists(std::string_view name) const;
-    /// Where the winner is: a path, or "archive.pk3 :: inner name". Empty when absent.
+    /// Where the winner is: a path, or "archive.pk3 :: inner name" (kInArchive). Empty when absent.
     std::string Location(std::string_view name) const;
     /// Names directly in `folder` (no trailing '/') that end in `extension` (with dot), each once, sorted,
     /// case-insensitive.

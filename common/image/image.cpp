@@ -32,7 +32,7 @@ DeepImage Deepened(const Image &image) {
     DeepImage deep{image.width, image.height, 8, {}};
     deep.rgba.reserve(image.rgba.size());
     for (const std::uint8_t value : image.rgba)
-        deep.rgba.push_back(std::uint16_t(value * 257));
+        deep.rgba.push_back(std::uint16_t(value * 257)); // 255 * 257 = 65535
     return deep;
 }
 
@@ -118,7 +118,12 @@ Image Reduced(const Image &image, int longestSide) {
 
 namespace {
 
-constexpr std::size_t kDdsHeader = 128, kDx10Header = 20;
+constexpr std::size_t kDdsHeader = 128, kDx10Header = 20; ///< bytes
+/// Bytes of the header where its fields begin, 32 bits each. Of the pixel format: its own size, flags, the FourCC, bits
+/// of a texel, and the masks of red, green, blue and alpha.
+constexpr std::size_t kSizeAt = 4, kHeightAt = 12, kWidthAt = 16, kFormatSizeAt = 76, kFlagsAt = 80, kFourCcAt = 84,
+                      kBitsAt = 88, kMasksAt = 92;
+constexpr std::size_t kFormatBytes = 32;
 constexpr unsigned kHasAlpha = 0x1, kHasFourCc = 0x4, kIsLuminance = 0x20000; ///< flags of the pixel format
 
 constexpr unsigned FourCc(const char (&text)[5]) {
@@ -143,18 +148,19 @@ std::optional<int> BlocksOfDxgi(unsigned format) {
     return std::nullopt;
 }
 
+/// The layout of a DXGI_FORMAT of the extended header; nullopt: not one of 8-bit RGB(A).
 std::optional<DdsMasks> MasksOfDxgi(unsigned format) {
     constexpr std::array<unsigned, 4> kRgba = {0xFF, 0xFF00, 0xFF0000, 0xFF000000};
     constexpr std::array<unsigned, 4> kBgra = {0xFF0000, 0xFF00, 0xFF, 0xFF000000};
     constexpr std::array<unsigned, 4> kBgrx = {0xFF0000, 0xFF00, 0xFF, 0};
     switch (format) {
-    case 28: // R8G8B8A8
+    case 28: // R8G8B8A8_UNORM, and the same as sRGB
     case 29:
         return DdsMasks{32, kRgba};
-    case 87: // B8G8R8A8
+    case 87: // B8G8R8A8_UNORM, and the same as sRGB
     case 91:
         return DdsMasks{32, kBgra};
-    case 88: // B8G8R8X8
+    case 88: // B8G8R8X8_UNORM, and the same as sRGB
     case 93:
         return DdsMasks{32, kBgrx};
     default:
@@ -170,14 +176,14 @@ class DdsDecoder {
         Need(kDdsHeader, "header");
         if (Word(0) != FourCc("DDS "))
             throw Error("{}: expected an image that begins with DDS", name_);
-        Expect("header size", Word(4), kDdsHeader - 4);
-        Expect("size of the pixel format", Word(76), 32);
-        CheckImageSize(Word(16), Word(12), name_);
-        image_.height = int(Word(12));
-        image_.width = int(Word(16));
+        Expect("header size", Word(kSizeAt), kDdsHeader - kSizeAt);
+        Expect("size of the pixel format", Word(kFormatSizeAt), kFormatBytes);
+        CheckImageSize(Word(kWidthAt), Word(kHeightAt), name_);
+        image_.height = int(Word(kHeightAt));
+        image_.width = int(Word(kWidthAt));
         at_ = kDdsHeader;
-        if ((Word(80) & kHasFourCc) != 0)
-            ReadCompressed(Word(84));
+        if ((Word(kFlagsAt) & kHasFourCc) != 0)
+            ReadCompressed(Word(kFourCcAt));
         else
             ReadMasked(MasksOfHeader());
         return std::move(image_);
@@ -244,35 +250,35 @@ class DdsDecoder {
     }
 
     DdsMasks MasksOfHeader() const {
-        DdsMasks form{Word(88), {Word(92), Word(96), Word(100), Word(104)}};
-        if ((Word(80) & kIsLuminance) != 0)
-            form.masks[1] = form.masks[2] = form.masks[0];
-        if ((Word(80) & kHasAlpha) == 0)
-            form.masks[3] = 0;
-        return form;
+        DdsMasks layout{Word(kBitsAt), {Word(kMasksAt), Word(kMasksAt + 4), Word(kMasksAt + 8), Word(kMasksAt + 12)}};
+        if ((Word(kFlagsAt) & kIsLuminance) != 0)
+            layout.masks[1] = layout.masks[2] = layout.masks[0];
+        if ((Word(kFlagsAt) & kHasAlpha) == 0)
+            layout.masks[3] = 0;
+        return layout;
     }
 
-    void ReadMasked(const DdsMasks &form) {
-        const std::size_t bytes = form.bits / 8;
-        const unsigned all = form.bits >= 32 ? ~0u : (1u << form.bits) - 1;
-        const bool isWhole = form.bits % 8 == 0 && bytes >= 1 && bytes <= 4;
-        const bool hasColor = form.masks[0] != 0 && form.masks[1] != 0 && form.masks[2] != 0;
+    void ReadMasked(const DdsMasks &layout) {
+        const std::size_t bytes = layout.bits / 8;
+        const unsigned all = layout.bits >= 32 ? ~0u : (1u << layout.bits) - 1;
+        const bool isWhole = layout.bits % 8 == 0 && bytes >= 1 && bytes <= 4;
+        const bool hasColor = layout.masks[0] != 0 && layout.masks[1] != 0 && layout.masks[2] != 0;
         const auto isGood = [all](unsigned mask) {
             const unsigned low = mask == 0 ? 0 : mask >> std::countr_zero(mask);
             return (mask & ~all) == 0 && (low & (low + 1)) == 0; // one run of bits
         };
-        if (!isWhole || !hasColor || !std::ranges::all_of(form.masks, isGood))
+        if (!isWhole || !hasColor || !std::ranges::all_of(layout.masks, isGood))
             throw Error(
                 "{}: DDS with {} bits per texel and masks {:x}, {:x}, {:x}, {:x}, expected 8 to 32 bits and a run "
                 "of them for each color",
-                name_, form.bits, form.masks[0], form.masks[1], form.masks[2], form.masks[3]);
+                name_, layout.bits, layout.masks[0], layout.masks[1], layout.masks[2], layout.masks[3]);
         Need(Texels() * bytes, "texels");
         image_.rgba.reserve(4 * Texels());
         for (std::size_t i = 0; i < Texels(); ++i, at_ += bytes) {
             unsigned texel = 0;
             for (std::size_t k = 0; k < bytes; ++k)
                 texel |= Byte(at_ + k) << (8 * k);
-            for (const unsigned mask : form.masks)
+            for (const unsigned mask : layout.masks)
                 image_.rgba.push_back(Channel(texel, mask));
         }
     }

@@ -40,12 +40,12 @@ Image DecodeJpeg(std::span<const std::byte> file, std::string_view name);
 /// All 16 bits of a channel, where DecodePng keeps 8.
 DeepImage DecodeDeepPng(std::span<const std::byte> file, std::string_view name);
 
-/// Reads an image file: PNG and JPEG by their first bytes, TGA by its extension. Errors: those of ReadFile and of the
-/// decoders, and a file that is none of these.
+/// Reads an image file: PNG, JPEG and DDS by their first bytes, TGA by its extension. Errors: those of ReadFile and of
+/// the decoders, and a file that is none of these.
 DeepImage ReadDeepImage(const std::filesystem::path &path);
 
-/// By its first bytes, else by the extension of `name`: PNG, JPEG, TGA. Errors: those of the decoders, and another
-/// format.
+/// By its first bytes, PNG, JPEG and DDS, else by the extension of `name`, TGA. Errors: those of the decoders, and
+/// another format.
 Image DecodeImage(std::span<const std::byte> file, std::string_view name);
 
 /// Which row the texels given to EncodeTga begin with.
@@ -77,15 +77,15 @@ inline void CheckImageSize(std::uint64_t width, std::uint64_t height, std::strin
                     kMaxSide, kMaxTexels);
 }
 
-/// Row 0 on top, one byte a texel. The palette itself is not kept.
+/// Palette indexes, row 0 on top, one byte a texel. The palette itself is not kept.
 struct IndexImage {
     int width = 0, height = 0;
     std::vector<std::uint8_t> indexes;
 };
 
-/// Decoders; `name`, errors and limits as in image.h. 8 bits a texel, one plane.
+/// PCX of 8 bits a texel and one plane. `name`, errors and limits as for DecodeTga.
 IndexImage DecodePcx(std::span<const std::byte> file, std::string_view name);
-/// std::nullopt if the PNG is valid but has no palette.
+/// The same for PNG; std::nullopt if it is valid but has no palette.
 std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std::string_view name);
 
 /// The image with its longer side at most `longestSide` texels (over 0), the other in proportion; the same image if it
@@ -93,7 +93,7 @@ std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std:
 Image Reduced(const Image &image, int longestSide);
 
 /// Decodes the largest mipmap; of a cube map, that of its first face. DXT1, DXT3, DXT5, and uncompressed texels with
-/// any masks. `name`, errors and limits as in image.h.
+/// any masks. `name`, errors and limits as for DecodeTga.
 Image DecodeDds(std::span<const std::byte> file, std::string_view name);
 
 } // namespace q3

@@ -19,9 +19,10 @@ namespace {
 constexpr std::string_view kHdrFormat = "FORMAT=", kHdrExposure = "EXPOSURE=", kHdrRgbe = "32-bit_rle_rgbe";
 constexpr std::size_t kMinRunWidth = 8, kMaxRunWidth = 32767; ///< rows of other widths have no runs by channel
 constexpr unsigned kRunMark = 2;                              ///< a row in runs by channel begins with it twice
-constexpr std::size_t kMaxHdrRun = 127, kMaxLiteral = 128;
-constexpr std::size_t kLeastRun = 4; ///< shorter ones go into literals
-constexpr unsigned kMaxRunShift = 24;
+constexpr std::size_t kMaxHdrRun = 127, kMaxLiteral = 128;    ///< bytes of a channel
+constexpr unsigned kRunBias = 128;    ///< the head of a run is this plus its length; that of a literal its length
+constexpr std::size_t kLeastRun = 4;  ///< chosen: shorter ones go into literals
+constexpr unsigned kMaxRunShift = 24; ///< a repeat with a larger shift is longer than any row
 
 class HdrReader {
   public:
@@ -130,8 +131,8 @@ class HdrReader {
     void ReadChannel(std::size_t channel) {
         for (std::size_t x = 0; x < row_.size();) {
             const unsigned head = Byte();
-            const bool isRun = head > 128;
-            const std::size_t count = isRun ? head - 128 : head;
+            const bool isRun = head > kRunBias;
+            const std::size_t count = isRun ? head - kRunBias : head;
             if (count == 0 || count > row_.size() - x)
                 FailRunLength(count, row_.size() - x);
             unsigned value = isRun ? Byte() : 0;
@@ -190,7 +191,7 @@ void AppendRuns(std::vector<std::byte> &file, std::span<const std::uint8_t> byte
     };
     for (std::size_t at = 0; at < bytes.size();) {
         if (const std::size_t run = runAt(at); run >= kLeastRun) {
-            file.push_back(std::byte(128 + run));
+            file.push_back(std::byte(kRunBias + run));
             file.push_back(std::byte(bytes[at]));
             at += run;
             continue;

@@ -15,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxWord = 32;
+constexpr std::size_t kMaxWord = 32; ///< bytes of a word that are looked at
 
 class PfmReader {
   public:

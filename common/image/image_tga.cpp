@@ -11,9 +11,17 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kTgaHeader = 18;
-constexpr std::size_t kMaxPacket = 128; // pixels of one run
+constexpr std::size_t kTgaHeader = 18;  ///< bytes
+constexpr std::size_t kMaxPacket = 128; ///< pixels of one run
+/// Bytes of the header where its fields begin; Truevision TGA File Format Specification 2.0.
+constexpr std::size_t kCommentBytesAt = 0, kMapTypeAt = 1, kTypeAt = 2, kMapFirstAt = 3, kMapCountAt = 5,
+                      kMapBitsAt = 7, kWidthAt = 12, kHeightAt = 14, kDepthAt = 16, kDescriptorAt = 17;
+constexpr unsigned kPackedType = 8; ///< added to the type of an image in runs
+/// Of the descriptor: number of alpha bits, and whether columns go from right to left and rows from top to bottom.
+constexpr unsigned kAlphaBits = 0xF, kRightToLeft = 0x10, kTopDown = 0x20;
+constexpr unsigned kFullAlpha = 8; ///< the number of alpha bits of RGBA
 
+/// The type of an image without kPackedType.
 enum class Kind { Palette = 1, Color = 2, Gray = 3 };
 
 using Rgba = std::array<std::uint8_t, 4>;
@@ -51,31 +59,32 @@ class TgaDecoder {
 
     void ReadHeader() {
         Need(kTgaHeader, "header");
-        const unsigned type = Byte(2), depth = Byte(16), descriptor = Byte(17);
-        const unsigned plainType = type & ~8u;
+        const unsigned type = Byte(kTypeAt), depth = Byte(kDepthAt), descriptor = Byte(kDescriptorAt);
+        const unsigned plainType = type & ~kPackedType, alphaBits = descriptor & kAlphaBits;
         if (plainType < 1 || plainType > 3)
             Unsupported("image type", type, "1, 2, 3, 9, 10 or 11");
         kind_ = Kind(plainType);
-        packed_ = (type & 8) != 0;
+        packed_ = (type & kPackedType) != 0;
         if (kind_ == Kind::Color ? depth != 24 && depth != 32 : depth != 8)
             Unsupported("bits per pixel", depth, kind_ == Kind::Color ? "24 or 32" : "8");
-        if ((descriptor & 15) != 0 && (descriptor & 15) != 8)
-            Unsupported("attribute bits", descriptor & 15, "0 or 8");
-        if ((descriptor & 0x10) != 0)
+        if (alphaBits != 0 && alphaBits != kFullAlpha)
+            Unsupported("attribute bits", alphaBits, "0 or 8");
+        if ((descriptor & kRightToLeft) != 0)
             Unsupported("descriptor", descriptor, "columns from left to right");
-        hasAlpha_ = (descriptor & 15) == 8;
-        topDown_ = (descriptor & 0x20) != 0;
+        hasAlpha_ = alphaBits == kFullAlpha;
+        topDown_ = (descriptor & kTopDown) != 0;
         pixelBytes_ = depth / 8;
-        CheckImageSize(Word(12), Word(14), name_);
-        image_.width = int(Word(12));
-        image_.height = int(Word(14));
+        CheckImageSize(Word(kWidthAt), Word(kHeightAt), name_);
+        image_.width = int(Word(kWidthAt));
+        image_.height = int(Word(kHeightAt));
         at_ = kTgaHeader;
-        Need(Byte(0), "comment");
-        at_ += Byte(0);
+        Need(Byte(kCommentBytesAt), "comment");
+        at_ += Byte(kCommentBytesAt);
     }
 
     void ReadPalette() {
-        const unsigned mapType = Byte(1), first = Word(3), count = Word(5), bits = Byte(7);
+        const unsigned mapType = Byte(kMapTypeAt), first = Word(kMapFirstAt), count = Word(kMapCountAt),
+                       bits = Byte(kMapBitsAt);
         if (kind_ != Kind::Palette) {
             const std::size_t size = mapType == 0 ? 0 : std::size_t(count) * ((bits + 7) / 8);
             Need(size, "palette");
@@ -113,16 +122,17 @@ class TgaDecoder {
     }
 
     void ReadRuns(std::size_t pixels) {
+        constexpr unsigned kPacketLength = 0x7F, kPacketRepeats = 0x80; // its length less 1; one pixel for all of it
         for (std::size_t i = 0; i < pixels;) {
             Need(1, "pixels");
             const unsigned head = Byte(at_++);
             // Some writers let the last run pass the end of the image.
-            const std::size_t length = std::min<std::size_t>((head & 0x7F) + 1, pixels - i);
-            const bool repeat = (head & 0x80) != 0;
-            Need((repeat ? 1 : length) * pixelBytes_, "pixels");
+            const std::size_t length = std::min<std::size_t>((head & kPacketLength) + 1, pixels - i);
+            const bool isRepeat = (head & kPacketRepeats) != 0;
+            Need((isRepeat ? 1 : length) * pixelBytes_, "pixels");
             Rgba pixel = ReadPixel();
             for (std::size_t k = 0; k < length; ++k) {
-                if (k > 0 && !repeat)
+                if (k > 0 && !isRepeat)
                     pixel = ReadPixel();
                 Put(i++, pixel);
             }
@@ -154,11 +164,11 @@ std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> texels, int width
                                  TgaRows rows) {
     constexpr std::array<std::size_t, 4> kBgra = {2, 1, 0, 3};
     std::vector<std::byte> file(kTgaHeader + texels.size());
-    file[2] = std::byte(channels == 1 ? Kind::Gray : Kind::Color);
-    file[12] = std::byte(width & 255), file[13] = std::byte(width >> 8);
-    file[14] = std::byte(height & 255), file[15] = std::byte(height >> 8);
-    file[16] = std::byte(8 * channels);
-    file[17] = std::byte(channels == 4 ? 8 : 0); // bits of alpha
+    file[kTypeAt] = std::byte(channels == 1 ? Kind::Gray : Kind::Color);
+    file[kWidthAt] = std::byte(width & 255), file[kWidthAt + 1] = std::byte(width >> 8);
+    file[kHeightAt] = std::byte(height & 255), file[kHeightAt + 1] = std::byte(height >> 8);
+    file[kDepthAt] = std::byte(8 * channels);
+    file[kDescriptorAt] = std::byte(channels == 4 ? kFullAlpha : 0);
     const auto count = std::size_t(channels), rowBytes = count * std::size_t(width);
     for (std::size_t y = 0; y < std::size_t(height); ++y) {
         const std::size_t from = (rows == TgaRows::TopFirst ? std::size_t(height) - 1 - y : y) * rowBytes;
@@ -189,6 +199,7 @@ class PcxReader {
         Expect("encoding", Byte(2), kRuns);
         Expect("bits of a texel", Byte(3), 8);
         Expect("color planes", Byte(65), 1);
+        // Words 4 to 10: the first column, the first row, the last column, the last row. Word 66: bytes of a row.
         const int width = int(Word(8)) - int(Word(4)) + 1, height = int(Word(10)) - int(Word(6)) + 1;
         CheckImageSize(width < 1 ? 0 : std::uint64_t(width), height < 1 ? 0 : std::uint64_t(height), name_);
         const std::size_t stride = Word(66), rows = std::size_t(height);

@@ -22,9 +22,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Virus scanners and editors open new files for a moment, which forbids renaming over them.
+// Virus scanners and editors open new files for a moment, which forbids renaming over them: for a second it is tried
+// again.
 constexpr int kRenameTries = 20;
-constexpr DWORD kRenameWait = 50; // milliseconds
+constexpr DWORD kRenameWait = 50; ///< milliseconds
 
 fs::path ProgramFile() {
     std::wstring name(MAX_PATH, L'\0');
@@ -37,8 +38,8 @@ fs::path ProgramFile() {
 }
 
 double Seconds(const FILETIME &time) {
-    constexpr double kTicks = 1e-7; // seconds
-    return double(ULONGLONG(time.dwHighDateTime) << 32 | time.dwLowDateTime) * kTicks;
+    constexpr double kSecondsPerTick = 1e-7;
+    return double(ULONGLONG(time.dwHighDateTime) << 32 | time.dwLowDateTime) * kSecondsPerTick;
 }
 
 /// The nearest errno of an error of the system.
@@ -143,8 +144,8 @@ bool RenameOver(const fs::path &from, const fs::path &to) {
 } // namespace q3
 
 /// In place of mbrtowc of the C library, which knows no UTF-8 (the linker's --wrap, see common/CMakeLists.txt):
-/// std::filesystem::path reads std::string by it. It gives a code
-/// point beyond 16 bits in two calls.
+/// std::filesystem::path reads std::string by it. A code point beyond 16 bits becomes two surrogates, in two calls; the
+/// second one waits in `state`.
 extern "C" std::size_t __wrap_mbrtowc(wchar_t *to, const char *from, std::size_t size, std::mbstate_t *state) {
     constexpr auto kBad = std::size_t(-1), kShort = std::size_t(-2);
     if (from == nullptr || size == 0)
@@ -170,6 +171,7 @@ extern "C" std::size_t __wrap_mbrtowc(wchar_t *to, const char *from, std::size_t
         unit = wchar_t(c);
         return std::size_t(g_unichar_to_utf8(c, nullptr));
     }
+    // UTF-16: the upper and the lower 10 bits of c - 10000h.
     unit = wchar_t(0xd800 + ((c - 0x10000) >> 10));
     *state = 0xdc00 + int((c - 0x10000) & 0x3ff);
     return 3;

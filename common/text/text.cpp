@@ -129,18 +129,20 @@ std::string SizeText(std::uint64_t bytes) {
 // ---- Suggestions for misspelled names ----
 
 std::size_t EditDistance(std::string_view a, std::string_view b) {
-    std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+    // distance[i][j]: between the first i letters of a and the first j of b.
+    std::vector<std::vector<std::size_t>> distance(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
     for (std::size_t i = 0; i <= a.size(); ++i)
         for (std::size_t j = 0; j <= b.size(); ++j) {
             if (i == 0 || j == 0) {
-                d[i][j] = i + j;
+                distance[i][j] = i + j;
                 continue;
             }
-            d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+            const std::size_t replaced = distance[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
+            distance[i][j] = std::min({distance[i - 1][j] + 1, distance[i][j - 1] + 1, replaced});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) // swapped
+                distance[i][j] = std::min(distance[i][j], distance[i - 2][j - 2] + 1);
         }
-    return d[a.size()][b.size()];
+    return distance[a.size()][b.size()];
 }
 
 std::vector<std::string> NearestNames(std::string_view word, std::span<const std::string> names) {
@@ -150,6 +152,7 @@ std::vector<std::string> NearestNames(std::string_view word, std::span<const std
         return LowerCase(name);
     };
     const std::string wanted = bare(word);
+    constexpr std::size_t kMostNames = 3;
     const std::size_t most = std::max<std::size_t>(1, wanted.size() / 3);
     std::vector<std::pair<std::size_t, std::string>> near;
     for (const std::string &name : names)
@@ -158,7 +161,7 @@ std::vector<std::string> NearestNames(std::string_view word, std::span<const std
     std::ranges::sort(near);
     near.erase(std::unique(near.begin(), near.end()), near.end());
     std::vector<std::string> result;
-    for (std::size_t i = 0; i < near.size() && i < 3; ++i)
+    for (std::size_t i = 0; i < near.size() && i < kMostNames; ++i)
         if (near[i].first == near.front().first)
             result.push_back(near[i].second);
     return result;

@@ -10,9 +10,9 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxToken = 1023;
-constexpr std::size_t kMaxIncludeDepth = 16;
-constexpr int kMaxIncludes = 256; // in total: the depth limit alone would allow exponentially many
+constexpr std::size_t kMaxToken = 1023;      ///< bytes: engines have room for 1024 with the NUL
+constexpr std::size_t kMaxIncludeDepth = 16; ///< chosen
+constexpr int kMaxIncludes = 256; ///< in all; chosen, as the depth limit alone would allow exponentially many
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF", kInclude = "$include";
 
 /// End of the unquoted token that starts at `begin`. `stop`: a byte that ends it, besides blanks.

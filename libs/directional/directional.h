@@ -236,8 +236,8 @@ static inline float directional_lightmass_factor_(const float direction[3], floa
 }
 
 /* Color of two coefficient images at values 0 to 1 (texels as a sampler returns them, filtered or not): roots of
-   chromaticity and log luminance, then (y, z, x). residual: added to the log, in steps of 1 / 255; black: subtracted.
- */
+   chromaticity and log luminance, then (y, z, x). residual: added to the log, in steps of 1 / 255; black: what was
+   added to the luminance before its log was taken, 2^-5.75 or 2^-8. */
 static inline void directional_lightmass_(const float color[4], const float direction[4],
                                           const directional_range *range, float residual, float black,
                                           const float *normal, float rgb[3]) {

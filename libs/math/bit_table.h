@@ -12,6 +12,8 @@ namespace q3 {
 using BitWord = std::uint64_t;
 inline constexpr std::size_t kBitsPerWord = 64; ///< of a BitWord
 
+// Bit b of a row is bit b % 64 of word b / 64.
+
 /// Number of words that hold `bits` bits.
 inline std::size_t WordsOf(std::size_t bits) {
     return (bits + kBitsPerWord - 1) / kBitsPerWord;
@@ -25,6 +27,7 @@ inline void SetBit(BitWord *row, std::size_t bit) {
 inline void ClearBit(BitWord *row, std::size_t bit) {
     row[bit >> 6] &= ~(BitWord(1) << (bit & 63));
 }
+/// Number of bits that are set.
 inline std::size_t CountBits(std::span<const BitWord> row) {
     std::size_t count = 0;
     for (const BitWord word : row)
@@ -44,6 +47,7 @@ class BitTable {
     BitTable() = default;
     BitTable(std::size_t rows, std::size_t bits) : words_(WordsOf(bits)), data_(rows * words_) {}
 
+    /// Words of a row.
     std::size_t Words() const { return words_; }
     BitWord *Row(std::size_t row) { return data_.data() + row * words_; }
     const BitWord *Row(std::size_t row) const { return data_.data() + row * words_; }

@@ -7,9 +7,9 @@ namespace q3 {
 
 namespace {
 
-constexpr double kExp32Full = 255; ///< full light in ColorRGBExp32
-constexpr int kE5Bias = 24, kRgbeBias = 136;
-constexpr std::uint32_t kE5Mask = 511;
+constexpr double kExp32Full = 255;           ///< full light in ColorRGBExp32
+constexpr int kE5Bias = 24, kRgbeBias = 136; ///< a channel is mantissa * 2^(code of the exponent - bias)
+constexpr std::uint32_t kE5Mask = 511;       ///< of a mantissa of 9 bits
 
 struct SharedExponent {
     std::array<std::uint32_t, 3> mantissas{};

@@ -11,17 +11,20 @@ constexpr int kMaxHalvings = 3;
 constexpr int kMeshSizeLimit = 128; ///< exclusive limit of points along an axis
 /// A row or column closer than this to the line through its neighbors is dropped. Game units.
 constexpr float kFlat = 0.1f;
+constexpr float kShortEdge = 0.125f;     ///< game units: a curve with control points this near counts as a point
+constexpr float kStraightCosine = 0.99f; ///< of the angles between control points of a curve that counts as straight
 
 } // namespace
 
 float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
     const float ab = Length(b - a), bc = Length(c - b), ac = Length(c - a);
-    if (ab < 0.125f || bc < 0.125f || ac < 0.125f)
+    if (ab < kShortEdge || bc < kShortEdge || ac < kShortEdge)
         return 0;
     const Vec3f nab = (b - a) / ab;
-    if (Dot(nab, (c - b) / bc) > 0.99f && Dot(nab, (c - a) / ac) > 0.99f)
+    if (Dot(nab, (c - b) / bc) > kStraightCosine && Dot(nab, (c - a) / ac) > kStraightCosine)
         return 0;
-    return ab + 0.875f * Length((c - b) - (b - a));
+    constexpr float kTime = 0.875f;
+    return ab + kTime * Length((c - b) - (b - a));
 }
 
 namespace patch {

@@ -43,7 +43,8 @@ template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
     return middle;
 }
 
-/// Upper bound of the length of the curve with these control points; 0 when it is nearly straight or a point.
+/// A measure of the length of the curve with these control points, game units: half of a bound of its speed
+/// 2 |(b - a) + t (c - 2b + a)| at t = 7/8. 0 when the curve is nearly straight or a point.
 float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c);
 
 /// The longest of the curves in a patch of width x height control points, game units.
@@ -65,13 +66,15 @@ namespace patch {
 
 /// q3map2's default of `subdivisions`; larger numbers give coarser meshes.
 inline constexpr int kSubdivisions = 8;
-/// How often the curves of a patch are halved: subdivisions * 16 * 2^n game units need n halvings, at most 3.
+/// How often the curves of a patch are halved: n times if CurveLength is at most subdivisions * 16 * 2^n game units, at
+/// most 3 times.
 int Halvings(float longestCurve, int subdivisions = kSubdivisions);
 /// How many of `spans` curves along an axis of `size` points are halved before the mesh gets too large.
 int SpansToHalve(int size, int spans);
 /// Whether p is so close to the line through a and b that the mesh leaves it out.
 bool NearLine(const Vec3f &p, const Vec3f &a, const Vec3f &b);
 
+/// The mesh with rows and columns swapped.
 template <typename Vert> MeshOf<Vert> Transposed(const MeshOf<Vert> &mesh) {
     MeshOf<Vert> result{mesh.height, mesh.width, {}};
     result.verts.reserve(mesh.verts.size());
@@ -99,7 +102,7 @@ template <typename Vert> MeshOf<Vert> HalvedColumns(const MeshOf<Vert> &mesh) {
     return result;
 }
 
-/// Moves the odd columns from control points onto the curve.
+/// Moves the odd columns from control points onto the curve, to its middle (a + 2b + c) / 4.
 template <typename Vert> void PutOnCurve(MeshOf<Vert> &mesh) {
     for (int y = 0; y < mesh.height; ++y)
         for (int x = 1; x + 1 < mesh.width; x += 2) {
@@ -117,6 +120,7 @@ template <typename Vert> void PutOnCurve(MeshOf<Vert> &mesh) {
         }
 }
 
+/// The mesh without inner columns that are, in all rows, NearLine between the column kept before and the next one.
 template <typename Vert> MeshOf<Vert> WithoutFlatColumns(const MeshOf<Vert> &mesh) {
     std::vector<int> kept{0};
     for (int x = 1; x + 1 < mesh.width; ++x) {

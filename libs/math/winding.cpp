@@ -10,7 +10,7 @@ namespace {
 
 /// Game units: distance up to which a point is on a plane, and length up to which an edge does not count.
 constexpr double kOnPlane = 0.1, kTinyEdge = 0.2;
-constexpr double kBaseHalfEdge = 2 * kMaxWorldCoord;
+constexpr double kBaseHalfEdge = 2 * kMaxWorldCoord; ///< of BaseWinding: covers the world on slanted planes too
 
 enum PointSide : std::uint8_t { kFront, kBack, kOn };
 
@@ -43,6 +43,7 @@ class PointSides {
     int counts_[3] = {};
 };
 
+/// Where the edge from a to b, at distances da and db from the plane, goes through it.
 template <typename T> Vec3<T> CutPoint(const Vec3<T> &a, const Vec3<T> &b, double da, double db, const Plane &plane) {
     const Vec3d from(a), to(b);
     const double t = da / (da - db);

@@ -9,8 +9,10 @@
 
 namespace q3 {
 
+/// The corners of a polygon in order.
 template <typename T> using Winding = std::vector<Vec3<T>>;
 
+/// The points p with normal . p = dist; its front is where normal . p > dist.
 struct Plane {
     Vec3d normal;
     double dist = 0;
@@ -120,7 +122,8 @@ inline float LeastPieceSize(const Winding<float> &w) {
 /// The convex hull of points in a plane, clockwise as seen from the tip of the unit normal, without corners that stick
 /// out by less than `tolerance`. Empty when all points are that close to a line. Andrew's monotone chain.
 inline Winding<double> ConvexHull(std::vector<Vec3d> points, const Vec3d &normal, double tolerance) {
-    const Vec3d axis = std::abs(normal.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    constexpr double kNearX = 0.6; // with it, the axis is at least 36 degrees from the normal
+    const Vec3d axis = std::abs(normal.x) < kNearX ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
     const Vec3d right = Normalize(Cross(axis, normal)), up = Cross(normal, right);
     // Stable, as points that differ only along the normal compare equal.
     std::stable_sort(points.begin(), points.end(), [&](const Vec3d &a, const Vec3d &b) {
@@ -169,9 +172,9 @@ bool ChopPolygon(Polygon &w, const Plane &plane, double epsilon);
 bool ChopPolygon(Winding<double> &w, const Plane &plane, double epsilon);
 
 enum class PolygonSide { Front, Back, On, Cross };
-/// The side on which a polygon lies, by its points farther than 0.1 from the plane.
+/// The side on which a polygon lies, by its points farther than 0.1 game units from the plane.
 PolygonSide SideOf(const Polygon &w, const Plane &plane);
-/// Whether fewer than three edges are longer than 0.2.
+/// Whether fewer than three edges are longer than 0.2 game units.
 bool IsTiny(const Polygon &w);
 /// A square of the plane that covers the world, half edge 131072, clockwise seen from the front.
 Polygon BasePolygon(const Plane &plane);

@@ -50,14 +50,16 @@ Vec3d MinimizeOnSphere(const Vec3d &gap, const Vec3d &h) {
     for (std::size_t i = 0; i < 3; ++i)
         t = std::max(t, std::abs(h[i]) - gap[i]);
     Vec3d n;
-    for (int step = 0; step < 30; ++step) {
+    constexpr int kMostSteps = 30;            // it converges quadratically
+    constexpr double kLongEnough = 1 + 1e-14; // |n|^2 up to rounding
+    for (int step = 0; step < kMostSteps; ++step) {
         double square = 0, slope = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             n[i] = h[i] == 0 ? 0 : -h[i] / (gap[i] + t);
             square += n[i] * n[i];
             slope += h[i] == 0 ? 0 : n[i] * n[i] / (gap[i] + t);
         }
-        const double next = square > 1 + 1e-14 ? t + (std::sqrt(square) - 1) * square / slope : t;
+        const double next = square > kLongEnough ? t + (std::sqrt(square) - 1) * square / slope : t;
         if (!(next > t))
             break;
         t = next;

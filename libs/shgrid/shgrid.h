@@ -423,6 +423,7 @@ static inline shgrid_result shgrid_find_form(const void *data, size_t size, shgr
     return sparseResult != SHGRID_ABSENT ? sparseResult : uniformResult;
 }
 
+/* The same of SHGRID_ANY. */
 static inline shgrid_result shgrid_find(const void *data, size_t size, const unsigned char **lump, size_t *lumpSize) {
     return shgrid_find_form(data, size, SHGRID_ANY, lump, lumpSize);
 }
@@ -436,6 +437,7 @@ static inline shgrid_result shgrid_load_form(const void *file, size_t size, shgr
     return result == SHGRID_OK ? shgrid_parse(lump, lumpSize, grid) : result;
 }
 
+/* The same of SHGRID_ANY. */
 static inline shgrid_result shgrid_load(const void *file, size_t size, shgrid_grid *grid) {
     return shgrid_load_form(file, size, SHGRID_ANY, grid);
 }
@@ -497,7 +499,8 @@ static inline float shgrid_scale_(unsigned code) {
     return eighths[code & 7] * shgrid_exp2_((int)(code >> 3) - 16);
 }
 
-/* Adds weight times a quantized point of a node with that scale. */
+/* Adds weight times a quantized point of a node with that scale. Coefficients of bands 1 and 2 are stored over the
+   largest that light from one direction has: 2 / sqrt(3) and sqrt(5) / 4 of coefficient 0. */
 static inline void shgrid_add_point_(const unsigned char *p, unsigned scale, float weight, shgrid_coeffs *sum) {
     const uint32_t code = bspx_u32(p);
     const float unit = weight * shgrid_exp2_((int)(code >> 27) - 24);
@@ -934,7 +937,8 @@ static inline void shgrid_grade_(const shgrid_tone *tone, float v[3]) {
     if (tone->exposure != 0 && most > 0)
         for (i = 0; i < 3; i++)
             v[i] *= (1 - expf(-most / tone->exposure)) * 255 / most;
-    gray = 0.3086f * v[0] + 0.6094f * v[1] + 0.0820f * v[2];
+    gray =
+        0.3086f * v[0] + 0.6094f * v[1] + 0.0820f * v[2]; /* Haeberli, Matrix Operations for Image Processing, 1993 */
     if (tone->saturation != 1)
         for (i = 0; i < 3; i++) {
             v[i] = gray * (1 - tone->saturation) + v[i] * tone->saturation;
@@ -969,7 +973,7 @@ static inline uint16_t shgrid_half_(float value) {
     const unsigned sign = value < 0 ? 0x8000u : 0;
     int exponent;
     unsigned mantissa;
-    if (!(size >= 2.98023224e-8f))
+    if (!(size >= 2.98023224e-8f)) /* 2^-25, half of the smallest number */
         return (uint16_t)sign;
     if (size >= 65504)
         return (uint16_t)(sign | 0x7bffu);

@@ -16,24 +16,25 @@ BspTree::Node ReadNode(const Bsp &bsp, std::size_t number) {
 /// nodeOf(child) and clusterOf(leaf) read the tree, from a Bsp or from the copy in a BspTree.
 template <typename NodeOf, typename ClusterOf>
 int FindLeaf(const Vec3f &p, BspChild from, const NodeOf &nodeOf, const ClusterOf &clusterOf) {
-    // Back children that wait for their turn: a leaf found through a front child counts unless it is solid.
+    // Back children of nodes whose plane p is on: tried, the last one first, if the leaf found through the front
+    // children is solid. A point on more than 64 planes forgets those after them.
     std::array<BspChild, 64> pending;
-    std::size_t waiting = 0;
+    std::size_t pendingCount = 0;
     BspChild child = from;
     int firstLeaf = -1;
     for (;;) {
         while (child >= 0) {
             const BspTree::Node &node = nodeOf(child);
-            const float d = Dot(node.normal, p) - node.dist;
-            // Branches on purpose: the processor predicts them and runs ahead; children[d < 0] would stall until d is
-            // known.
-            if (d > kOnPlane)
+            const float distance = Dot(node.normal, p) - node.dist;
+            // Branches on purpose: the processor predicts them and runs ahead; children[distance < 0] would stall until
+            // the distance is known.
+            if (distance > kOnPlane)
                 child = node.children[0];
-            else if (d < -kOnPlane)
+            else if (distance < -kOnPlane)
                 child = node.children[1];
             else {
-                if (waiting < pending.size())
-                    pending[waiting++] = node.children[1];
+                if (pendingCount < pending.size())
+                    pending[pendingCount++] = node.children[1];
                 child = node.children[0];
             }
         }
@@ -42,9 +43,9 @@ int FindLeaf(const Vec3f &p, BspChild from, const NodeOf &nodeOf, const ClusterO
             firstLeaf = leaf;
         if (clusterOf(leaf) != kSolidCluster)
             return leaf;
-        if (waiting == 0)
+        if (pendingCount == 0)
             return firstLeaf;
-        child = pending[--waiting];
+        child = pending[--pendingCount];
     }
 }
 

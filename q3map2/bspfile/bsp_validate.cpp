@@ -14,14 +14,18 @@ namespace q3 {
 
 namespace {
 
-/// Numbers below 0 stand for surfaces without a page, such as LIGHTMAP_BY_VERTEX.
+/// Surfaces without a page have -1 to -4: LIGHTMAP_NONE, _WHITEIMAGE, _BY_VERTEX and _2D of engines.
 constexpr int kLeastLightmapNum = -4;
 
-constexpr std::int64_t kMaxAreas = 256; ///< an engine's area mask has 32 bytes
-constexpr int kMaxTreeDepth = 4096;
-constexpr int kMinPatchSide = 3, kMaxPatchSide = 31;
+constexpr std::int64_t kMaxAreas = 256;              ///< an engine's area mask has 32 bytes
+constexpr int kMaxTreeDepth = 4096;                  ///< chosen, for code that walks the tree by recursion
+constexpr int kMinPatchSide = 3, kMaxPatchSide = 31; ///< control points, odd; MAX_PATCH_SIZE of engines is 32
 constexpr std::size_t kBoxSides = 6;
-constexpr std::int64_t kLightmapSide = 128;
+constexpr std::int64_t kLightmapSide = 128; ///< texels of a page's side
+constexpr double kLengthTolerance = 0.01;   ///< of normals of planes, which should have length 1
+constexpr float kBoxTolerance = 0.001f;     ///< of the component of a box side's normal, which should be 1 or -1
+/// Head of the visibility lump: the number of clusters and the bytes of a row, 4 bytes each.
+constexpr std::size_t kVisHeadBytes = 8;
 // Records may share ranges, as index runs do in valid files. These limits on the sum of all ranges keep a small file
 // from expanding into a huge map; real maps stay under a tenth of them.
 constexpr std::uint64_t kMaxSharing = 16, kMaxIndexesPerVert = 64, kSharingSlack = 4096;
@@ -68,14 +72,14 @@ class Validator {
         throw Error("{}: {} {}: {}", name_, at.record, at.index, fmt::format(format, std::forward<Args>(args)...));
     }
 
-    /// low <= value < count, else an error that names the field.
+    /// low <= value < count, else an error that names the field. `of`: the records that are counted.
     void CheckIndex(const RecordRef &at, std::string_view field, std::int64_t value, std::int64_t low,
                     std::uint64_t count, std::string_view of) const {
         if (value < low || value >= std::int64_t(count))
             Fail(at, "{} {} is outside {}..{} of {} {}", field, value, low, std::int64_t(count) - 1, count, of);
     }
 
-    /// first .. first + num lies inside the count.
+    /// 0 <= first and first + num <= count, else an error that names the fields. `of`: the records that are counted.
     void CheckRange(const RecordRef &at, std::string_view firstField, std::int64_t first, std::string_view numField,
                     std::int64_t num, std::size_t count, std::string_view of) const {
         if (first < 0)
@@ -86,6 +90,7 @@ class Validator {
             Fail(at, "{} {} + {} {} exceeds {} {}", firstField, first, numField, num, count, of);
     }
 
+    /// `used`, the sum of all ranges of a kind, must not exceed the limit by more than kSharingSlack.
     void CheckSharing(std::string_view users, std::string_view field, std::uint64_t used, std::uint64_t limit) const {
         if (used > limit + kSharingSlack)
             throw Error("{}: {}: the sum of {} is {}, expected at most {}", name_, users, field, used,
@@ -111,8 +116,8 @@ class Validator {
         if (bsp_.visibility.empty())
             return;
         const std::uint64_t length = bsp_.visibility.size();
-        if (length < 8)
-            throw Error("{}: visibility: {} bytes, expected 0 or at least 8", name_, length);
+        if (length < kVisHeadBytes)
+            throw Error("{}: visibility: {} bytes, expected 0 or at least {}", name_, length, kVisHeadBytes);
         const auto bytes = std::as_bytes(std::span(bsp_.visibility));
         const std::int64_t clusters = LoadRecord<std::int32_t>(bytes, 0);
         const std::int64_t row = LoadRecord<std::int32_t>(bytes, 4);
@@ -121,7 +126,7 @@ class Validator {
         if (row < (clusters + 7) / 8)
             throw Error("{}: visibility: {} bytes a row, expected at least {} for {} clusters", name_, row,
                         (clusters + 7) / 8, clusters);
-        if (8 + std::uint64_t(clusters) * std::uint64_t(row) > length)
+        if (kVisHeadBytes + std::uint64_t(clusters) * std::uint64_t(row) > length)
             throw Error("{}: visibility: {} rows of {} bytes exceed the {} bytes of the lump", name_, clusters, row,
                         length);
         clusters_ = clusters;
@@ -138,7 +143,7 @@ class Validator {
             const double length = Length(plane.normal);
             if (length == 0)
                 Fail(at, "normal is zero");
-            if (std::abs(length - 1) > 0.01)
+            if (std::abs(length - 1) > kLengthTolerance)
                 log_.Warn("plane normal length", "{}: plane {}: normal has length {:.3f}, expected 1", name_, i,
                           length);
         }
@@ -164,10 +169,10 @@ class Validator {
             int depth;
         };
         std::vector<bool> reached(bsp_.nodes.size());
-        std::vector<Step> open{{0, 1}};
-        while (!open.empty()) {
-            const Step step = open.back();
-            open.pop_back();
+        std::vector<Step> pending{{0, 1}};
+        while (!pending.empty()) {
+            const Step step = pending.back();
+            pending.pop_back();
             const auto index = std::size_t(step.node);
             if (reached[index])
                 Fail({"node", index}, "two children refer to it: the nodes are not a tree");
@@ -176,7 +181,7 @@ class Validator {
             reached[index] = true;
             for (const std::int32_t child : bsp_.nodes[index].children)
                 if (child >= 0)
-                    open.push_back({child, step.depth + 1});
+                    pending.push_back({child, step.depth + 1});
         }
     }
 
@@ -254,7 +259,7 @@ class Validator {
         for (std::size_t side = 0; side < kBoxSides; side++) {
             const auto &record = bsp_.brushSides[std::size_t(bsp_.brushes[brush].firstSide) + side];
             const float along = bsp_.planes[std::size_t(record.planeNum)].normal[side / 2];
-            if (std::abs(along - (side % 2 == 0 ? -1.0f : 1.0f)) > 0.001f)
+            if (std::abs(along - (side % 2 == 0 ? -1.0f : 1.0f)) > kBoxTolerance)
                 log_.Warn("brush without box", "{}: brush {}: side {} does not face {}{}", name_, brush, side,
                           side % 2 == 0 ? '-' : '+', "XYZ"[side / 2]);
         }
@@ -339,8 +344,8 @@ class Validator {
     }
 
     void CheckTriangles(const RecordRef &at, const bspDrawSurface_t &surface) const {
-        const bool triangles = surface.surfaceType == MST_PLANAR || surface.surfaceType == MST_TRIANGLE_SOUP;
-        if (triangles && surface.numIndexes % 3 != 0)
+        const bool isTriangles = surface.surfaceType == MST_PLANAR || surface.surfaceType == MST_TRIANGLE_SOUP;
+        if (isTriangles && surface.numIndexes % 3 != 0)
             Fail(at, "numIndexes {} is not a multiple of 3", surface.numIndexes);
         const auto run =
             std::span(bsp_.drawIndexes).subspan(std::size_t(surface.firstIndex), std::size_t(surface.numIndexes));

@@ -164,7 +164,7 @@ std::string KindOfSource(std::string_view text) {
     return {};
 }
 
-// ---- Compiled maps as files ----
+// ---- Reading and writing compiled maps ----
 
 namespace {
 

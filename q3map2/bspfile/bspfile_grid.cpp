@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-// ---- Placement of the legacy light grid, and the SH light grid lump ----
+// ---- Placement of the uniform light grids, and the lump of the SH grid ----
 
 namespace {
 
@@ -28,7 +28,8 @@ GridLayout LayoutGrid(const Float3 &worldMins, const Float3 &worldMaxs, const Fl
         grid.mins[i] = size[i] * std::ceil(worldMins[i] / size[i]);
         const float last = size[i] * std::floor(worldMaxs[i] / size[i]);
         const float count = (last - grid.mins[i]) / size[i] + 1;
-        if (!std::isfinite(grid.mins[i]) || !std::isfinite(count) || count >= 2147483648.0f)
+        constexpr float kCountLimit = 2147483648.0f; // 2^31, which no int32 holds
+        if (!std::isfinite(grid.mins[i]) || !std::isfinite(count) || count >= kCountLimit)
             throw Error("light grid: cells of {} {} {} in a world from {} {} {} to {} {} {} cannot be counted", size[0],
                         size[1], size[2], worldMins[0], worldMins[1], worldMins[2], worldMaxs[0], worldMaxs[1],
                         worldMaxs[2]);

@@ -9,7 +9,9 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kTexelBytes = 3; ///< of lightmaps in lump 14
+constexpr std::size_t kTexelBytes = 3;       ///< of lightmaps in lump 14: RGB
+constexpr std::size_t kCodeBytes = 4;        ///< of an E5BGR9 code
+/// Texels of the smallest pages; larger ones have a multiple of them.
 constexpr std::size_t kLeastPageTexels = kLightmapPageBytes / kTexelBytes;
 
 std::uint64_t MapTexels(const bspRnmHeader_t &head) {
@@ -34,9 +36,10 @@ std::string RnmHeadFault(const bspRnmHeader_t &head) {
 } // namespace
 
 std::vector<std::uint32_t> ReadCodes(const BspxSource &from) {
-    if (from.part.length % 4 != 0)
-        from.Fail(fmt::format("length {} is not a multiple of 4", from.part.length));
-    std::vector<std::uint32_t> codes(std::size_t(from.part.length / 4));
+    const auto codeBytes = std::int64_t(kCodeBytes);
+    if (from.part.length % codeBytes != 0)
+        from.Fail(fmt::format("length {} is not a multiple of {}", from.part.length, codeBytes));
+    std::vector<std::uint32_t> codes(std::size_t(from.part.length / codeBytes));
     from.file.Fill(std::uint64_t(from.part.offset), std::span(codes));
     return codes;
 }
@@ -51,19 +54,20 @@ RnmLightmaps ReadRnm(const BspxSource &from) {
     at += sizeof rnm.header;
     if (const std::string fault = RnmHeadFault(rnm.header); !fault.empty())
         from.Fail(fault);
-    const std::uint64_t texels = MapTexels(rnm.header), page = 4 + 12 * texels;
+    const std::uint64_t texels = MapTexels(rnm.header);
+    const std::uint64_t page = sizeof(RnmPage::lightmapNum) + 3 * kCodeBytes * texels; // three maps
     const std::uint64_t room = std::uint64_t(length) - sizeof rnm.header;
     if (room % page != 0 || room / page != rnm.header.pageCount)
         from.Fail(
             fmt::format("length {} is not {} + {} pages x {}", length, sizeof rnm.header, rnm.header.pageCount, page));
     rnm.pages.resize(rnm.header.pageCount);
-    for (RnmPage &one : rnm.pages) {
-        from.file.Fill(at, std::span(&one.lightmapNum, 1));
-        at += 4;
-        for (std::vector<std::uint32_t> &map : one.maps) {
+    for (RnmPage &read : rnm.pages) {
+        from.file.Fill(at, std::span(&read.lightmapNum, 1));
+        at += sizeof read.lightmapNum;
+        for (std::vector<std::uint32_t> &map : read.maps) {
             map.resize(std::size_t(texels));
             from.file.Fill(at, std::span(map));
-            at += 4 * texels;
+            at += kCodeBytes * texels;
         }
     }
     return rnm;

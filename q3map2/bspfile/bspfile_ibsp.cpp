@@ -11,12 +11,13 @@
 
 namespace q3 {
 
-// ---- IBSP files of version 46 and 47: records to bytes ----
+// ---- Records to bytes ----
 
 static_assert(std::endian::native == std::endian::little, "records are written as they lie in memory");
 
 namespace {
 
+/// Slots in the order in which their lumps lie in the file: that of the compilers of these games.
 constexpr std::array<int, kNumLumps> kDiskOrder = {1, 2, 4, 3, 8, 9, 5, 6, 7, 10, 13, 16, 14, 15, 0, 12, 11, 17, 18};
 
 void Store32(std::vector<std::byte> &bytes, std::size_t at, std::uint32_t value) {
@@ -96,7 +97,9 @@ ByteRanges EncodeIbsp(const Bsp &bsp, const BspFormat &format) {
     for (const BspxOutput &lump : bspx)
         bspxLengths.push_back(lump.bytes.Size());
     const bool hasLump18 = lengths[LUMP_LIGHTGRID_SH] > 0;
-    const std::size_t slots = hasLump18 ? std::size_t(kNumLumps) : format.advertisements ? 18 : 17;
+    const std::size_t slots = hasLump18               ? std::size_t(kNumLumps)
+                              : format.advertisements ? kAdvertisementSlots
+                                                      : kClassicSlots;
     const FilePlan plan = PlanFile(slots, lengths, bspxLengths);
 
     std::vector<BspxPart> directory;
@@ -112,13 +115,11 @@ ByteRanges EncodeIbsp(const Bsp &bsp, const BspFormat &format) {
     return file;
 }
 
-// ---- IBSP files of version 46 and 47: bytes to records ----
+// ---- Bytes to records ----
 
 static_assert(std::endian::native == std::endian::little, "records are copied as they lie in the file");
 
 namespace {
-
-constexpr std::size_t kClassicSlots = 17;
 
 class Reader {
   public:
@@ -133,8 +134,10 @@ class Reader {
         WarnOverlap();
         ReadEntities(bsp);
         ForEachArray(bsp, [this](int slot, auto &records) { ReadArray(slot, records); });
-        if (bsp.lightmaps.size() % kLightmapPageBytes != 0 && DropRagged(LUMP_LIGHTMAPS, kLightmapPageBytes))
+        if (bsp.lightmaps.size() % kLightmapPageBytes != 0) {
+            RefuseRagged(LUMP_LIGHTMAPS, kLightmapPageBytes);
             bsp.lightmaps.clear();
+        }
         ReadBspxDirectory(bsp);
         return bsp;
     }
@@ -203,10 +206,11 @@ class Reader {
 
     // A first lump behind 18 slots only suggests that slot 17 exists: other layouts have text or lumps there.
     void ReadAdvertisementSlot() {
-        if (version_ != 47 || !format_.advertisements || firstByte_ < std::int64_t(HeaderBytes(18)))
+        if (version_ != 47 || !format_.advertisements || firstByte_ < std::int64_t(HeaderBytes(kAdvertisementSlots)))
             return;
         const FilePart part = Slot(LUMP_ADVERTISEMENTS);
-        if (Inside(part, HeaderBytes(18)) && part.length % std::int64_t(sizeof(bspAdvertisement_t)) == 0)
+        if (Inside(part, HeaderBytes(kAdvertisementSlots)) &&
+            part.length % std::int64_t(sizeof(bspAdvertisement_t)) == 0)
             lumps_[LUMP_ADVERTISEMENTS] = part;
     }
 
@@ -215,8 +219,9 @@ class Reader {
         if (version_ != 47 || firstByte_ < std::int64_t(header) || file_.size < header)
             return;
         const FilePart part = Slot(LUMP_LIGHTGRID_SH);
-        const bool ours = firstByte_ == std::int64_t(header);
-        if (part.length == 0 || (!ours && !Inside(part, header)))
+        // This program places the first lump right behind 19 slots. Where others begin later, slot 18 may be anything.
+        const bool isOwnLayout = firstByte_ == std::int64_t(header);
+        if (part.length == 0 || (!isOwnLayout && !Inside(part, header)))
             return;
         if (!Inside(part, header))
             throw Error("{}: lump {} ({}): offset {} + length {} is not inside the {} bytes of the file", name_,
@@ -224,7 +229,7 @@ class Reader {
         try {
             bsp.gridSH = ReadLightGridSH(file_, part, name_);
         } catch (const Error &error) {
-            if (ours)
+            if (isOwnLayout)
                 throw;
             log_.Warn("slot 18", "slot 18 is ignored, it is no SH light grid: {}", error.what());
             return;
@@ -253,20 +258,20 @@ class Reader {
 
     template <typename Record> void ReadArray(int slot, std::vector<Record> &records) {
         const FilePart &part = Lump(slot);
-        if (part.length % std::int64_t(sizeof(Record)) != 0 && DropRagged(slot, sizeof(Record)))
-            return;
+        if (part.length % std::int64_t(sizeof(Record)) != 0)
+            return RefuseRagged(slot, sizeof(Record));
         records.resize(std::size_t(part.length) / sizeof(Record));
         file_.Fill(std::uint64_t(part.offset), std::span(records));
     }
 
-    /// True: the lump is to be dropped. Error without -force.
-    bool DropRagged(int slot, std::size_t record) {
+    /// Error for a lump that is no whole number of records of `record` bytes; with -force, a warning that the caller
+    /// drops it.
+    void RefuseRagged(int slot, std::size_t record) {
         const auto text = fmt::format("{}: lump {} ({}): length {} is not a multiple of the record size {}", name_,
                                       slot, kLumpNames[std::size_t(slot)], lumps_[std::size_t(slot)].length, record);
         if (!format_.force)
             throw Error(text);
         log_.Warn("ragged lump", "{}: the lump is dropped", text);
-        return true;
     }
 
     void ReadBspxDirectory(Bsp &bsp) {

@@ -27,7 +27,11 @@ inline constexpr std::array<std::string_view, kNumLumps> kLumpNames = {
     "models",    "brushes",    "sides",      "verts",          "indexes",      "fogs",          "surfaces",
     "lightmaps", "light grid", "visibility", "advertisements", "SH light grid"};
 
-/// Bytes of a header with `slots` lump entries.
+/// Lump entries of a header: those of Quake III, and with the advertisements of Quake Live. The SH light grid makes it
+/// kNumLumps.
+inline constexpr std::size_t kClassicSlots = 17, kAdvertisementSlots = 18;
+
+/// Bytes of a header with `slots` lump entries: ident and version, then offset and length of each lump.
 constexpr std::size_t HeaderBytes(std::size_t slots) {
     return 8 + 8 * slots;
 }
@@ -55,7 +59,7 @@ template <typename AnyBsp, typename Visit> void ForEachArray(AnyBsp &bsp, Visit 
 
 /// Layout of a file.
 struct FilePlan {
-    std::size_t slots = 17;
+    std::size_t slots = kClassicSlots;
     std::array<FilePart, kNumLumps> lumps{}; ///< only the first `slots` are in the file
     std::uint64_t bspxStart = 0;             ///< position of the BSPX directory, when there is one
     std::vector<FilePart> bspx;

@@ -17,8 +17,8 @@ namespace q3 {
 namespace {
 
 constexpr int kPlainScale = 128; ///< the code of scale 1
-constexpr int kScaleSteps = 8;   ///< codes to a doubling of the scale
-constexpr float kMaxStep = 127;  ///< of the signed bytes of bands 1 and 2
+constexpr int kScaleSteps = 8;   ///< codes per doubling of the scale
+constexpr float kMaxStep = 127;  ///< largest value of the signed bytes of bands 1 and 2, which stands for scale * limit
 
 /// 2^(i / 8).
 constexpr std::array<float, kScaleSteps> kEighths = {1.0f,        1.09050773f, 1.18920712f, 1.29683955f,
@@ -35,9 +35,9 @@ void CheckFinite(const bspGridPointSH_t &value, std::size_t index) {
                 throw Error("{}: point {}: coefficient {} is {}, not a finite number", kBspxSparseGridSH, index, k, c);
 }
 
-/// The largest ratio of a coefficient of bands 1 and 2 to the limit of its band: the scale that the point needs. mean:
-/// coefficient 0 as stored. Where rounding made that smaller, the exact one counts here, and Quantize clamps the
-/// coefficients by no more than the error of the mean.
+/// The scale that a point needs: the largest |c| / (limit of its band * coefficient 0) of bands 1 and 2. `mean` is
+/// coefficient 0 as stored. Where rounding made it smaller than the exact one, the exact one is the divisor; Quantize
+/// then clamps c, by no more than the relative error of `mean`.
 float NeededScale(const bspGridPointSH_t &value, const Vec3f &mean) {
     float most = 0;
     for (std::size_t channel = 0; channel < 3; ++channel)
@@ -139,8 +139,8 @@ std::uint64_t CheckSparseHead(const SparseGridSH &grid) {
     if (grid.levels < 1 || grid.levels > kMaxSparseLevels)
         throw Error("levels is {}, expected 1 to {}", std::uint32_t(grid.levels), kMaxSparseLevels);
     const std::int32_t maxRoots = kMaxSparseCells >> grid.levels;
-    constexpr std::size_t kMaxRecords = // the length of the lump is a uint32
-        UINT32_MAX / (sizeof(SparseGridNode) + sizeof(SparseGridPoint)) - 2;
+    // The length of the lump is a uint32. With 2 of 40 bytes less there is room for the head, 64 bytes.
+    constexpr std::size_t kMaxRecords = UINT32_MAX / (sizeof(SparseGridNode) + sizeof(SparseGridPoint)) - 2;
     if (grid.nodes.size() > kMaxRecords || grid.points.size() > kMaxRecords)
         throw Error("{} nodes and {} points, expected at most {}", grid.nodes.size(), grid.points.size(), kMaxRecords);
     std::uint64_t roots = 1;
@@ -164,6 +164,7 @@ std::uint64_t CheckSparseHead(const SparseGridSH &grid) {
 
 /// Errors: indexes that are not running sums, masks that contradict each other, another number of nodes or points.
 void CheckSparseNodes(const SparseGridSH &grid, std::uint64_t roots) {
+    // Running sums of children and points, and the index of the first node of the next level.
     std::uint64_t children = roots, points = 0, levelEnd = roots;
     std::int32_t level = 0;
     for (std::size_t i = 0; i < grid.nodes.size(); ++i) {
@@ -220,7 +221,7 @@ std::vector<SparseLevelCounts> CountSparseLevels(const SparseGridSH &grid) {
         const SparseGridNode &node = grid.nodes[i];
         if (i == levelEnd || i == 0) {
             levels.emplace_back();
-            levelEnd = node.children; // children of a level follow the level
+            levelEnd = node.children; // the first child of the first node of a level: where the next level begins
         }
         const std::size_t stored = std::size_t(std::popcount(node.stored));
         const std::size_t hanging = std::size_t(std::popcount(node.hanging));

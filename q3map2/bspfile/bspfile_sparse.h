@@ -65,11 +65,12 @@ struct SparseGridTree {
     std::vector<bspGridPointSH_t> values; ///< of stored cells, in the order of SparseGridSH::points
 };
 
-inline constexpr std::int32_t kMaxSparseLevels = 12;
-/// Maximum of the smallest cells along an axis: roots * 2^levels.
+inline constexpr std::int32_t kMaxSparseLevels = 12; ///< chosen
+/// Most of the smallest cells along an axis, roots * 2^levels: floats hold all whole numbers up to it.
 inline constexpr std::int32_t kMaxSparseCells = 1 << 24;
-/// Limits of bands 1 and 2 of cosine-convolved light that is nowhere negative, over coefficient 0: 2 / sqrt(3) and
-/// sqrt(5) / 4, those of light from a single direction.
+/// Largest |coefficient| of bands 1 and 2 over coefficient 0 of cosine-convolved light that is nowhere negative:
+/// 2/sqrt(3) and sqrt(5)/4, which light from a single direction reaches: (A_l / A_0) sqrt(2l + 1) with A = pi, 2 pi /
+/// 3, pi / 4 (Ramamoorthi and Hanrahan 2001, An Efficient Representation for Irradiance Environment Maps).
 inline constexpr std::array<float, 2> kSparseBandLimits = {1.15470054f, 0.559016994f};
 
 /// The factor that a node's `scale` encodes: 2^((scale - 128) / 8).

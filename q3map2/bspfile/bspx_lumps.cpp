@@ -16,7 +16,7 @@
 
 namespace q3 {
 
-// ---- The BSPX directory that may follow the header lumps ----
+// ---- The directory ----
 
 namespace {
 
@@ -96,7 +96,7 @@ std::vector<std::byte> BspxSource::Bytes() const {
     return bytes;
 }
 
-// ---- The table of the BSPX lumps that Bsp has members for: how each is read, written and checked ----
+// ---- The table of lumps ----
 
 namespace {
 
@@ -226,9 +226,9 @@ void DropUnfitLumps(Bsp &bsp, std::string_view name, Log &log) {
     }
 }
 
-void DropStaleLumps(Bsp &bsp, BspxRelight bake) {
+void DropStaleLumps(Bsp &bsp, BspxRelight relight) {
     for (const BspxRow &row : kRows)
-        if (row.relight == bake)
+        if (row.relight == relight)
             row.clear(bsp);
 }
 
@@ -250,7 +250,7 @@ std::vector<BspxOutput> WriteBspxLumps(const Bsp &bsp) {
     for (const BspxRow &row : kRows) {
         if (IsInBspx(bsp, row))
             lumps.push_back({row.name, row.write(bsp)});
-        if (row.id != BspxId::PropLight)
+        if (row.id != BspxId::PropLight) // lumps of other programs follow this one
             continue;
         for (const BspxLump &lump : bsp.bspx) {
             if (lump.name.size() > kBspxNameBytes)

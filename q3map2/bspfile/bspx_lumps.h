@@ -21,9 +21,10 @@ namespace q3 {
 /// Lumps with light grids for other engines, which gridformats writes.
 inline constexpr std::string_view kBspxGridOctree = "LIGHTGRID_OCTREE", kBspxGrids = "LIGHTGRIDS";
 
-inline constexpr std::size_t kBspxNameBytes = 24;
+// The directory: a head of "BSPX" and a count, then entries of a name, an offset and a length.
 inline constexpr std::size_t kBspxHeadBytes = 8;
 inline constexpr std::size_t kBspxEntryBytes = 32;
+inline constexpr std::size_t kBspxNameBytes = 24; ///< of an entry's name, filled with NULs
 
 /// An entry of a BSPX directory.
 struct BspxPart {
@@ -41,11 +42,12 @@ std::vector<std::byte> BspxDirectory(const std::vector<BspxPart> &lumps);
 struct BspxSource {
     const ByteSource &file;
     FilePart part;
-    std::string_view lump, fileName; ///< for messages
+    std::string_view lump, fileName; ///< names for messages
     Log &log;
 
     /// Throws Error with the names and the text.
     [[noreturn]] void Fail(std::string_view text) const;
+    /// All bytes of the lump.
     std::vector<std::byte> Bytes() const;
 };
 
@@ -53,18 +55,22 @@ struct BspxSource {
 enum class BspxId { PropLight, LightGridSH, LightmapsE5bgr9, VertexE5bgr9, Rnm, SparseGridSH, AmbientCubes, Count };
 inline constexpr std::size_t kBspxIds = std::size_t(BspxId::Count);
 
-/// Which bakes make a lump wrong.
+/// Which bakes make a lump stale: light of an earlier bake, which does not match the new one.
 enum class BspxRelight {
     EveryBake,  ///< those of grids alone too
     SurfaceBake ///< those that light surfaces
 };
+/// Whether a bake makes such lumps stale. `onlyGrid`: it lights no surfaces (-onlygrid).
+constexpr bool MakesStale(BspxRelight relight, bool onlyGrid) {
+    return relight == BspxRelight::EveryBake || !onlyGrid;
+}
 
 /// A lump. Functions may be null where there is nothing to do; `write` is called only for maps that have the lump.
 struct BspxRow {
     BspxId id;
     std::string_view name;
     std::string_view content; ///< for messages: "ambient cubes"
-    BspxRelight relight;
+    BspxRelight relight;      ///< which bakes make it stale
     bool (*has)(const Bsp &bsp);
     void (*clear)(Bsp &bsp);
     void (*read)(const BspxSource &from, Bsp &bsp); ///< errors: bytes that are no such lump
@@ -107,8 +113,8 @@ std::uint64_t BytesOfBspx(const Bsp &bsp);
 void CheckBspxLumps(const Bsp &bsp, std::string_view name);
 /// Drops lumps that do not fit the map, each with a warning.
 void DropUnfitLumps(Bsp &bsp, std::string_view name, Log &log);
-/// Drops the lumps that such a bake makes wrong.
-void DropStaleLumps(Bsp &bsp, BspxRelight bake);
+/// Drops the lumps of that kind.
+void DropStaleLumps(Bsp &bsp, BspxRelight relight);
 
 /// Reads the BSPX lumps of a file whose directory would be at `start`. Errors: those of the readers of lumps.
 void ReadBspxLumps(const ByteSource &file, std::uint64_t start, std::string_view name, Bsp &bsp, Log &log);

@@ -12,12 +12,15 @@
 
 namespace q3 {
 
-// ---- Declarations of entity keys ----
+// ---- Keys that are declared ----
 
 namespace {
 
+/// How much of a value is shown in messages.
+constexpr std::size_t kShownChars = 80;
+
 /// What is wrong with the text of a number key; empty: nothing.
-std::string Problem(const EntityKey &key, std::string_view text) {
+std::string FaultOf(const EntityKey &key, std::string_view text) {
     const std::size_t required = key.info.MinValues(), most = key.info.MaxValues();
     std::size_t count = 0;
     for (; count < most; ++count) {
@@ -63,9 +66,9 @@ void WarnOfBadKeys(const Entity &entity, std::size_t number, std::span<const Ent
     for (const EntityKey &key : keys) {
         if (key.info.kind == SettingKind::Text || key.info.kind == SettingKind::Flag || !key.Given(entity))
             continue;
-        if (const std::string problem = Problem(key, key.Text(entity)); !problem.empty())
+        if (const std::string fault = FaultOf(key, key.Text(entity)); !fault.empty())
             log.Warn("bad value of a key", "entity {} ({}): {} \"{}\": {}", number, entity.ClassName(), key.info.name,
-                     key.Text(entity).substr(0, 80), problem);
+                     key.Text(entity).substr(0, kShownChars), fault);
     }
 }
 
@@ -161,7 +164,7 @@ void WarnOfKeys(std::span<const SettingInfo> keys, const Entity &entity, std::si
             if (!name.empty() && entity.Has(name))
                 log.Warn(fmt::format("key {}", name),
                          "entity {} ({}): the key {} \"{}\" has no effect here; instead: {}", number,
-                         entity.ClassName(), name, entity.Value(name).substr(0, 80), key.help);
+                         entity.ClassName(), name, entity.Value(name).substr(0, kShownChars), key.help);
     }
 }
 
@@ -214,7 +217,7 @@ std::string DarkKey(int style) {
 }
 
 int StyleOfKey(std::string_view key, std::string_view beginning, std::string_view end) {
-    constexpr int kLastStyle = 254;
+    constexpr int kLastStyle = 254; // 0 and 255 stand for constant light
     if (key.size() <= beginning.size() + end.size() || !StartsWithNoCase(key, beginning) || !EndsWithNoCase(key, end))
         return -1;
     key = key.substr(beginning.size(), key.size() - beginning.size() - end.size());

@@ -5,15 +5,13 @@
 
 namespace q3::keys {
 
-// ---- The keys of light entities, and those of the world that concern light. A new key goes here ----
-
 using enum SettingKind;
 
 /// Keeps products of intensity, color and the scales of options within float.
 inline constexpr double kMaxIntensity = 1e9;
-inline constexpr int kMaxLightSamples = 4096;
-inline constexpr double kMaxFilterRadius = 65536;
-/// Whole numbers that are only compared or tested bit by bit.
+inline constexpr int kMaxLightSamples = 4096;     ///< chosen
+inline constexpr double kMaxFilterRadius = 65536; ///< chosen; game units
+/// For whole numbers that are only compared or tested bit by bit; an int holds them.
 inline constexpr SettingRange kAnyInteger{-1e9, 1e9};
 
 /// The keys of entities whose class name starts with "light".
@@ -198,8 +196,7 @@ inline constexpr const EntityKey &kNoShaderSun = Key(kWorldLightKeys, "_noshader
 inline constexpr const EntityKey &kFloodlight = Key(kWorldLightKeys, "_floodlight");
 inline constexpr const EntityKey &kKeepLights = Key(kWorldLightKeys, "_keepLights");
 
-// ---- The keys of lights for other curves of falloff, for cones and for light_environment, most of them
-// as in Source. A new key of that kind goes here.
+// ---- Keys of falloff, cones and light_environment, most of them as in Source ----
 
 inline constexpr SettingRange kNotNegative{0, kMaxIntensity};
 

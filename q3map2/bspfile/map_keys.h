@@ -1,13 +1,12 @@
 // GPL-2.0-or-later. The keys of what the bsp stage compiles into a map, of surfaces, and of worldspawn for the bsp and
-// vis stages.
+// vis stages. A new key goes here.
 #pragma once
 
 #include "q3map2/bspfile/light_keys.h"
 
 namespace q3::keys {
 
-// ---- The keys of things that the bsp stage compiles into a map: models, terrain, decals, sky boxes,
-// flares and instances. A new key goes here.
+// ---- Models, terrain, decals, sky boxes, flares and instances ----
 
 inline constexpr EntityKey kAngle{
     {.name = "angle", .values = "F", .kind = Number, .unit = "degrees", .help = "Turn around the vertical axis"}};
@@ -211,8 +210,7 @@ inline constexpr EntityKey kDecalKeys[] = {{{.name = "target",
                                              .help = "Entity toward which the patches are projected; needed"}}};
 inline constexpr const EntityKey &kDecalTarget = Key(kDecalKeys, "target");
 
-// ---- Entity keys that apply to all surfaces of an entity, and worldspawn keys of the bsp and vis stages
-// A new key goes here.
+// ---- All surfaces of an entity, and worldspawn for the bsp and vis stages ----
 
 inline constexpr int kMaxLuxel = 16384; ///< largest size of a luxel, game units
 

@@ -12,12 +12,16 @@ namespace q3 {
 
 namespace {
 
+/// The generator polynomial of CRC-32 (ISO 3309), x^32 left out, its lowest power in the highest bit.
+constexpr std::uint32_t kCrcPolynomial = 0xEDB88320u;
+
+/// The CRC register after each byte.
 constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
     std::array<std::uint32_t, 256> table{};
     for (std::uint32_t i = 0; i < 256; ++i) {
         std::uint32_t value = i;
         for (int bit = 0; bit < 8; ++bit)
-            value = (value & 1) != 0 ? value >> 1 ^ 0xEDB88320u : value >> 1;
+            value = (value & 1) != 0 ? value >> 1 ^ kCrcPolynomial : value >> 1;
         table[i] = value;
     }
     return table;

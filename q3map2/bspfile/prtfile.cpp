@@ -13,11 +13,11 @@ namespace q3 {
 
 namespace {
 
+// Limits that keep a damaged file from huge allocations; chosen.
 constexpr int kMaxPortals = 65536;
 constexpr int kMaxFaces = 1 << 22;
-constexpr int kMaxPoints = 512; ///< per winding
-constexpr float kMaxCoordinate = 1 << 20;
-constexpr int kHintFlag = 1, kSkyFlag = 2;
+constexpr int kMaxPoints = 512;           ///< of a winding
+constexpr float kMaxCoordinate = 1 << 20; ///< game units from 0
 
 /// Splits the text into words and single parentheses, and counts lines.
 class PrtScanner {
@@ -93,9 +93,9 @@ PrtWinding ReadWinding(PrtScanner &scanner, PortalFile &file, bool isPortal) {
         winding.clusters[1] = scanner.Integer(0, file.clusters - 1, "a cluster");
         if (winding.clusters[0] == winding.clusters[1])
             scanner.Fail(std::to_string(winding.clusters[1]), "two different clusters");
-        const int flags = scanner.Integer(0, kHintFlag | kSkyFlag, "flags");
-        winding.hint = (flags & kHintFlag) != 0;
-        winding.sky = (flags & kSkyFlag) != 0;
+        const int flags = scanner.Integer(0, kPrtHintFlag | kPrtSkyFlag, "flags");
+        winding.isHint = (flags & kPrtHintFlag) != 0;
+        winding.isSky = (flags & kPrtSkyFlag) != 0;
     }
     ReadPoints(scanner, count, file, winding);
     return winding;

@@ -12,13 +12,16 @@
 
 namespace q3 {
 
+/// Bits of a portal's flags in the file: it lies on a hint face, it lies on a sky face.
+inline constexpr int kPrtHintFlag = 1, kPrtSkyFlag = 2;
+
 /// A portal between two clusters, or a face: a polygon between a cluster and solid.
 struct PrtWinding {
     /// The normal of the first three points, (p2 - p0) x (p1 - p0), points into clusters[0]. On the other side is
     /// clusters[1], which is -1 for a face.
     std::array<int, 2> clusters{-1, -1};
-    bool hint = false, sky = false;
-    int line = 0; ///< in the file, from 1
+    bool isHint = false, isSky = false; ///< the flags of a portal
+    int line = 0;                       ///< in the file, from 1
     std::size_t firstPoint = 0, numPoints = 0;
 };
 

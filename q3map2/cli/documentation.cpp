@@ -110,7 +110,7 @@ std::vector<SettingSection> DirectiveSections() {
     return sections;
 }
 
-// ---- Files that are generated from the declared settings ----
+// ---- Pages that are generated from the declared settings ----
 
 namespace {
 
@@ -198,7 +198,7 @@ std::string MarkdownTable(const SettingSection &section, std::string_view headin
     return text;
 }
 
-/// The same with the stage of each entry.
+/// MarkdownTable with a column for the stage of each directive.
 std::string DirectiveTable(const SettingSection &section) {
     std::string text = fmt::format("\n## {}\n\n", section.title);
     if (!section.intro.empty())
@@ -244,11 +244,11 @@ std::vector<SettingSection> SectionsOf(const Stage &stage) {
 
 std::string FullHelp(const SettingEntry &entry, ShownRanges ranges) {
     std::string extra = Limits(entry, ranges);
-    const auto add = [&](const std::string &more) { extra += (extra.empty() ? "" : "; ") + more; };
+    const auto addExtra = [&](const std::string &more) { extra += (extra.empty() ? "" : "; ") + more; };
     if (!entry.initial.empty() && !(entry.info.kind == SettingKind::Flag && entry.initial == "off"))
-        add(fmt::format("default: {}", entry.initial));
+        addExtra(fmt::format("default: {}", entry.initial));
     if (const std::string_view stage = DirectiveStageText(entry.stage); !stage.empty())
-        add(fmt::format("stage: {}", stage));
+        addExtra(fmt::format("stage: {}", stage));
     return fmt::format("{}{}", entry.info.help, extra.empty() ? "" : fmt::format(" ({})", extra));
 }
 
@@ -317,7 +317,8 @@ std::string ManualPage(StageList stages) {
         if (!stage.settings && stage.intro.empty())
             continue;
         std::string title(Roff(stage.word));
-        std::ranges::transform(title, title.begin(), [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
+        std::ranges::transform(title, title.begin(),
+                               [](char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; });
         text += fmt::format(".SH {}\n", title);
         if (!stage.intro.empty())
             text += Roff(stage.intro) + "\n";
@@ -350,7 +351,7 @@ std::vector<std::string> WordsOfStep(const std::string &step) {
     return words;
 }
 
-/// 1.2.3 as 10203.
+/// The version as a number that grows with it: two decimal digits for each part, so 1.2.3 is 10203.
 int VersionAsNumber() {
     int number = 0;
     for (std::string_view rest = kVersionNumber; !rest.empty();) {
@@ -365,12 +366,11 @@ int VersionAsNumber() {
 } // namespace
 
 void CheckBuildStep(StageList stages, const std::string &step) {
-    Log quiet([](LogLevel, std::string_view) {});
+    Log quiet(Log::Nowhere());
     Arguments arguments(WordsOfStep(step));
     const ChosenStage chosen = TakeStage(stages, arguments);
     ExpandPreset(chosen.stage, arguments, quiet);
-    const auto sections = chosen.stage.settings ? chosen.stage.settings() : std::vector<SettingSection>();
-    for (const SettingSection &section : sections)
+    for (const SettingSection &section : SectionsOf(chosen.stage))
         for (const SettingEntry &entry : section.entries)
             for (std::size_t at = 0; at < arguments.Rest().size();)
                 if (entry.info.Names(arguments.Rest()[at]))

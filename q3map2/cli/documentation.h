@@ -13,6 +13,7 @@ namespace q3 {
 
 // ---- Documentation of the keys of entities ----
 
+/// What holds for all keys, for the documentation.
 inline constexpr std::string_view kKeyRules =
     "Key names are case-insensitive. Of several names of a key the first one present counts. Text that is not a "
     "number, a number with something after it, and a number out of range are warnings that name the entity and the "
@@ -24,6 +25,7 @@ std::vector<SettingSection> EntitySections();
 
 // ---- Documentation of the directives of shader scripts ----
 
+/// What holds for all directives, for the documentation.
 inline constexpr std::string_view kDirectiveRules =
     "A directive is a line of a shader in a script of the game (`scripts/*.shader`). Names are case-insensitive; "
     "parentheses around numbers may be left out, and the rest of a line after its values is not read. A faulty line "
@@ -34,7 +36,7 @@ inline constexpr std::string_view kDirectiveRules =
 /// All directives and words of stages that the compiler reads, by subject.
 std::vector<SettingSection> DirectiveSections();
 
-// ---- Files that are generated from the declared settings ----
+// ---- Pages that are generated from the declared settings ----
 
 /// The settings of a stage, by sections; none for stages without.
 std::vector<SettingSection> SectionsOf(const Stage &stage);
@@ -53,8 +55,10 @@ std::string FullHelp(const SettingEntry &entry, ShownRanges ranges);
 /// Text without Markdown for code and links.
 std::string WithoutMarkup(std::string_view text);
 
-/// Takes its options off `arguments`, whose stage word is gone already, and returns the exit status. It checks the
-/// commands of menus against it.
+// ---- q3map2 -editorfiles ----
+
+/// The stage: checks the commands of the menus (editors/editor_files.h) and writes the files into the folder that
+/// `arguments` names. Returns the exit status.
 int EditorFilesStage(const StageContext &context, Arguments arguments);
 
 /// Error if a build step (editors/editor_files.h) names a stage, option or value that does not exist.

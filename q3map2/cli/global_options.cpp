@@ -24,13 +24,14 @@ std::string WithSlashes(std::string path) {
     return path;
 }
 
+/// Adds the value, with slashes instead of backslashes, unless the list has it in any case.
 void AddUnique(std::vector<std::string> &list, std::string value) {
     value = WithSlashes(std::move(value));
     if (std::none_of(list.begin(), list.end(), [&](const std::string &known) { return EqualNoCase(known, value); }))
         list.push_back(std::move(value));
 }
 
-/// Slashes instead of backslashes, and every path once.
+/// Makes each path AddUnique to the others, in their order.
 void TidyPaths(std::vector<std::string> &list) {
     std::vector<std::string> unique;
     for (std::string &path : list)
@@ -161,7 +162,7 @@ namespace {
 
 using Group = SettingGroup<GlobalOptions>;
 
-constexpr int kMaxThreads = 64, kMaxDrawSurfaces = 1 << 24;
+constexpr int kMaxDrawSurfaces = 1 << 24; ///< chosen
 
 Group General() {
     const auto help = [](GlobalOptions &o, const SettingValues &v) { o.help = v.words.empty() ? "" : v.words[0]; };

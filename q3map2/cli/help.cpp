@@ -16,14 +16,20 @@
 
 namespace q3 {
 
-// ---- Completion of the command line in shells: options, and the values that can follow them ----
+// ---- Completion of the command line in shells ----
 
 namespace {
 
 /// What can follow an option.
-struct Values {
-    enum class Kind { Any, Words, List, Files, Folders };
-    Kind kind = Kind::Any; ///< Any: a number or a name that nothing lists. List: words separated by commas
+struct CompletionValues {
+    enum class Kind {
+        Any,   ///< a number or a name: nothing to propose
+        Words, ///< one of `words`
+        List,  ///< some of `words`, separated by commas
+        Files,
+        Folders
+    };
+    Kind kind = Kind::Any;
     std::vector<std::string> words{};
 };
 
@@ -34,10 +40,11 @@ std::vector<std::string> GameNames() {
     return names;
 }
 
-std::vector<std::string> ParmNames() {
+/// The surfaceparms of quake3, but for "default": the flags that every shader starts with, which no option names.
+std::vector<std::string> SurfaceParmNames() {
     std::vector<std::string> names;
     for (const SurfaceParm &parm : Games().front().surfaceParms)
-        if (!parm.name.starts_with('*') && parm.name != "default")
+        if (parm.name != "default")
             names.emplace_back(parm.name);
     return names;
 }
@@ -49,7 +56,8 @@ std::vector<std::string> HelpTopics(StageList stages) {
     return topics;
 }
 
-/// Words of a value such as "draft|normal|final" or "N|inf", without those that stand for something.
+/// The words of a value such as "draft|normal|final" that can be typed: of "N|inf" only inf, since capitals stand for a
+/// number or a name.
 std::vector<std::string> ChoiceWords(std::string_view value) {
     std::vector<std::string> words;
     for (std::size_t at = 0; at <= value.size();) {
@@ -62,12 +70,12 @@ std::vector<std::string> ChoiceWords(std::string_view value) {
     return words;
 }
 
-Values ValuesOf(StageList stages, const SettingInfo &info) {
-    using enum Values::Kind;
+CompletionValues ValuesOf(StageList stages, const SettingInfo &info) {
+    using enum CompletionValues::Kind;
     if (info.name == "-game")
         return {Words, GameNames()};
     if (info.name == "-globalflag")
-        return {Words, ParmNames()};
+        return {Words, SurfaceParmNames()};
     if (info.name == "-help")
         return {Words, HelpTopics(stages)};
     for (const Stage &stage : stages)
@@ -121,25 +129,30 @@ std::string ZshText(std::string_view text) {
     return result;
 }
 
-/// Branches of `case` by the word before the cursor: options with the same values share one.
+/// Branches of the `case` in BashCompletion, which tests the word before the cursor. Each sets what to propose after
+/// that option; options with the same values share a branch.
 std::string BashValueCases(StageList stages) {
-    std::map<std::string, std::string> patterns; // by action
+    std::map<std::string, std::string> patterns; // option names joined by |, by the commands of their branch
     std::set<std::string_view> known;
+    using Kind = CompletionValues::Kind;
     const auto add = [&](const SettingInfo &info) {
         if (info.MinValues() == 0 && info.name != "-help")
             return;
-        const Values values = ValuesOf(stages, info);
+        const CompletionValues values = ValuesOf(stages, info);
         std::string action = "return";
-        if (values.kind == Values::Kind::Words || values.kind == Values::Kind::List)
+        if (values.kind == Kind::Words || values.kind == Kind::List)
             action = fmt::format("values=\"{}\"{}", fmt::join(values.words, " "),
-                                 values.kind == Values::Kind::List ? " list=1" : "");
-        else if (values.kind != Values::Kind::Any)
-            action = values.kind == Values::Kind::Files ? "paths=-f" : "paths=-d";
-        for (const std::string_view name : {info.name, info.aliases[0], info.aliases[1]})
-            if (!name.empty() && known.insert(name).second) {
-                std::string &pattern = patterns[action];
-                pattern += fmt::format("{}{}", pattern.empty() ? "" : "|", name);
-            }
+                                 values.kind == Kind::List ? " list=1" : "");
+        else if (values.kind != Kind::Any)
+            action = values.kind == Kind::Files ? "paths=-f" : "paths=-d";
+        const auto addName = [&](std::string_view name) {
+            if (name.empty() || !known.insert(name).second)
+                return;
+            std::string &pattern = patterns[action];
+            pattern += fmt::format("{}{}", pattern.empty() ? "" : "|", name);
+        };
+        addName(info.name);
+        std::ranges::for_each(info.aliases, addName);
     };
     ForEntries(GlobalSections(), add);
     for (const Stage &stage : stages)
@@ -150,24 +163,26 @@ std::string BashValueCases(StageList stages) {
     return cases;
 }
 
-/// The values of an option in a specification of zsh.
+/// The values of an option in a specification of zsh's _arguments: ":NAME:ACTION" for each value that must follow,
+/// "::NAME:ACTION" for one that may. Only the first one has proposals.
 std::string ZshValues(StageList stages, const SettingInfo &info) {
-    const Values values = ValuesOf(stages, info);
+    using Kind = CompletionValues::Kind;
+    const CompletionValues values = ValuesOf(stages, info);
     std::string action = " ";
     switch (values.kind) {
-    case Values::Kind::Words:
+    case Kind::Words:
         action = fmt::format("({})", fmt::join(values.words, " "));
         break;
-    case Values::Kind::List:
+    case Kind::List:
         action = fmt::format("_sequence compadd - {}", fmt::join(values.words, " "));
         break;
-    case Values::Kind::Files:
+    case Kind::Files:
         action = "_files";
         break;
-    case Values::Kind::Folders:
+    case Kind::Folders:
         action = "_files -/";
         break;
-    case Values::Kind::Any:
+    case Kind::Any:
         break;
     }
     std::string text;
@@ -180,20 +195,24 @@ std::string ZshValues(StageList stages, const SettingInfo &info) {
     return text;
 }
 
+/// The values of an option as switches of fish's `complete`: -x takes a value that is no file, -r -F takes a file, and
+/// -a lists proposals or, in parentheses, the command that prints them.
 std::string FishValues(StageList stages, const SettingInfo &info) {
-    const Values values = ValuesOf(stages, info);
-    if (info.MinValues() == 0 && values.kind == Values::Kind::Any)
+    using Kind = CompletionValues::Kind;
+    const CompletionValues values = ValuesOf(stages, info);
+    if (info.MinValues() == 0 && values.kind == Kind::Any)
         return "";
     switch (values.kind) {
-    case Values::Kind::Words:
+    case Kind::Words:
         return fmt::format("-x -a '{}' ", fmt::join(values.words, " "));
-    case Values::Kind::List:
-        return fmt::format("-x -a '(__fish_complete_list , \"printf %s\\\\\\\\n {}\")' ", fmt::join(values.words, " "));
-    case Values::Kind::Files:
+    case Kind::List:
+        // Fish halves backslashes in single quotes and again in double quotes: of these four, printf gets one.
+        return fmt::format(R"(-x -a '(__fish_complete_list , "printf %s\\\\n {}")' )", fmt::join(values.words, " "));
+    case Kind::Files:
         return "-r -F ";
-    case Values::Kind::Folders:
+    case Kind::Folders:
         return "-x -a '(__fish_complete_directories)' ";
-    case Values::Kind::Any:
+    case Kind::Any:
         break;
     }
     return "-x ";
@@ -201,10 +220,13 @@ std::string FishValues(StageList stages, const SettingInfo &info) {
 
 } // namespace
 
+/// The script proposes the values of the option before the cursor; else, for a word that begins with -, the options of
+/// the stage that the line names, or the stage words and the options of -bsp; else files.
 std::string BashCompletion(StageList stages) {
-    std::string cases;
+    std::string stageCases; // branches that set the options of a stage
     for (const Stage &stage : stages)
-        cases += fmt::format("            {}) options=\"{}\" ;;\n", stage.word, NamesOf(SectionsOf(stage)));
+        stageCases += fmt::format("            {}) options=\"{}\" ;;\n", stage.word, NamesOf(SectionsOf(stage)));
+    const Stage &unnamedStage = stages.front(); // runs without a stage word
     return fmt::format(R"(# Generated: q3map2 -help bash > tools/generated/completions/q3map2.bash
 _q3map2() {{
     local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}}
@@ -231,7 +253,7 @@ _q3map2() {{
 }}
 complete -F _q3map2 q3map2
 )",
-                       BashValueCases(stages), cases, StageWordList(stages), NamesOf(SectionsOf(stages.front())),
+                       BashValueCases(stages), stageCases, StageWordList(stages), NamesOf(SectionsOf(unnamedStage)),
                        " " + NamesOf(GlobalSections()));
 }
 
@@ -243,12 +265,12 @@ std::string ZshCompletion(StageList stages) {
         });
         return text;
     };
-    std::string descriptions, cases, words;
+    std::string stageWords, stageCases, stageHelp; // joined by |; branches that add options; proposals without a stage
     for (const Stage &stage : stages) {
-        words += fmt::format("{}{}", words.empty() ? "" : "|", stage.word);
-        descriptions += fmt::format("        '{}[{}]'\n", stage.word, ZshText(stage.help));
-        cases += fmt::format("    {})\n        arguments+=(\n{}        ) ;;\n", stage.word,
-                             specifications(SectionsOf(stage)));
+        stageWords += fmt::format("{}{}", stageWords.empty() ? "" : "|", stage.word);
+        stageHelp += fmt::format("        '{}[{}]'\n", stage.word, ZshText(stage.help));
+        stageCases += fmt::format("    {})\n        arguments+=(\n{}        ) ;;\n", stage.word,
+                                  specifications(SectionsOf(stage)));
     }
     return fmt::format(R"(#compdef q3map2
 # Generated: q3map2 -help zsh > tools/generated/completions/_q3map2
@@ -269,7 +291,7 @@ case $stage in
 esac
 _arguments $arguments
 )",
-                       specifications(GlobalSections()), words, cases, descriptions);
+                       specifications(GlobalSections()), stageWords, stageCases, stageHelp);
 }
 
 std::string FishCompletion(StageList stages) {
@@ -292,9 +314,10 @@ std::string FishCompletion(StageList stages) {
 
 namespace {
 
+/// Columns of -help: where the text after names begins, and where lines end.
 constexpr std::size_t kNameColumn = 26, kLineWidth = 100;
 
-/// Wraps words at the line width; every line but the first is indented.
+/// Wraps words at the line width. The first line begins at `column`, the others at `indent`.
 std::string Wrapped(std::string_view text, std::size_t indent, std::size_t column) {
     std::string result;
     for (std::size_t at = 0; at < text.size();) {
@@ -338,11 +361,10 @@ std::string StageText(const Stage &stage) {
     std::string text = fmt::format("q3map2 {}\n{}.\n", stage.usage, stage.help);
     if (!stage.intro.empty())
         text += Wrapped(WithoutMarkup(stage.intro), 0, 0) + "\n";
-    if (stage.settings)
-        for (const SettingSection &section : stage.settings())
-            text += section.topic.empty()
-                        ? SectionText(section)
-                        : fmt::format("\n{}: q3map2 -help {} lists them.\n", section.title, section.topic);
+    for (const SettingSection &section : SectionsOf(stage))
+        text += section.topic.empty()
+                    ? SectionText(section)
+                    : fmt::format("\n{}: q3map2 -help {} lists them.\n", section.title, section.topic);
     return text;
 }
 
@@ -382,32 +404,10 @@ std::string Overview(StageList stages) {
     return text + GlobalText();
 }
 
-/// Full title of a game, for -help game; empty: unknown.
-std::string_view TitleOf(std::string_view game) {
-    constexpr std::pair<std::string_view, std::string_view> kTitles[] = {
-        {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
-        {"quakelive", "Quake Live"},
-        {"nexuiz", "Nexuiz"},
-        {"xonotic", "Xonotic"},
-        {"tremulous", "Tremulous"},
-        {"unvanquished", "Unvanquished"},
-        {"tenebrae", "Tenebrae"},
-        {"wolf", "Return to Castle Wolfenstein"},
-        {"et", "Wolfenstein: Enemy Territory"},
-        {"etut", "Urban Terror on Enemy Territory's engine"},
-        {"ef", "Star Trek: Voyager - Elite Force"},
-        {"reaction", "Reaction"},
-        {"darkplaces", "DarkPlaces, for Quake"},
-        {"dq", "DeluxeQuake"},
-        {"prophecy", "Prophecy"}};
-    const auto found = std::ranges::find(kTitles, game, [](const auto &title) { return title.first; });
-    return found == std::end(kTitles) ? "" : found->second;
-}
-
 std::string GamesText() {
     std::string text;
     for (const Game &game : Games())
-        text += fmt::format("  {:<14}{:<11}{}\n", game.name, game.gameDir, TitleOf(game.name));
+        text += fmt::format("  {:<14}{:<11}{}\n", game.name, game.gameDir, game.title);
     return "  -game         folder     title\n" + text +
            "\nA mod is not a game: -game names the game that it runs on, -fs_game its folder. A game whose base\n"
            "folder has another name, such as OpenArena's baseoa, needs -fs_basegame: -game quake3 -fs_basegame "
@@ -423,7 +423,8 @@ std::string AllText(StageList stages) {
     return text;
 }
 
-/// Adds what these sections have under that name, with or without its dash.
+/// Adds the help of each setting of that name or alias, with or without its dash. `owner`: what has the settings, such
+/// as the word of a stage.
 void AddEntries(std::string_view owner, const std::vector<SettingSection> &sections, std::string_view topic,
                 std::string &text) {
     for (const SettingSection &section : sections)
@@ -443,8 +444,7 @@ std::string OptionHelp(StageList stages, std::string_view topic) {
     std::string text;
     AddEntries("every stage", GlobalSections(), topic, text);
     for (const Stage &stage : stages)
-        if (stage.settings)
-            AddEntries(stage.word, stage.settings(), topic, text);
+        AddEntries(stage.word, SectionsOf(stage), topic, text);
     return text;
 }
 
@@ -454,6 +454,20 @@ std::string MapWordHelp(std::string_view topic) {
     AddEntries("entities", EntitySections(), topic, text);
     AddEntries("shaders", DirectiveSections(), topic, text);
     return text;
+}
+
+/// For the word of a stage: where its meanings as a key or a directive are explained. Empty: it has none.
+std::string MapWordHint(std::string_view topic) {
+    std::vector<std::string> meanings;
+    const auto look = [&](const std::vector<SettingSection> &sections, std::string_view meaning) {
+        bool isNamed = false;
+        ForEntries(sections, [&](const SettingInfo &info) { isNamed |= info.Names(topic); });
+        if (isNamed)
+            meanings.emplace_back(meaning);
+    };
+    look(EntitySections(), "a key of entities (q3map2 -help keys)");
+    look(DirectiveSections(), "a directive of shaders (q3map2 -help shader)");
+    return meanings.empty() ? "" : fmt::format("\n{} is also {}.\n", topic, fmt::join(meanings, " and "));
 }
 
 [[noreturn]] void FailUnknown(StageList stages, std::string_view topic, const std::vector<std::string> &topics) {
@@ -497,11 +511,11 @@ std::string HelpText(StageList stages, std::string_view topic) {
     for (const Stage &stage : stages)
         if (EqualNoCase(stage.word.substr(1), bare))
             text += StageText(stage);
-    const std::string options = OptionHelp(stages, bare), words = MapWordHelp(bare);
+    const std::string options = OptionHelp(stages, bare);
     if (text.empty())
-        text = options + words;
-    else if (!options.empty()) // the word is an option of other stages too
-        text += "\n" + options;
+        text = options + MapWordHelp(bare);
+    else // the word of a stage may be an option of other stages, a key or a directive too
+        text += (options.empty() ? "" : "\n" + options) + MapWordHint(bare);
     if (text.empty()) {
         std::vector<std::string> topics;
         for (const auto &[name, page] : pages)

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/text/text.h"
+#include "q3map2/cli/documentation.h"
 #include "q3map2/cli/help.h"
 #include "q3map2/cli/presets.h"
 #include "q3map2/cli/stage_files.h"
@@ -21,11 +22,11 @@
 
 namespace q3 {
 
-// ---- What a stage is, what it gets, and the words of a command line that choose it and that it takes ----
+// ---- The words of a command line that choose a stage, and those that it takes ----
 
 namespace {
 
-/// Stages that other compilers have.
+/// Stages of other compilers, which are named in an error.
 constexpr std::string_view kForeignStages[] = {"-vlight", "-ent"};
 
 const Stage *FindStage(StageList stages, std::string_view word) {
@@ -102,7 +103,7 @@ std::size_t FindFile(const StageContext &context, const std::vector<std::string>
 }
 
 /// The names that an unknown word is compared with, to propose the nearest.
-std::vector<std::string> KnownNames(const StageContext &context) {
+std::vector<std::string> NamesToPropose(const StageContext &context) {
     std::vector<std::string> names = context.stage.OptionNames();
     if (!context.stageIsNamed)
         for (const Stage &stage : context.stages)
@@ -129,7 +130,7 @@ std::string HintFor(const StageContext &context, const std::string &word, bool &
     const std::string name = word.substr(0, equals);
     if (equals != std::string::npos && context.stage.HasOption(name))
         return fmt::format("; write {} {}", name, word.substr(equals + 1));
-    return DidYouMean(name, KnownNames(context));
+    return DidYouMean(name, NamesToPropose(context));
 }
 
 /// "; its value 8 is ignored too", for the words after an unknown option that seem to be its values.
@@ -148,7 +149,8 @@ enum class Checked { AllWords, Options };
 /// Warns about each word that no option took; an option and its values share a warning. Errors: no stage was named, or
 /// the word stands before the stage word.
 void ReportUnknown(const StageContext &context, const Arguments &arguments, Checked checked = Checked::AllWords) {
-    const bool saysOption = context.stage.word == "-bsp" || context.stage.word == "-vis";
+    // The wording that users know: -bsp and -vis have always said "option", the other stages "argument".
+    const std::string_view noun = context.stage.word == "-bsp" || context.stage.word == "-vis" ? "option" : "argument";
     const std::vector<std::string> &words = arguments.Rest();
     for (std::size_t i = 0; i < words.size(); ++i) {
         const std::string &word = words[i];
@@ -160,8 +162,7 @@ void ReportUnknown(const StageContext &context, const Arguments &arguments, Chec
             throw Error("{}: unknown{}{}", word, hint, isOfOtherStage ? ", which the line does not name" : "");
         if (arguments.IsBeforeStage(i))
             throw Error("{}: {} has no such option{}", word, context.stage.word, hint);
-        const std::string text =
-            fmt::format("Unknown {} \"{}\"{}{}", saysOption ? "option" : "argument", word, hint, ValuesAfter(words, i));
+        const std::string text = fmt::format("Unknown {} \"{}\"{}{}", noun, word, hint, ValuesAfter(words, i));
         context.log.Warn("unknown option", "{}", text);
         context.log.AddToSummary(text);
     }
@@ -171,9 +172,8 @@ void ReportUnknown(const StageContext &context, const Arguments &arguments, Chec
 
 std::vector<std::string> Stage::OptionNames() const {
     std::vector<SettingSection> sections = GlobalSections();
-    if (settings)
-        for (SettingSection &section : settings())
-            sections.push_back(std::move(section));
+    for (SettingSection &section : SectionsOf(*this))
+        sections.push_back(std::move(section));
     std::vector<std::string> names;
     for (const SettingSection &section : sections)
         for (const SettingEntry &entry : section.entries) {
@@ -190,9 +190,8 @@ bool Stage::HasOption(std::string_view option) const {
 }
 
 StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vector<std::string> given) {
-    if (!context.stageIsNamed)
-        ReportUnknown(context, arguments,
-                      Checked::Options); // first, as the value of an unknown option could be taken for the file
+    if (!context.stageIsNamed) // first, as the value of an unknown option could be taken for the file
+        ReportUnknown(context, arguments, Checked::Options);
     StageFile result;
     result.file = arguments.TakeAt(FindFile(context, arguments.Rest()));
     ReportUnknown(context, arguments);
@@ -232,7 +231,7 @@ ChosenStage TakeStage(StageList stages, Arguments &arguments) {
     return {.stage = stages.front(), .isNamed = false};
 }
 
-// ---- From the command line to a stage ----
+// ---- A run of the program ----
 
 namespace {
 
@@ -245,8 +244,8 @@ void AddLogFile(const std::string &path, Log &log) {
 }
 
 /// The words without the quotes that some editors leave around them, and that pasted paths have: plain ones, those of
-/// other shells, and typographic ones. A single \" goes too: in "C:\games\" the shell takes the last for a part of the
-/// word.
+/// other shells, and typographic ones. A single \" goes too: of the word "C:\games\", a shell of Windows takes the last
+/// quote for a part of it.
 std::vector<std::string> Unquoted(std::vector<std::string> words) {
     struct Quotes {
         std::string_view left, right;
@@ -267,7 +266,7 @@ std::vector<std::string> Unquoted(std::vector<std::string> words) {
 
 int Run(StageList stages, const std::vector<std::string> &words, const std::filesystem::path &program,
         RunReport &report, Log &log) {
-    // First, so that errors in options arrive.
+    // Before the options are parsed, so that the editor and the file get errors in them too.
     EditorFeedback::Attach(LastValueOf("-connect", words), log);
     if (const std::string file = LastValueOf("-log", words); !file.empty())
         AddLogFile(file, log);

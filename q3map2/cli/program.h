@@ -14,8 +14,6 @@
 
 namespace q3 {
 
-// ---- What a stage is, what it gets, and the words of a command line that choose it and that it takes ----
-
 struct Stage;
 class RunReport;
 

@@ -16,8 +16,6 @@
 
 namespace q3 {
 
-// ---- The map that a word of the command line means, and the files beside it ----
-
 namespace fs = std::filesystem;
 
 namespace {
@@ -87,7 +85,7 @@ std::vector<std::string> Proposals(const fs::path &path, std::span<const fs::pat
         }
     if (!found.empty())
         return found;
-    constexpr std::size_t kTooShort = 2; // every name of that length would be near
+    constexpr std::size_t kTooShort = 2; // letters; to such a stem every short name would be near
     const std::vector<std::string> nearest =
         stem.size() > kTooShort ? NearestNames(stem, names) : std::vector<std::string>();
     for (const fs::path &folder : folders)
@@ -172,7 +170,7 @@ fs::path ExistingBsp(const std::string &word, std::span<const fs::path> gameFold
     return path;
 }
 
-// ---- The files that a stage reads and writes ----
+// ---- FileGuard ----
 
 FileGuard::FileGuard(const StageContext &context) : FileGuard(context.options.force, context.log) {}
 

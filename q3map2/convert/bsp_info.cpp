@@ -17,7 +17,7 @@
 
 namespace q3 {
 
-// ---- What may be in a .bsp of an unknown game ----
+// ---- q3map2 -analyze ----
 
 namespace {
 
@@ -122,7 +122,7 @@ void PrintAnalysis(std::span<const std::byte> file, bool lumpSwap, std::string_v
                   lumpSwap ? "without" : "with");
 }
 
-// ---- Counts and sizes of a .bsp file ----
+// ---- q3map2 -info ----
 
 namespace {
 

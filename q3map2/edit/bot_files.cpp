@@ -12,15 +12,16 @@
 
 namespace q3 {
 
-// ---- The checksum by which a bot navigation file knows its map. MD4 as in RFC 1320; GLib has none ----
+// ---- The checksum by which a bot navigation file knows its map: MD4 as in RFC 1320, which GLib does not have ----
 
 namespace {
 
-constexpr std::size_t kBlock = 64, kLengthAt = 56;
+constexpr std::size_t kBlockBytes = 64;
+constexpr std::size_t kLengthAt = 56; ///< byte of the last block where the length of the data begins
 using Words = std::array<std::uint32_t, 16>;
 using Digest = std::array<std::uint32_t, 4>;
 
-/// A round of the RFC: 16 steps that share a function, a constant, and four rotations.
+/// A round of RFC 1320, section 3.4: 16 steps that share a function, a constant, and four rotations.
 struct Round {
     std::uint32_t (*mix)(std::uint32_t, std::uint32_t, std::uint32_t);
     std::uint32_t constant;
@@ -45,7 +46,7 @@ constexpr std::array<Round, 3> kRounds = {{
 
 Words LoadBlock(const std::byte *bytes) {
     Words words{};
-    for (std::size_t i = 0; i < kBlock; ++i)
+    for (std::size_t i = 0; i < kBlockBytes; ++i)
         words[i / 4] |= std::to_integer<std::uint32_t>(bytes[i]) << (8 * (i % 4));
     return words;
 }
@@ -65,21 +66,21 @@ void AddBlock(Digest &digest, const std::byte *bytes) {
 } // namespace
 
 std::array<std::uint32_t, 4> Md4(std::span<const std::byte> data) {
-    Digest digest = {0x67452301, 0xEFCDAB89, 0x98BADCFE, 0x10325476};
+    Digest digest = {0x67452301, 0xEFCDAB89, 0x98BADCFE, 0x10325476}; // RFC 1320, section 3.3
     std::size_t at = 0;
-    for (; at + kBlock <= data.size(); at += kBlock)
+    for (; at + kBlockBytes <= data.size(); at += kBlockBytes)
         AddBlock(digest, data.data() + at);
     // The rest, a 1 bit, zeros, and the length in bits fill one block or two.
-    std::array<std::byte, 2 * kBlock> tail{};
+    std::array<std::byte, 2 * kBlockBytes> tail{};
     const std::size_t rest = data.size() - at;
     if (rest > 0)
         std::memcpy(tail.data(), data.data() + at, rest);
     tail[rest] = std::byte(0x80);
-    const std::size_t last = rest < kLengthAt ? 0 : kBlock;
+    const std::size_t last = rest < kLengthAt ? 0 : kBlockBytes;
     const std::uint64_t bits = std::uint64_t(data.size()) * 8;
     for (std::size_t i = 0; i < 8; ++i)
         tail[last + kLengthAt + i] = std::byte(bits >> (8 * i));
-    for (std::size_t block = 0; block <= last; block += kBlock)
+    for (std::size_t block = 0; block <= last; block += kBlockBytes)
         AddBlock(digest, tail.data() + block);
     return digest;
 }
@@ -93,13 +94,14 @@ std::uint32_t BlockChecksum(std::span<const std::byte> data) {
 
 namespace {
 
-// A head of ident, version and checksum, each 4 bytes, little endian. From version 5 on the bytes that follow the
-// version are xored with multiples of 119.
+// The head: ident, version and checksum, each 4 bytes, little endian. From version 5 on, byte i after the version is
+// xored with 119 i.
 constexpr std::size_t kHeadBytes = 12, kVersionAt = 4, kChecksumAt = 8;
 constexpr std::string_view kIdent = "EAAS";
 constexpr std::uint32_t kLastPlainVersion = 4;
 constexpr unsigned kKeyStep = 119;
 
+/// Byte i is xored with keyStep * i first.
 std::uint32_t LoadWord(std::span<const std::byte> bytes, unsigned keyStep) {
     std::uint32_t word = 0;
     for (unsigned i = 0; i < 4; ++i)

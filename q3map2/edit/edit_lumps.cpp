@@ -15,13 +15,15 @@
 
 namespace q3 {
 
-// ---- Light grids, BSPX lumps and entity text of maps that were scaled, moved or merged ----
-
-// ---- Text of edited maps ----
+// ---- Text and boxes of edited maps ----
 
 namespace {
 
-constexpr double kMostBound = 1 << 30; ///< game units
+constexpr double kMostBound = 1 << 30; ///< game units; chosen
+
+std::int32_t WholeBound(double bound) {
+    return std::int32_t(std::clamp(bound, -kMostBound, kMostBound));
+}
 
 } // namespace
 
@@ -37,8 +39,11 @@ std::string VectorText(const Vec3d &v) {
     return NumberText(v.x) + ' ' + NumberText(v.y) + ' ' + NumberText(v.z);
 }
 
-std::int32_t WholeBound(double bound) {
-    return std::int32_t(std::clamp(bound, -kMostBound, kMostBound));
+void TransformBox(const AxisTransform &transform, Int3 &mins, Int3 &maxs) {
+    for (std::size_t i = 0; i < 3 && mins[i] <= maxs[i]; ++i) {
+        mins[i] = WholeBound(std::floor(mins[i] * transform.factors[i] + transform.shift[i]));
+        maxs[i] = WholeBound(std::ceil(maxs[i] * transform.factors[i] + transform.shift[i]));
+    }
 }
 
 // ---- Light grids of a map whose world was scaled or moved ----
@@ -47,8 +52,10 @@ namespace {
 
 /// Positions that differ by less than this fraction of a cell are the same.
 constexpr double kSamePlace = 1e-3;
-constexpr int kMostSteps = 16;     ///< between neighboring floats, and of cells
-constexpr double kCellStep = 1e-6; ///< fraction of a cell by which each step shrinks it
+/// Chosen: how many floats next to a bound are tried, upward and downward, and how many sizes of a cell.
+constexpr int kMostSteps = 16;
+/// Fraction of a cell by which each step shrinks it: the last decimal of NumberText for cells of 1.
+constexpr double kCellStep = 1e-6;
 
 /// A bound of the world along an axis. Engines place the first grid point at cell * ceil(mins / cell), the last one at
 /// cell * floor(maxs / cell).
@@ -166,7 +173,7 @@ struct LumpRule {
 constexpr LumpRule kLumpRules[] = {
     {kBspxGridOctree, LumpContent::Grid},
     {kBspxGrids, LumpContent::Grids},
-    // Of other compilers: light and the layout of lightmaps, by face or luxel.
+    // Lumps of other compilers, with light or the layout of lightmaps for each face or luxel.
     {"RGBLIGHTING", LumpContent::NoPositions},
     {"LIGHTINGDIR", LumpContent::NoPositions},
     {"LIGHTINGDIR_E5BGR9", LumpContent::NoPositions},
@@ -183,7 +190,7 @@ const LumpRule *RuleOf(std::string_view name) {
     return found == std::end(kLumpRules) ? nullptr : found;
 }
 
-/// What the grids of both formats begin with.
+/// What the grids of LIGHTGRID_OCTREE and LIGHTGRIDS begin with.
 struct GridHead {
     Float3 cell;
     Int3 counts;
@@ -224,12 +231,11 @@ bool TransformLump(const AxisTransform &transform, BspxLump &lump) {
     const LumpRule *rule = RuleOf(lump.name);
     if (rule == nullptr)
         return false;
-    const Vec3d &by = transform.factors;
     switch (rule->content) {
     case LumpContent::NoPositions:
         return true;
     case LumpContent::Directions:
-        return by.x == by.y && by.y == by.z;
+        return transform.IsUniform();
     case LumpContent::Grid:
         return TransformGrid(transform, lump.data);
     case LumpContent::Grids:
@@ -403,7 +409,7 @@ constexpr LumpEdit kLumpEdits[] = {
     {BspxId::PropLight, LumpSpace::None, nullptr, MergeProps},
     {BspxId::LightGridSH, LumpSpace::Directions, TransformUniformGrid, KeepUniformGrid},
     {BspxId::SparseGridSH, LumpSpace::Directions, TransformSparseGrid, KeepSparseGrid},
-    // Positions of cubes are shares of their leafs.
+    // A cube's position is a fraction of its leaf's box on each axis, so it moves with the leaf.
     {BspxId::AmbientCubes, LumpSpace::Directions, nullptr, KeepCubes},
 };
 static_assert(HasRowOfEachLump(kLumpEdits));

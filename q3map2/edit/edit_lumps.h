@@ -18,9 +18,8 @@ namespace q3 {
 
 /// Six decimals, without zeros at the end.
 std::string NumberText(double number);
+/// The three numbers, with blanks between them.
 std::string VectorText(const Vec3d &v);
-/// A bound of a node or leaf, at most 2^30 from 0.
-std::int32_t WholeBound(double bound);
 
 /// Cell of the legacy grid: worldspawn's gridsize, or 64 64 128 where it is missing or no size.
 Float3 GridCellOf(const Entity &world);
@@ -29,9 +28,14 @@ Float3 GridCellOf(const Entity &world);
 struct AxisTransform {
     Vec3d factors{1, 1, 1}, shift;
 
+    /// Whether shapes keep their proportions.
+    bool IsUniform() const { return factors.x == factors.y && factors.y == factors.z; }
     float Apply(float value, std::size_t axis) const { return float(double(value) * factors[axis] + shift[axis]); }
     Float3 Apply(const Float3 &p) const { return {Apply(p[0], 0), Apply(p[1], 1), Apply(p[2], 2)}; }
 };
+
+/// Transforms the box of a node or leaf outward to whole units, which are at most 2^30 from 0. An empty box stays.
+void TransformBox(const AxisTransform &transform, Int3 &mins, Int3 &maxs);
 
 /// Takes the grids of `before` over to `bsp`, the transformed map with transformed world bounds and a gridsize that
 /// fits. The head of the SH grid says where its points are, so they move exactly. Engines derive the points of the
@@ -50,7 +54,8 @@ struct LumpMerge {
     Bsp &bsp; ///< `main` with the records and entities of `added` after its own
     Log &log;
     int lightmapBase = 0; ///< number in `bsp` of the first lightmap of `added`
-    /// Vertices of `added` by first and count, in the order in which `bsp` has them after those of `main`.
+    /// First vertex and count of each run of vertices of `added` in `bsp`, in the order in which they follow those of
+    /// `main`.
     std::vector<std::pair<int, int>> vertRuns;
 };
 

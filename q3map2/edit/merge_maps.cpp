@@ -16,11 +16,11 @@
 
 namespace q3 {
 
-// ---- Lists of surfaces and brushes in leafs, to which more are added ----
+// ---- The surfaces and brushes that leafs list ----
 
 namespace {
 
-/// Boxes are listed in leafs that are this near too; game units.
+/// Boxes are listed in leafs that are this near too; chosen, game units.
 constexpr double kBoxMargin = 1;
 
 } // namespace
@@ -38,10 +38,10 @@ LeafLists::LeafLists(const Bsp &bsp) : bsp_(bsp), surfaces_(bsp.leafs.size()), b
 std::vector<std::size_t> LeafLists::LeafsIn(const Boundsf &box) const {
     const Vec3d center = (Vec3d(box.mins) + Vec3d(box.maxs)) * 0.5, half = (Vec3d(box.maxs) - Vec3d(box.mins)) * 0.5;
     std::vector<std::size_t> leafs;
-    std::vector<BspChild> open{RootOf(bsp_)};
-    while (!open.empty()) {
-        const BspChild child = open.back();
-        open.pop_back();
+    std::vector<BspChild> pending{RootOf(bsp_)};
+    while (!pending.empty()) {
+        const BspChild child = pending.back();
+        pending.pop_back();
         if (child < 0) {
             leafs.push_back(std::size_t(LeafOf(child)));
             continue;
@@ -50,12 +50,13 @@ std::vector<std::size_t> LeafLists::LeafsIn(const Boundsf &box) const {
         const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
         const Vec3d normal(plane.normal);
         const double distance = Dot(normal, center) - double(plane.dist);
+        // Half the extent of the box along the normal.
         const double reach =
             std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z + kBoxMargin;
         if (distance > -reach)
-            open.push_back(node.children[0]);
+            pending.push_back(node.children[0]);
         if (distance < reach)
-            open.push_back(node.children[1]);
+            pending.push_back(node.children[1]);
     }
     return leafs;
 }
@@ -87,11 +88,11 @@ void LeafLists::Store(Bsp &bsp) const {
     }
 }
 
-// ---- Merges two maps into one ----
+// ---- Two maps merged into one ----
 
 namespace {
 
-constexpr int kNotTaken = -1;
+constexpr int kNotTaken = -1; ///< number of a record that the merged map does not have
 constexpr std::size_t kBoxSides = 6;
 
 /// Adds `added` to a copy of `main`. Each step uses the numbers that the steps before it gave to records.
@@ -123,7 +124,7 @@ class Merger {
     }
 
   private:
-    /// Number that the first appended record gets.
+    /// Appends records; returns the number that the first of them gets.
     template <typename Record> static int Appended(std::vector<Record> &to, const std::vector<Record> &from) {
         const int first = int(to.size());
         to.insert(to.end(), from.begin(), from.end());
@@ -153,12 +154,15 @@ class Merger {
     Log &log_;
     Bsp bsp_;
     int planeBase_ = 0, fogBase_ = 0, lightmapBase_ = 0;
-    std::vector<int> shaders_, surfaces_, brushes_;           ///< numbers in the merged map; kNotTaken
-    int worldSurfaces_ = 0, worldBrushes_ = 0;                ///< records of the added world that join the main one
-    std::map<std::pair<int, int>, int> vertRuns_, indexRuns_; ///< by first and count
-    std::vector<std::pair<int, int>> copiedVerts_;            ///< the same runs of vertices, in order
+    /// Numbers in the merged map, or kNotTaken, by number in the added one.
+    std::vector<int> shaders_, surfaces_, brushes_;
+    int worldSurfaces_ = 0, worldBrushes_ = 0; ///< records of the added world that join the main one
+    /// First number in the merged map of runs of vertices and indexes of the added one, by first number and count.
+    std::map<std::pair<int, int>, int> vertRuns_, indexRuns_;
+    std::vector<std::pair<int, int>> copiedVerts_; ///< LumpMerge::vertRuns
 };
 
+/// Renames targets and targetnames of the added map that the main map has too: name_0 or the next that is free.
 void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added) {
     constexpr std::string_view kKeys[] = {"target", "targetname"};
     std::set<std::string> inMain, taken; // lower case
@@ -214,11 +218,13 @@ void Merger::MergeShaders() {
 
 /// Pages of the second map follow those of the first.
 void Merger::MergeLightmaps() {
+    constexpr std::size_t kTexelBytes = 3; // RGB
     const bool hdrOnly = main_.lightmaps.empty() && added_.lightmaps.empty();
     const auto pages = [&](const Bsp &bsp) {
-        return int(hdrOnly ? bsp.lightmapsE5bgr9.size() * 3 / kLightmapPageBytes
+        return int(hdrOnly ? bsp.lightmapsE5bgr9.size() * kTexelBytes / kLightmapPageBytes
                            : bsp.lightmaps.size() / kLightmapPageBytes);
     };
+    // Pages that surfaces refer to: more than the file has if pages are images beside it.
     const auto used = [](const Bsp &bsp) {
         int count = 0;
         for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
@@ -272,25 +278,25 @@ std::vector<int> NumbersInMerged(const RecordRanges &ranges, const MergeOptions 
 
 /// Gives numbers to the surfaces and brushes that are taken: the world's go to the end of the world of the first map.
 void Merger::ChooseRecords() {
-    std::vector<bool> ofFogs(added_.brushes.size());
+    std::vector<bool> isOfFog(added_.brushes.size());
     for (const bspFog_t &fog : added_.fogs)
         if (fog.brushNum >= 0)
-            ofFogs[std::size_t(fog.brushNum)] = true;
-    const bspModel_t &world = added_.models[0], &into = main_.models[0];
+            isOfFog[std::size_t(fog.brushNum)] = true;
+    const bspModel_t &world = added_.models[0], &mainWorld = main_.models[0];
     worldSurfaces_ = options_.world ? world.numBSPSurfaces : 0;
     worldBrushes_ = options_.world ? world.numBSPBrushes : 0;
     surfaces_ = NumbersInMerged({.count = int(added_.drawSurfaces.size()),
                                  .worldFirst = world.firstBSPSurface,
                                  .worldCount = world.numBSPSurfaces,
                                  .mainCount = int(main_.drawSurfaces.size()),
-                                 .mainWorldEnd = into.firstBSPSurface + into.numBSPSurfaces},
+                                 .mainWorldEnd = mainWorld.firstBSPSurface + mainWorld.numBSPSurfaces},
                                 options_, std::vector<bool>(added_.drawSurfaces.size()));
     brushes_ = NumbersInMerged({.count = int(added_.brushes.size()),
                                 .worldFirst = world.firstBSPBrush,
                                 .worldCount = world.numBSPBrushes,
                                 .mainCount = int(main_.brushes.size()),
-                                .mainWorldEnd = into.firstBSPBrush + into.numBSPBrushes},
-                               options_, ofFogs);
+                                .mainWorldEnd = mainWorld.firstBSPBrush + mainWorld.numBSPBrushes},
+                               options_, isOfFog);
 }
 
 /// Makes room for `count` records in front of record `at`, and raises the numbers that refer to records behind.
@@ -395,7 +401,7 @@ void Merger::MergeModels() {
     }
 }
 
-/// Every brush begins with the six sides of its box.
+/// Every brush begins with the six sides of its box, in the order -x +x -y +y -z +z.
 Boundsf Merger::BoxOfBrush(const bspBrush_t &brush) const {
     Boundsf box;
     Vec3f mins, maxs;

@@ -12,7 +12,7 @@
 
 namespace q3 {
 
-/// The lists of a map with room to grow.
+/// The surfaces and brushes that each leaf of a map lists, to which more can be added.
 class LeafLists {
   public:
     explicit LeafLists(const Bsp &bsp);

@@ -60,23 +60,25 @@ Vec3d TakeAxisValues(Arguments &arguments, std::string_view stage) {
 
 namespace {
 
-constexpr double kFlatTriangle = 1e-9; ///< determinant over the product of squared edges
-constexpr double kMostFactor = 65536;
-/// Values of `angle` for movers that go up or down.
+/// A triangle of edges u and v is flat up to this (u.u v.v - (u.v)^2) / (u.u v.v), the squared sine of their angle.
+constexpr double kFlatTriangle = 1e-9;
+constexpr double kMostFactor = 65536; ///< chosen
+/// Values of the key `angle` for movers that go up or down.
 constexpr double kUp = -1, kDown = -2;
 
 class Scaler {
   public:
-    Scaler(Bsp &bsp, const ScaleOptions &options) : bsp_(bsp), options_(options), factors_(options.factors) {}
+    Scaler(Bsp &bsp, const ScaleOptions &options)
+        : bsp_(bsp), options_(options), factors_(options.factors), transform_{options.factors, {}} {}
 
     void Run(std::string_view name) {
         ScaleEntities(name);
         for (bspModel_t &model : bsp_.models)
             model.mins = Position(model.mins), model.maxs = Position(model.maxs);
         for (bspNode_t &node : bsp_.nodes)
-            ScaleBox(node.mins, node.maxs);
+            TransformBox(transform_, node.mins, node.maxs);
         for (bspLeaf_t &leaf : bsp_.leafs)
-            ScaleBox(leaf.mins, leaf.maxs);
+            TransformBox(transform_, leaf.mins, leaf.maxs);
         if (options_.projectTextures)
             ProjectTextures();
         for (bspDrawVert_t &vert : bsp_.drawVerts)
@@ -94,29 +96,23 @@ class Scaler {
 
   private:
     Float3 Position(const Float3 &p) const { return Vec3f(Vec3d(p) * factors_).Array(); }
-    /// Of a surface that is scaled: perpendicular to it again.
-    Float3 Normal(const Float3 &normal) const {
-        if (IsUniform())
-            return normal;
+    /// A normal transforms by the inverse transpose of the scaling matrix: n / factors, whose length is not 1.
+    Vec3d ScaledNormal(const Float3 &normal) const {
         const Vec3d n(normal);
-        return Vec3f(Normalize(Vec3d{n.x / factors_.x, n.y / factors_.y, n.z / factors_.z})).Array();
+        return {n.x / factors_.x, n.y / factors_.y, n.z / factors_.z};
     }
-    bool IsUniform() const { return factors_.x == factors_.y && factors_.y == factors_.z; }
-
-    void ScaleBox(Int3 &mins, Int3 &maxs) const {
-        for (std::size_t i = 0; i < 3 && mins[i] <= maxs[i]; ++i) { // a box may be empty
-            mins[i] = WholeBound(std::floor(mins[i] * factors_[i]));
-            maxs[i] = WholeBound(std::ceil(maxs[i] * factors_[i]));
-        }
+    /// The unit normal of the scaled surface.
+    Float3 Normal(const Float3 &normal) const {
+        return transform_.IsUniform() ? normal : Vec3f(Normalize(ScaledNormal(normal))).Array();
     }
 
+    /// n . p = d becomes (n / factors) . (p factors) = d; both sides are then divided by the length of n / factors.
     void ScalePlane(bspPlane_t &plane) const {
-        if (IsUniform()) {
+        if (transform_.IsUniform()) {
             plane.dist = float(double(plane.dist) * factors_.x);
             return;
         }
-        const Vec3d n(plane.normal);
-        const Vec3d scaled{n.x / factors_.x, n.y / factors_.y, n.z / factors_.z};
+        const Vec3d scaled = ScaledNormal(plane.normal);
         const double length = Length(scaled);
         plane.normal = Vec3f(scaled / length).Array();
         plane.dist = float(double(plane.dist) / length);
@@ -139,9 +135,10 @@ class Scaler {
     Bsp &bsp_;
     const ScaleOptions &options_;
     Vec3d factors_;
+    AxisTransform transform_; ///< by the same factors
 };
 
-/// The part of a mover that stays visible, measured along its direction.
+/// Scales `lip`, the part of a mover that stays visible, by the factor of the axis nearest to the mover's direction.
 void Scaler::ScaleLip(Entity &entity) const {
     if (!entity.Has("lip"))
         return;
@@ -169,8 +166,9 @@ void Scaler::ScaleEntities(std::string_view name) const {
     bsp_.entities = FormatEntities(entities);
 }
 
-/// Texture coordinates as functions of the position, constant along the normal, from the old corners; taken at the
-/// scaled ones.
+/// Gives the scaled corners the texture coordinates that the old triangle's plane has at their positions, projected
+/// onto it: s(p) = s(a) + g . (p - a). The gradient g lies in the plane of the edges u and v; g . u and g . v are the
+/// differences of s along them (Cramer's rule).
 void Scaler::ProjectTriangle(const std::array<std::size_t, 3> &corners, const std::vector<bspDrawVert_t> &old) {
     const bspDrawVert_t &a = old[corners[0]], &b = old[corners[1]], &c = old[corners[2]];
     const Vec3d u = Vec3d(b.xyz) - Vec3d(a.xyz), v = Vec3d(c.xyz) - Vec3d(a.xyz);
@@ -211,11 +209,11 @@ void ScaleMap(Bsp &bsp, const ScaleOptions &options, std::string_view name, Log 
             throw Error("-scale: the factor is {:g}, expected a number over 0, up to {:g}", factor, kMostFactor);
     const Bsp before = bsp;
     Scaler(bsp, options).Run(name);
-    const bool isUniform = options.factors.x == options.factors.y && options.factors.y == options.factors.z;
-    if (!isUniform && (HasDirections(bsp) || !bsp.gridPoints.empty()))
+    const AxisTransform transform{options.factors, {}};
+    if (!transform.IsUniform() && (HasDirections(bsp) || !bsp.gridPoints.empty()))
         log.Warn("light of another shape",
                  "factors differ, and directions of the light grids are those of the old shape: light the map again");
-    TransformGrids(before, {options.factors, {}}, bsp, log);
+    TransformGrids(before, transform, bsp, log);
     ValidateBsp(bsp, name, log);
 }
 
@@ -228,22 +226,22 @@ constexpr double kMostShift = 1 << 24; ///< game units: floats hold all whole nu
 class Shifter {
   public:
     Shifter(Bsp &bsp, const Vec3d &shift)
-        : bsp_(bsp), shift_(shift), isRelativeModel_(bsp.models.size()), staysSurface_(bsp.drawSurfaces.size()),
-          staysBrush_(bsp.brushes.size()) {}
+        : bsp_(bsp), shift_(shift), transform_{.shift = shift}, modelStays_(bsp.models.size()),
+          surfaceStays_(bsp.drawSurfaces.size()), brushStays_(bsp.brushes.size()) {}
 
     void Run(std::string_view name) {
         ShiftEntities(name);
         for (std::size_t i = 0; i < bsp_.models.size(); ++i)
-            if (!isRelativeModel_[i])
+            if (!modelStays_[i])
                 bsp_.models[i].mins = Moved(bsp_.models[i].mins), bsp_.models[i].maxs = Moved(bsp_.models[i].maxs);
         for (bspNode_t &node : bsp_.nodes)
-            ShiftBox(node.mins, node.maxs);
+            TransformBox(transform_, node.mins, node.maxs);
         for (bspLeaf_t &leaf : bsp_.leafs)
             if (!Stays(leaf))
-                ShiftBox(leaf.mins, leaf.maxs);
+                TransformBox(transform_, leaf.mins, leaf.maxs);
         ShiftVerts();
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i)
-            if (!staysSurface_[i])
+            if (!surfaceStays_[i])
                 ShiftVectors(bsp_.drawSurfaces[i]);
         ShiftPlanes();
         for (bspAdvertisement_t &advertisement : bsp_.advertisements)
@@ -254,19 +252,12 @@ class Shifter {
   private:
     Float3 Moved(const Float3 &p) const { return Vec3f(Vec3d(p) + shift_).Array(); }
 
-    void ShiftBox(Int3 &mins, Int3 &maxs) const {
-        for (std::size_t i = 0; i < 3 && mins[i] <= maxs[i]; ++i) { // a box may be empty
-            mins[i] = WholeBound(std::floor(mins[i] + shift_[i]));
-            maxs[i] = WholeBound(std::ceil(maxs[i] + shift_[i]));
-        }
-    }
-
     /// Whether the leaf belongs to a model that stays.
     bool Stays(const bspLeaf_t &leaf) const {
         if (leaf.numBSPLeafSurfaces > 0)
-            return staysSurface_[std::size_t(bsp_.leafSurfaces[std::size_t(leaf.firstBSPLeafSurface)])];
+            return surfaceStays_[std::size_t(bsp_.leafSurfaces[std::size_t(leaf.firstBSPLeafSurface)])];
         return leaf.numBSPLeafBrushes > 0 &&
-               staysBrush_[std::size_t(bsp_.leafBrushes[std::size_t(leaf.firstBSPLeafBrush)])];
+               brushStays_[std::size_t(bsp_.leafBrushes[std::size_t(leaf.firstBSPLeafBrush)])];
     }
 
     void ShiftVectors(bspDrawSurface_t &surface) const {
@@ -279,7 +270,7 @@ class Shifter {
     }
 
     std::size_t ModelOf(const Entity &entity) const;
-    void MarkAsRelative(std::size_t model);
+    void MarkAsStaying(std::size_t model);
     void ShiftEntities(std::string_view name);
     void ShiftVerts();
     void ShiftPlanes();
@@ -288,41 +279,44 @@ class Shifter {
 
     Bsp &bsp_;
     Vec3d shift_;
-    std::vector<bool> isRelativeModel_, staysSurface_, staysBrush_;
-    std::map<int, int> planeCopies_; ///< by the first plane of a pair
+    AxisTransform transform_; ///< by the same vector
+    /// Models of entities with an origin, relative to which they are, and the surfaces and brushes of these models.
+    std::vector<bool> modelStays_, surfaceStays_, brushStays_;
+    std::map<int, int> planeCopies_; ///< first plane of a pair's copy, by the first plane of the pair
 };
 
-/// 0: it has no inline model.
+/// Number of the inline model of an entity; 0: it has none.
 std::size_t Shifter::ModelOf(const Entity &entity) const {
     const std::string_view model = entity.Value("model");
     const int number = model.starts_with('*') ? IntegerFromText(model.substr(1)) : 0;
     return number > 0 && std::size_t(number) < bsp_.models.size() ? std::size_t(number) : 0;
 }
 
-void Shifter::MarkAsRelative(std::size_t number) {
+void Shifter::MarkAsStaying(std::size_t number) {
     const bspModel_t &model = bsp_.models[number];
-    isRelativeModel_[number] = true;
-    std::fill_n(staysSurface_.begin() + model.firstBSPSurface, model.numBSPSurfaces, true);
-    std::fill_n(staysBrush_.begin() + model.firstBSPBrush, model.numBSPBrushes, true);
+    modelStays_[number] = true;
+    std::fill_n(surfaceStays_.begin() + model.firstBSPSurface, model.numBSPSurfaces, true);
+    std::fill_n(brushStays_.begin() + model.firstBSPBrush, model.numBSPBrushes, true);
 }
 
 void Shifter::ShiftEntities(std::string_view name) {
     std::vector<Entity> entities = StoredEntities(bsp_.entities, name);
     for (const Entity &entity : entities)
         if (const std::size_t model = ModelOf(entity); model > 0 && entity.Vector({"origin"}))
-            MarkAsRelative(model);
+            MarkAsStaying(model);
     for (std::size_t i = 1; i < entities.size(); ++i) {
         Entity &entity = entities[i];
         const auto origin = entity.Vector({"origin"});
         // Another entity may share a model that stays, and have no origin yet.
-        if (origin || isRelativeModel_[ModelOf(entity)])
+        if (origin || modelStays_[ModelOf(entity)])
             entity.Set("origin", VectorText(Vec3d(origin.value_or(Vec3f{})) + shift_));
     }
     bsp_.entities = FormatEntities(entities);
 }
 
 void Shifter::ShiftVerts() {
-    std::vector<bool> stays(bsp_.drawVerts.size()), moves(bsp_.drawVerts.size()); // a shared vertex may be both
+    // By vertex; one that surfaces share may be both. Those of a surface that stays are then copied.
+    std::vector<bool> stays(bsp_.drawVerts.size()), moves(bsp_.drawVerts.size());
     const auto mark = [](std::vector<bool> &marks, int first, int count) {
         std::fill_n(marks.begin() + first, count, true);
     };
@@ -330,7 +324,7 @@ void Shifter::ShiftVerts() {
         const bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
         // The mesh of foliage is relative to its instances, whose places follow.
         const bool isFoliage = surface.surfaceType == MST_FOLIAGE;
-        const int relative = staysSurface_[i] ? surface.numVerts
+        const int relative = surfaceStays_[i] ? surface.numVerts
                              : isFoliage      ? std::clamp(surface.patchHeight, 0, surface.numVerts)
                                               : 0;
         mark(stays, surface.firstVert, relative);
@@ -340,7 +334,7 @@ void Shifter::ShiftVerts() {
         bspDrawSurface_t &surface = bsp_.drawSurfaces[i];
         const auto first = moves.begin() + surface.firstVert, end = first + surface.numVerts;
         const bool sharesVerts = std::find(first, end, true) != end;
-        if (!staysSurface_[i] || !sharesVerts)
+        if (!surfaceStays_[i] || !sharesVerts)
             continue;
         const auto copied = std::vector<bspDrawVert_t>(bsp_.drawVerts.begin() + surface.firstVert,
                                                        bsp_.drawVerts.begin() + surface.firstVert + surface.numVerts);
@@ -354,7 +348,7 @@ void Shifter::ShiftVerts() {
             bsp_.drawVerts[i].xyz = Moved(bsp_.drawVerts[i].xyz);
 }
 
-/// Pairs of opposite planes that nodes, moved brushes, or no brushes use.
+/// Which pairs of opposite planes move: those of nodes and of moved brushes, and those that nothing uses.
 std::vector<bool> Shifter::PlanePairsThatMove() const {
     std::vector<bool> moves((bsp_.planes.size() + 1) / 2), stays(moves.size());
     for (const bspNode_t &node : bsp_.nodes)
@@ -362,13 +356,14 @@ std::vector<bool> Shifter::PlanePairsThatMove() const {
     for (std::size_t i = 0; i < bsp_.brushes.size(); ++i)
         for (int side = 0; side < bsp_.brushes[i].numSides; ++side) {
             const int plane = bsp_.brushSides[std::size_t(bsp_.brushes[i].firstSide + side)].planeNum;
-            (staysBrush_[i] ? stays : moves)[std::size_t(plane / 2)] = true;
+            (brushStays_[i] ? stays : moves)[std::size_t(plane / 2)] = true;
         }
     for (std::size_t i = 0; i < moves.size(); ++i)
         moves[i] = moves[i] || !stays[i];
     return moves;
 }
 
+/// The plane of the same place in a copy of its pair, which does not move.
 int Shifter::CopyOfPlane(int plane) {
     const int first = plane & ~1;
     const auto [at, isNew] = planeCopies_.try_emplace(first, 0);
@@ -388,7 +383,7 @@ void Shifter::ShiftPlanes() {
     const std::vector<bool> moves = PlanePairsThatMove();
     const std::size_t count = bsp_.planes.size();
     for (std::size_t i = 0; i < bsp_.brushes.size(); ++i)
-        for (int side = 0; staysBrush_[i] && side < bsp_.brushes[i].numSides; ++side) {
+        for (int side = 0; brushStays_[i] && side < bsp_.brushes[i].numSides; ++side) {
             std::int32_t &plane = bsp_.brushSides[std::size_t(bsp_.brushes[i].firstSide + side)].planeNum;
             if (std::size_t(plane) < count && moves[std::size_t(plane / 2)])
                 plane = CopyOfPlane(plane);

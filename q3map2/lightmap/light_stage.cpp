@@ -198,9 +198,9 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     }
     if (setup.options.staticPropLighting)
         LightStaticProps(setup, lightmap, surfaces ? surfaces->Bounced() : nullptr, jobs, log, result);
-    DropStaleLumps(bsp, BspxRelight::EveryBake);
-    if (!lightmap.onlyGrid)
-        DropStaleLumps(bsp, BspxRelight::SurfaceBake);
+    for (const BspxRelight relight : {BspxRelight::EveryBake, BspxRelight::SurfaceBake})
+        if (MakesStale(relight, lightmap.onlyGrid))
+            DropStaleLumps(bsp, relight);
     if (setup.options.staticPropLighting)
         bsp.propLight = PackPropLight(setup.props, result.props);
     setup.stored.front().Erase(kGridSHKey);

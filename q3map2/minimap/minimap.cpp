@@ -19,7 +19,8 @@ namespace q3 {
 
 namespace {
 
-constexpr double kDarkPlacesBorder = 1.0 / 66; ///< fraction of the image
+/// Fraction of the image that games of the DarkPlaces engine expect on each side.
+constexpr double kDarkPlacesBorder = 1.0 / 66;
 constexpr std::string_view kDarkPlacesOutput = "../gfx/{}_mini.tga";
 
 constexpr MinimapStyle kMinimapStyles[] = {
@@ -138,8 +139,6 @@ MinimapOptions ParseMinimapOptions(Arguments &arguments, Log &log) {
                     box->mins.y, box->mins.z, box->maxs.x, box->maxs.y, box->maxs.z);
     return options;
 }
-
-// ---- Minimaps: pictures of a map from above, of how thick its solids are ----
 
 // ---- Thickness of the solids of a map along vertical lines ----
 
@@ -278,9 +277,9 @@ void ApplyMinimapLevels(MinimapValues &image, const MinimapOptions &options, Log
 
 namespace {
 
-constexpr int kMaxFailures = 1000; ///< moves in a row that do not spread the points
+constexpr int kMaxFailures = 1000; ///< chosen: so many moves in a row that do not spread the points end the search
 
-/// Numbers in 0..1 by index.
+/// A pseudorandom number from 0 to 1 for each index.
 double RandomUnit(std::uint64_t index) {
     return UnitFromHash(HashIndex(index));
 }

@@ -69,14 +69,16 @@ std::vector<Replacement> ReadSkin(std::string_view text) {
     return skin;
 }
 
+/// The lines of the skin file of the entity: x.md3_1.skin for the skin 1 of x.md3, x_red.skin for the skin red. Nothing
+/// without a skin; a file that cannot be read is a warning.
 std::optional<std::vector<Replacement>> SkinOf(const Entity &entity, std::string_view who, std::string_view model,
                                                const VirtualFileSystem *vfs, Log &log) {
     const std::string_view skin = keys::kSkin.Text(entity);
     if (skin.empty())
         return {};
-    const bool digits = std::all_of(skin.begin(), skin.end(), [](char c) { return c >= '0' && c <= '9'; });
+    const bool isNumber = std::all_of(skin.begin(), skin.end(), [](char c) { return c >= '0' && c <= '9'; });
     const std::string name =
-        (digits ? std::string(model) : WithoutExtension(model)) + "_" + std::string(skin) + ".skin";
+        (isNumber ? std::string(model) : WithoutExtension(model)) + "_" + std::string(skin) + ".skin";
     const auto bytes = vfs == nullptr ? std::nullopt : vfs->Read(name);
     if (!bytes) {
         log.Warn("skin not found", "{}: the skin file {} cannot be read", who, name);
@@ -143,14 +145,14 @@ void ShaderRemap::WarnOfUnmatched(std::span<const std::string> shaders, std::str
                      remap.from, remap.to, remap.from, fmt::join(skinned, ", "));
 }
 
-// ---- Model files as triangles in the map's axes, and MD3 models with the vertices of the file ----
-
 // ---- Reads model files by assimp, from the game's folders and archives ----
 
 namespace {
 
+/// Larger meshes are split. Engines draw surfaces of less than SHADER_MAX_VERTEXES, 1000; the limit of triangles is
+/// chosen.
 constexpr unsigned kMaxMeshVerts = 999, kMaxMeshTriangles = 1 << 20;
-constexpr bool kMemoryIsOwned = true; ///< argument of assimp's stream: it frees the bytes itself
+constexpr bool kStreamOwnsBytes = true; ///< argument of assimp's stream: it frees the bytes itself
 
 struct FileBytes {
     std::vector<std::byte> bytes;
@@ -161,13 +163,15 @@ class FileStream : private FileBytes, public Assimp::MemoryIOStream {
   public:
     explicit FileStream(std::vector<std::byte> file)
         : FileBytes{std::move(file)},
-          MemoryIOStream(reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size(), !kMemoryIsOwned) {}
+          MemoryIOStream(reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size(), !kStreamOwnsBytes) {}
 };
 
+/// The path as the game's files have it, without . and .. where that is possible.
 std::string VfsName(std::string_view path) {
     return PlainName(PathOf(PlainName(path)).lexically_normal().generic_string());
 }
 
+/// The game's files for assimp, which may open others that a model names.
 class GameFiles : public Assimp::IOSystem {
   public:
     explicit GameFiles(const VirtualFileSystem &vfs) : vfs_(vfs) {}
@@ -219,7 +223,7 @@ DrawVert VertOf(const aiMesh &mesh, unsigned i) {
 /// exporter stored, if any.
 struct MaterialImage {
     std::string name;
-    bool embedded = false;
+    bool isEmbedded = false;
 };
 
 MaterialImage ImageOf(const aiMaterial &material, const aiScene &scene) {
@@ -229,10 +233,10 @@ MaterialImage ImageOf(const aiMaterial &material, const aiScene &scene) {
         return {};
     MaterialImage image{.name = texture.C_Str()};
     const aiTexture *inside = scene.GetEmbeddedTexture(texture.C_Str());
-    image.embedded = image.name.starts_with(kEmbedded);
-    if (image.embedded)
+    image.isEmbedded = image.name.starts_with(kEmbedded);
+    if (image.isEmbedded)
         image.name = inside == nullptr ? "" : inside->mFilename.C_Str();
-    if (image.embedded && image.name.starts_with(kEmbedded))
+    if (image.isEmbedded && image.name.starts_with(kEmbedded))
         image.name.clear();
     return image;
 }
@@ -246,7 +250,7 @@ std::string MaterialName(const aiMaterial &material, const aiScene &scene) {
     if (StartsWithNoCase(name, "textures/") || StartsWithNoCase(name, "models/"))
         return name;
     const MaterialImage image = ImageOf(material, scene);
-    return image.name.empty() || (image.embedded && !name.empty()) ? name : image.name;
+    return image.name.empty() || (image.isEmbedded && !name.empty()) ? name : image.name;
 }
 
 ModelMesh MeshOf(const aiMesh &source, const aiScene &scene, std::string_view modelName) {
@@ -352,6 +356,7 @@ Vec3d ModelTransform::Normal(const Vec3d &n) const {
 
 ModelTransform MakeModelTransform(const Vec3d &scale, const Vec3d &pitchYawRoll, const Vec3d &origin) {
     const Vec3d angles = pitchYawRoll * kRadiansPerDegree;
+    // Rows of Rz(yaw) Ry(pitch) Rx(roll) diag(scale); s and c: sine and cosine.
     const double sp = std::sin(angles.x), cp = std::cos(angles.x);
     const double sy = std::sin(angles.y), cy = std::cos(angles.y);
     const double sr = std::sin(angles.z), cr = std::cos(angles.z);
@@ -382,26 +387,29 @@ namespace {
 
 constexpr std::string_view kMd3Ident = "IDP3";
 constexpr std::int32_t kMd3Version = 15;
-constexpr float kMd3Unit = 1.0f / 64; ///< game units
-constexpr std::size_t kMd3Name = 64;
+constexpr float kMd3Unit = 1.0f / 64;     ///< game units of a step of coordinates
+constexpr std::size_t kMd3NameBytes = 64; ///< filled with NULs
+
+// The records, in the order of MD3 files. Offsets are in bytes: those of the header from the start of the file, those
+// of a surface from its own start.
 
 struct Md3Header {
     std::array<char, 4> ident;
     std::int32_t version;
-    std::array<char, kMd3Name> name;
+    std::array<char, kMd3NameBytes> name;
     std::int32_t flags, frames, tags, surfaces, skins, frameOffset, tagOffset, surfaceOffset, end;
 };
 struct Md3Surface {
     std::array<char, 4> ident;
-    std::array<char, kMd3Name> name;
+    std::array<char, kMd3NameBytes> name;
     std::int32_t flags, frames, shaders, verts, triangles, triangleOffset, shaderOffset, stOffset, vertOffset, end;
 };
 struct Md3Vert {
     std::array<std::int16_t, 3> xyz;
-    std::uint8_t zenith, azimuth; ///< of the normal, 256 steps a turn
+    std::uint8_t zenith, azimuth; ///< angles of the normal from +z and around it from +x; 256 steps are a turn
 };
 struct Md3Shader {
-    std::array<char, kMd3Name> name;
+    std::array<char, kMd3NameBytes> name;
     std::int32_t index;
 };
 static_assert(sizeof(Md3Header) == 108 && sizeof(Md3Surface) == 108 && sizeof(Md3Vert) == 8 && sizeof(Md3Shader) == 68);
@@ -442,7 +450,7 @@ ModelMesh Md3MeshOf(const Md3File &file, std::int64_t at, const Md3Surface &surf
     ModelMesh mesh;
     if (surface.shaders > 0) {
         const auto shader = file.Read<Md3Shader>(at + surface.shaderOffset, 1).front();
-        const std::string_view name(shader.name.data(), kMd3Name);
+        const std::string_view name(shader.name.data(), kMd3NameBytes);
         mesh.shader = ShaderOfMaterial(name.substr(0, name.find('\0')), modelName);
     }
     const auto verts = file.Read<Md3Vert>(

@@ -24,6 +24,7 @@ namespace q3 {
 /// The shader replacements of one placed model; by default none.
 class ShaderRemap {
   public:
+    /// A shader by its name or, in _remap keys, the end of its name, and the one in its place.
     struct Replacement {
         std::string from, to;
     };
@@ -84,14 +85,16 @@ class ModelLibrary {
 /// are cut at their "models" or "textures" folder. A material without a name gets that of the model.
 std::string ShaderOfMaterial(std::string_view material, std::string_view modelName);
 
-/// point' = linear . point + origin.
+/// An affine map: p' = A p + origin, where A has these rows.
 struct ModelTransform {
     std::array<Vec3d, 3> rows{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
     Vec3d origin;
 
+    /// The transformed position of a point.
     Vec3d Point(const Vec3d &p) const;
     /// Transforms a normal by the inverse transpose, to unit length. Returns `n` if the transform makes it zero.
     Vec3d Normal(const Vec3d &n) const;
+    /// Of A; below 0: it mirrors.
     double Determinant() const;
 };
 /// Scales, rotates by roll, then pitch, then yaw (degrees), and adds the origin.

@@ -35,8 +35,15 @@ bool WantedList::Add(std::string_view name, std::string_view why, Need need) {
 
 namespace {
 
-/// What stands after a word. Extra: an image that some engines draw.
-enum class ImageUse { Drawn, Extra, Frames, Video, Sky, Implicit };
+/// What stands after a word.
+enum class ImageUse {
+    Drawn,   ///< an image that all engines draw
+    Extra,   ///< an image that some engines draw
+    Frames,  ///< a rate, then images
+    Video,   ///< a video file
+    Sky,     ///< the outer sky box, a height, the inner sky box
+    Implicit ///< an image, or - for the one with the name of the shader
+};
 struct ImageWord {
     std::string_view word; ///< lower case
     ImageUse use;
@@ -70,6 +77,7 @@ constexpr std::array<ImageWord, 27> kImageWords = {{{"map", ImageUse::Drawn},
                                                     {"lightfalloffimage", ImageUse::Extra},
                                                     {"reflectionmap", ImageUse::Extra}}};
 constexpr std::array<std::string_view, 6> kSkySides = {"_up", "_dn", "_lf", "_rt", "_bk", "_ft"};
+/// Surfaceparms of shaders that need no image of their own.
 constexpr std::array<std::string_view, 3> kUndrawnParms = {"nodraw", "sky", "fog"};
 
 const ImageWord *FindImageWord(std::string_view word) {
@@ -83,6 +91,7 @@ bool IsBuiltIn(std::string_view image) {
 
 using Words = std::vector<std::string_view>;
 
+/// Reads the body of a shader and notes the files that it names.
 class BodyReader {
   public:
     BodyReader(TextScanner &scanner, EngineShader &shader) : scanner_(scanner), shader_(shader) {}
@@ -112,7 +121,7 @@ class BodyReader {
             i += UseWord(words, i);
     }
 
-    /// How many words after this one belong to it.
+    /// Notes what a word asks for. Returns how many words after it belong to it.
     std::size_t UseWord(const Words &words, std::size_t at) {
         const std::size_t rest = words.size() - at - 1;
         if (EqualNoCase(words[at], "fogparms")) {
@@ -138,8 +147,8 @@ class BodyReader {
             return rest;
         case ImageUse::Sky:
             AddSky(first, shader_.images);
-            if (rest >= 3)
-                AddSky(words[at + 3], shader_.extraImages);
+            if (constexpr std::size_t kInner = 3; rest >= kInner)
+                AddSky(words[at + kInner], shader_.extraImages);
             return rest;
         case ImageUse::Video: {
             std::string video = PackageName(first);

@@ -21,8 +21,9 @@ std::string PackageName(std::string_view name);
 /// Whether a package without a file is incomplete.
 enum class Need { Required, Optional };
 
+/// A file or shader, and who wants it.
 struct Wanted {
-    std::string name, why;
+    std::string name, why; ///< why: for messages, such as "shader textures/x"
     Need need = Need::Required;
 };
 

@@ -42,6 +42,7 @@ std::string FileKey(std::string_view file) {
     return PathOf(LowerCase(PackageName(file))).replace_extension().generic_string();
 }
 
+/// A name as the set of such a block has it.
 std::string KeyFor(std::set<std::string> Exclusions::*block, std::string_view name) {
     if (block == &Exclusions::shaders)
         return LowerCase(PackageName(name));
@@ -76,7 +77,7 @@ void Exclusions::Add(const Exclusions &other) {
 Exclusions ReadExclusions(std::string text, std::string_view name) {
     TextScanner scanner(std::move(text), std::string(name));
     Exclusions result;
-    for (std::string word, brace; scanner.Next(word);) {
+    for (std::string word, entry; scanner.Next(word);) {
         const ExclusionBlock *block = nullptr;
         for (const ExclusionBlock &known : kBlocks)
             if (EqualNoCase(known.word, word))
@@ -84,11 +85,11 @@ Exclusions ReadExclusions(std::string text, std::string_view name) {
         if (block == nullptr)
             throw Error("{}: {} is not one of textures, shaders, shaderfiles, sounds and videos", scanner.Location(),
                         word);
-        if (!scanner.Next(brace) || brace != "{")
+        if (!scanner.Next(entry) || entry != "{")
             throw Error("{}: expected {{ after {}", scanner.Location(), word);
-        while (scanner.Next(brace) && brace != "}")
-            (result.*block->names).insert(KeyFor(block->names, brace));
-        if (brace != "}")
+        while (scanner.Next(entry) && entry != "}")
+            (result.*block->names).insert(KeyFor(block->names, entry));
+        if (entry != "}")
             throw Error("{}: the block {} has no closing brace", scanner.Location(), word);
     }
     return result;
@@ -123,7 +124,7 @@ Whereabouts PackageSource::Find(std::string_view name) const {
     const std::string location = vfs_.Location(name);
     if (location.empty())
         return Whereabouts::Nowhere;
-    const std::size_t inside = location.find(" :: "); // in an archive
+    const std::size_t inside = location.find(kInArchive);
     if (inside == std::string::npos)
         return Whereabouts::Here;
     const std::string pak = LowerCase(fs::path(location.substr(0, inside)).filename().string());
@@ -289,7 +290,7 @@ class NeedsOfMap {
 constexpr std::size_t kHeadBytes = 108, kSurfaceCountAt = 84, kSurfacesAt = 100;
 constexpr std::size_t kSurfaceBytes = 108, kShaderCountAt = 76, kShadersAt = 92, kSurfaceEndAt = 104;
 constexpr std::size_t kShaderBytes = 68, kShaderNameBytes = 64;
-constexpr std::uint32_t kMostSurfaces = 1024, kMostShaders = 256;
+constexpr std::uint32_t kMostSurfaces = 1024, kMostShaders = 256; // chosen, for damaged files
 
 } // namespace
 

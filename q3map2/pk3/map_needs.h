@@ -40,7 +40,7 @@ Exclusions ReadExclusions(std::string text, std::string_view name);
 enum class Whereabouts {
     Nowhere,
     InBase, ///< in an archive that players have
-    Here
+    Here    ///< elsewhere: it must be packed
 };
 
 /// The folders that the maps are in, then the game's files.

@@ -19,7 +19,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kLeastLevel = -1, kMostLevel = 10;
+constexpr int kLeastLevel = -1, kMostLevel = 10; ///< of -complevel; zlib has -1 to 9
 
 template <typename Options> SettingGroup<Options> PackingGroup() {
     return {"Packing",
@@ -75,7 +75,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kSoundExtensions = {".wav", ".ogg", ".opus"};
 constexpr std::string_view kPng = ".png";
-constexpr int kMostLods = 3; ///< levels of detail of a model: x.md3, x_1.md3, x_2.md3
+constexpr int kMostLods = 3; ///< levels of detail of a model, MD3_MAX_LODS of engines: x.md3, x_1.md3, x_2.md3
 
 std::string CutExtension(std::string_view name) {
     return PathOf(name).replace_extension().generic_string();
@@ -126,6 +126,7 @@ class Planner {
             Report(wanted, "");
     }
 
+    /// Takes the first file that exists; reports `wanted`, with the hint, if none does.
     void TakeFirst(std::span<const std::string> names, const Wanted &wanted, std::string_view hint) {
         for (const std::string &name : names)
             if (source_.Find(name) != Whereabouts::Nowhere)

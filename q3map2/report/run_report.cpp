@@ -20,6 +20,10 @@ namespace {
 
 constexpr double kBytesPerMebibyte = 1024 * 1024;
 
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 std::string WarningText(const Log &log) {
     std::string kinds;
     int total = 0;
@@ -51,7 +55,7 @@ std::string RunReport::Faults() const {
 
 void RunReport::PrintEnd(RunEnd end, Log &log) const {
     const bool failed = end == RunEnd::Failed;
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const double seconds = SecondsSince(start_);
     for (const std::string &line : log.SummaryLines())
         log.Print("{}\n", line);
     log.Print("{:9.0f} {} elapsed\n", seconds, std::lround(seconds) == 1 ? "second" : "seconds");
@@ -67,15 +71,11 @@ void RunReport::PrintEnd(RunEnd end, Log &log) const {
 
 namespace {
 
-/// Reports of maps with very many faults stay readable.
+/// Chosen, so that reports of maps with very many faults stay readable.
 constexpr std::size_t kMostWarnings = 10000;
 /// Form of the JSON text: blanks a level, and whether characters beyond ASCII are escaped.
 constexpr int kIndent = 1;
 constexpr bool kEscapesUtf8 = false;
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 } // namespace
 

@@ -14,8 +14,8 @@ namespace {
 
 using Words = DirectiveWords;
 
-constexpr int kMaxSkyIterations = 128, kMinSkyIterations = 2;
-constexpr std::size_t kMaxSuns = 256; // per shader; a chain of q3map_baseShader adds up its suns
+constexpr int kMaxSkyIterations = 128, kMinSkyIterations = 2; ///< chosen; 4 (N - 1)^2 + 1 suns
+constexpr std::size_t kMaxSuns = 256; ///< of a shader; chosen, as a chain of q3map_baseShader adds up its suns
 
 template <typename T> void AddSunOrSkyLight(DirectiveContext &c, std::vector<T> &suns, const T &sun) {
     if (suns.size() < kMaxSuns)

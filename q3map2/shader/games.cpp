@@ -7,8 +7,6 @@
 
 namespace q3 {
 
-// ---- The games table: what differs between the games that share the format ----
-
 namespace {
 
 Game MakeGame(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
@@ -22,14 +20,43 @@ Game MakeGame(std::string_view name, std::string_view gameDir, std::string_view 
     return game;
 }
 
-Game &Limits(Game &game, int surfaceVerts, int verts, int indexes) {
+/// Sets the limits of draw surfaces.
+Game &SetLimits(Game &game, int surfaceVerts, int vertexLitVerts, int indexes) {
     game.maxSurfaceVerts = surfaceVerts;
-    game.maxVertexLitVerts = verts;
+    game.maxVertexLitVerts = vertexLitVerts;
     game.maxSurfaceIndexes = indexes;
     return game;
 }
 
-constexpr int kLargeSurface = 1048575; ///< vertices and indexes
+constexpr int kLargeSurface = 1048575; ///< vertices and indexes; 2^20 - 1
+
+struct GameTitle {
+    std::string_view name, title;
+};
+
+/// Game::title of each game.
+constexpr GameTitle kTitles[] = {
+    {"quake3", "Quake III Arena, Team Arena; OpenArena, Urban Terror and others"},
+    {"quakelive", "Quake Live"},
+    {"nexuiz", "Nexuiz"},
+    {"xonotic", "Xonotic"},
+    {"tremulous", "Tremulous"},
+    {"unvanquished", "Unvanquished"},
+    {"tenebrae", "Tenebrae"},
+    {"wolf", "Return to Castle Wolfenstein"},
+    {"et", "Wolfenstein: Enemy Territory"},
+    {"etut", "Urban Terror on Enemy Territory's engine"},
+    {"ef", "Star Trek: Voyager - Elite Force"},
+    {"reaction", "Reaction"},
+    {"darkplaces", "DarkPlaces, for Quake"},
+    {"dq", "DeluxeQuake"},
+    {"prophecy", "Prophecy"},
+};
+
+std::string_view TitleOf(std::string_view game) {
+    const auto found = std::ranges::find(kTitles, game, &GameTitle::name);
+    return found == std::end(kTitles) ? std::string_view() : found->title;
+}
 
 Game QuakeLive() {
     Game game = MakeGame("quakelive", "baseq3", ".quakelive", "quake", QuakeLiveParms());
@@ -42,21 +69,21 @@ Game QuakeLive() {
 Game Nexuiz() {
     Game game = MakeGame("nexuiz", "data", ".nexuiz", "nexuiz", BaseParms());
     game.noStyles = game.keepLights = true;
-    return Limits(game, 999, 999, 6000);
+    return SetLimits(game, 999, 999, 6000);
 }
 
 Game Xonotic() {
     Game game = MakeGame("xonotic", "data", ".xonotic", "xonotic", BaseParms());
     game.sRgbLightmap = game.sRgbTexture = game.sRgbColor = true;
     game.noStyles = game.keepLights = game.patchShadows = true;
-    return Limits(game, kLargeSurface, kLargeSurface, kLargeSurface);
+    return SetLimits(game, kLargeSurface, kLargeSurface, kLargeSurface);
 }
 
 Game Unvanquished() {
     Game game = MakeGame("unvanquished", "pkg", ".local/share/unvanquished", "unvanquished", TremulousParms());
     game.archiveExtension = "dpk";
     game.keepLights = true;
-    return Limits(game, kLargeSurface, kLargeSurface, kLargeSurface);
+    return SetLimits(game, kLargeSurface, kLargeSurface, kLargeSurface);
 }
 
 Game Tenebrae() {
@@ -64,7 +91,7 @@ Game Tenebrae() {
     game.gamma = 2;
     game.lightmapSize = 512;
     game.noStyles = game.deluxe = true;
-    return Limits(game, 1024, 1024, 6144);
+    return SetLimits(game, 1024, 1024, 6144);
 }
 
 Game Wolf(std::string_view name, std::string_view gameDir, std::string_view homeDir, std::string_view magic,
@@ -78,7 +105,7 @@ Game Wolf(std::string_view name, std::string_view gameDir, std::string_view home
 
 Game EnemyTerritory() {
     Game game = Wolf("et", "etmain", ".etwolf", "et", EnemyTerritoryParms());
-    return Limits(game, 1024, 1024, 6144);
+    return SetLimits(game, 1024, 1024, 6144);
 }
 
 Game UrbanTerror() {
@@ -86,7 +113,7 @@ Game UrbanTerror() {
     game.bspVersion = 47;
     game.gamma = 2.2f;
     game.sRgbLightmap = true;
-    return Limits(game, 1024, 1024, 6144);
+    return SetLimits(game, 1024, 1024, 6144);
 }
 
 /// Games with exposure tone mapping by default.
@@ -107,7 +134,7 @@ std::vector<Game> MakeGames() {
     Game prophecy = ToneMappedGame("prophecy", "base", ".prophecy", "prophecy", 0.4f);
     prophecy.patchShadows = prophecy.deluxe = true;
     Game darkPlaces = ToneMappedGame("darkplaces", "id1", ".darkplaces", "darkplaces", 0.3f);
-    Limits(darkPlaces, 999, 999, 6000);
+    SetLimits(darkPlaces, 999, 999, 6000);
     std::vector<Game> games{
         MakeGame("quake3", "baseq3", ".q3a", "quake", BaseParms()),
         QuakeLive(),
@@ -125,10 +152,12 @@ std::vector<Game> MakeGames() {
         deluxeQuake,
         prophecy,
     };
-    constexpr std::uint32_t kNoOb = 0x80000;
-    for (Game &game : games)
+    constexpr std::uint32_t kNoOb = 0x80000; // surfaceparm noob, which only bevels of quake3 inherit
+    for (Game &game : games) {
+        game.title = TitleOf(game.name);
         if (game.name != "quake3" && game.bevelSurfaceFlags == Game().bevelSurfaceFlags)
             game.bevelSurfaceFlags &= ~kNoOb;
+    }
     return games;
 }
 
@@ -185,6 +214,7 @@ constexpr std::uint32_t kMaterial = 0xFFF00000; // the field that holds etut's m
 // Columns of the lists below: name; content set, clear; surface set, clear; compile set, clear.
 using Parms = std::vector<SurfaceParm>;
 
+/// The parms of both lists, in this order.
 Parms Joined(Parms first, const Parms &second) {
     first.insert(first.end(), second.begin(), second.end());
     return first;

@@ -42,18 +42,22 @@ struct SurfaceParm {
 /// One row of the games table. Only IBSP games: RBSP and FBSP are another container.
 struct Game {
     std::string_view name;             ///< argument of -game
+    std::string_view title;            ///< the game in full, for people
     std::string_view gameDir, homeDir; ///< base game folder; sub-folder of home with leading dot
     std::string_view magic;            ///< word that marks the engine path in a file name
     std::string_view shaderDir = "scripts";
     std::string_view archiveExtension = "pk3";
     int bspVersion = 46;
-    bool hasAdvertisements = false; ///< slot 17 (quakelive)
+    bool hasAdvertisements = false; ///< the file has a lump of advertisements, in slot 17
     bool wolfLighting = false;      ///< linear falloff without angle attenuation by default
+    // Defaults of the options -nostyle, -keeplights, -patchshadows and -lightanglehl.
     bool noStyles = false, keepLights = false, patchShadows = false, halfLambert = false;
     bool sRgbLightmap = false, sRgbTexture = false, sRgbColor = false;
+    // Defaults of the options of these names.
     float gamma = 1, exposure = 0, compensate = 1;
     float gridScale = 1, gridAmbientScale = 1;
-    int maxSurfaceVerts = 64, maxVertexLitVerts = 999, maxSurfaceIndexes = 6000; ///< of draw surfaces
+    /// Of draw surfaces. Engines have SHADER_MAX_VERTEXES 1000 and SHADER_MAX_INDEXES 6000.
+    int maxSurfaceVerts = 64, maxVertexLitVerts = 999, maxSurfaceIndexes = 6000;
     std::uint32_t bevelSurfaceFlags = 0xC3043; ///< surface flags that bevel sides inherit
     std::string_view flareShader = "flareshader";
     int lightmapSize = 128;                     ///< side of a lightmap page in the file

@@ -9,11 +9,11 @@
 
 namespace q3 {
 
-// ---- The formats of the game's images, and their sizes from their headers ----
+// ---- The formats of the game's images ----
 
 namespace {
 
-constexpr int kMaxSide = 16384; ///< texels
+constexpr int kMaxSide = 16384; ///< texels; chosen
 
 int Byte(std::span<const std::byte> file, std::size_t at) {
     return std::to_integer<int>(file[at]);
@@ -27,22 +27,26 @@ int LittleEndian16(std::span<const std::byte> file, std::size_t at) {
     return Byte(file, at) | Byte(file, at + 1) << 8;
 }
 
-std::optional<std::array<int, 2>> Checked(int width, int height) {
+/// Nothing if a side is 0 or over kMaxSide.
+std::optional<std::array<int, 2>> SizeInRange(int width, int height) {
     if (std::min(width, height) < 1 || std::max(width, height) > kMaxSide)
         return std::nullopt;
     return std::array<int, 2>{width, height};
 }
 
+/// The header has the type of the image at byte 2, its width at 12 and its height at 14.
 std::optional<std::array<int, 2>> TgaSize(std::span<const std::byte> file) {
     constexpr std::size_t kHeader = 18;
     if (file.size() < kHeader)
         return std::nullopt;
+    // Palette, color, gray; then the same run-length encoded.
     constexpr std::array<int, 6> kTypes = {1, 2, 3, 9, 10, 11};
     if (std::find(kTypes.begin(), kTypes.end(), Byte(file, 2)) == kTypes.end())
         return std::nullopt;
-    return Checked(LittleEndian16(file, 12), LittleEndian16(file, 14));
+    return SizeInRange(LittleEndian16(file, 12), LittleEndian16(file, 14));
 }
 
+/// The chunk IHDR, which comes first, has the width at byte 16 of the file and the height at 20, 32 bits each.
 std::optional<std::array<int, 2>> PngSize(std::span<const std::byte> file) {
     constexpr std::size_t kHeader = 24;
     constexpr std::array<int, 8> kMark = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
@@ -53,10 +57,11 @@ std::optional<std::array<int, 2>> PngSize(std::span<const std::byte> file) {
             return std::nullopt;
     if (BigEndian16(file, 16) != 0 || BigEndian16(file, 20) != 0)
         return std::nullopt;
-    return Checked(BigEndian16(file, 18), BigEndian16(file, 22));
+    return SizeInRange(BigEndian16(file, 18), BigEndian16(file, 22));
 }
 
-/// Segments follow each other: FF, a code, a length. Those of frames hold the size.
+/// Segments follow each other: FF, a code, and a length of 16 bits, which counts itself. Start-of-frame segments, C0 to
+/// CF but for C4, C8 and CC, have the height at byte 5 and the width at byte 7; 01 and D0 to D8 stand without a length.
 std::optional<std::array<int, 2>> JpegSize(std::span<const std::byte> file) {
     if (file.size() < 4 || BigEndian16(file, 0) != 0xFFD8)
         return std::nullopt;
@@ -69,13 +74,14 @@ std::optional<std::array<int, 2>> JpegSize(std::span<const std::byte> file) {
         }
         const bool isFrame = code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
         if (isFrame)
-            return Checked(BigEndian16(file, at + 7), BigEndian16(file, at + 5));
+            return SizeInRange(BigEndian16(file, at + 7), BigEndian16(file, at + 5));
         const bool isBare = code == 0x01 || (code >= 0xD0 && code <= 0xD8);
         at += isBare ? 2 : 2 + std::size_t(std::max(2, BigEndian16(file, at + 2)));
     }
     return std::nullopt;
 }
 
+/// The header has the height at byte 12 and the width at 16, 32 bits each.
 std::optional<std::array<int, 2>> DdsSize(std::span<const std::byte> file) {
     constexpr std::size_t kHeader = 128;
     constexpr std::string_view kMark = "DDS ";
@@ -83,7 +89,7 @@ std::optional<std::array<int, 2>> DdsSize(std::span<const std::byte> file) {
         return std::nullopt;
     if (LittleEndian16(file, 14) != 0 || LittleEndian16(file, 18) != 0)
         return std::nullopt;
-    return Checked(LittleEndian16(file, 16), LittleEndian16(file, 12));
+    return SizeInRange(LittleEndian16(file, 16), LittleEndian16(file, 12));
 }
 
 constexpr std::array<ImageFormat, 4> kFormats = {{{".tga", DecodeTga, TgaSize},
@@ -97,7 +103,7 @@ std::span<const ImageFormat> ImageFormats() {
     return kFormats;
 }
 
-// ---- Color spaces ----
+// ---- Color spaces: sRGB as in IEC 61966-2-1 ----
 
 float LinearFromSrgb(float c) {
     return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);

@@ -25,6 +25,7 @@ std::span<const ImageFormat> ImageFormats();
 
 /// Decodes an sRGB channel value in 0..1 to linear.
 float LinearFromSrgb(float c);
+/// The inverse.
 float SrgbFromLinear(float c);
 /// c divided by its largest component; zero gives 1 1 1.
 Vec3f NormalizeColor(const Vec3f &c);

@@ -13,9 +13,11 @@ namespace q3 {
 
 namespace {
 
-/// Whether both words are equal, whatever their case. Most differ in length or in their first letter.
+/// Whether both words are equal, whatever their case. Most differ in length or in their first letter, which is cheap to
+/// test.
 bool IsWord(std::string_view word, std::string_view name) {
-    return word.size() == name.size() && (word[0] | 0x20) == (name[0] | 0x20) && EqualNoCase(word, name);
+    constexpr int kCaseBit = 0x20; // of ASCII letters
+    return word.size() == name.size() && (word[0] | kCaseBit) == (name[0] | kCaseBit) && EqualNoCase(word, name);
 }
 
 bool HasName(const SettingInfo &info, std::string_view word) {

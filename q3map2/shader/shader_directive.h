@@ -79,7 +79,9 @@ struct StageWordEntry {
     SettingInfo info;
     StageWord use = StageWord::Other;
 };
+/// All of them.
 std::span<const StageWordEntry> StageWords();
+/// What a word inside a stage means, whatever its case.
 StageWord FindStageWord(std::string_view word);
 
 /// Warns of lines of a complete shader that have no effect where they stand.

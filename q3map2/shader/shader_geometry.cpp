@@ -15,9 +15,10 @@ namespace {
 using Words = DirectiveWords;
 using Context = DirectiveContext;
 
-constexpr std::size_t kMaxColorSteps = 64, kMaxScattered = 64; ///< of a shader
-constexpr int kMaxTextureSide = 65536, kMaxFurLayers = 256;
-constexpr float kTerrainShadeAngle = 179; // degrees; q3map_terrain smooths everything
+// Limits of a shader; chosen.
+constexpr std::size_t kMaxColorSteps = 64, kMaxScattered = 64; ///< scattered: models or foliage
+constexpr int kMaxTextureSide = 65536, kMaxFurLayers = 256;    ///< side: texels
+constexpr float kTerrainShadeAngle = 179;                      // degrees; q3map_terrain smooths everything
 
 Vec3f Vector(Words words) {
     return {Number(words[0]), Number(words[1]), Number(words[2])};
@@ -47,12 +48,12 @@ std::string FogDir(Context &c, Words words) {
 }
 
 std::string TexGen(Context &c, Words words) {
-    const bool inverse = EqualNoCase(words[0], "ivector");
-    if (!inverse && !EqualNoCase(words[0], "vector"))
+    const bool isInverse = EqualNoCase(words[0], "ivector");
+    if (!isInverse && !EqualNoCase(words[0], "vector"))
         return fmt::format("method {} is not one of vector and ivector", words[0]);
     c.shader.info.geometry.hasTexGen = true;
     c.shader.info.geometry.texGen = {Vector(words.subspan(1)), Vector(words.subspan(4))};
-    if (inverse)
+    if (isInverse)
         for (Vec3f &v : c.shader.info.geometry.texGen)
             for (std::size_t axis = 0; axis < 3; ++axis)
                 v[axis] = v[axis] != 0 ? 1 / v[axis] : 0;
@@ -66,7 +67,7 @@ std::string TexMod(Context &c, Words words) {
     if (method == "rotate") {
         const double angle = double(a) * std::numbers::pi / 180;
         const float cosine = float(std::cos(angle)), sine = float(std::sin(angle));
-        for (auto &row : m)
+        for (auto &row : m) // times the rotation ( cos -sin ; sin cos ) of s and t
             row = {row[0] * cosine + row[1] * sine, row[1] * cosine - row[0] * sine, row[2]};
         return {};
     }
@@ -185,7 +186,7 @@ std::string Foliage(Context &c, Words words) {
     return {};
 }
 
-using G = GeometryDirectives;
+using Geometry = GeometryDirectives;
 
 constexpr std::array kShape = std::to_array<ShaderDirective>({
     {{.name = "q3map_tessSize",
@@ -197,7 +198,7 @@ constexpr std::array kShape = std::to_array<ShaderDirective>({
       .help = "Cuts brush faces by a grid of this size, so that light at vertices and moving textures get finer",
       .details = "Below 1 it is off. Skies are never cut, and `-nosubdivide` turns it off."},
      "bsp",
-     GeometryNumber<&G::tessSize>},
+     GeometryNumber<&Geometry::tessSize>},
     {{.name = "q3map_offset",
       .values = "F",
       .kind = SettingKind::Number,
@@ -205,45 +206,45 @@ constexpr std::array kShape = std::to_array<ShaderDirective>({
       .initial = "0",
       .help = "Moves every vertex along its normal"},
      "bsp",
-     GeometryNumber<&G::offset>},
+     GeometryNumber<&Geometry::offset>},
     {{.name = "q3map_forceMeta",
       .help = "Merges and smooths surfaces as -meta does, without -meta, and those of models"},
      "bsp",
-     GeometryFlag<&G::forceMeta>},
+     GeometryFlag<&Geometry::forceMeta>},
     {{.name = "q3map_nonPlanar",
       .help = "Lets faces of several planes become one surface under -meta, which bends over edges"},
      "bsp",
-     GeometryFlag<&G::nonPlanar>},
+     GeometryFlag<&Geometry::nonPlanar>},
     {{.name = "q3map_noTjunc", .help = "Leaves edges as they are where the corner of another surface touches them"},
      "bsp",
-     GeometryFlag<&G::noTJunctions>},
+     GeometryFlag<&Geometry::noTJunctions>},
     {{.name = "q3map_noClip",
       .help = "Draws brush faces in one piece, hidden parts too, as the triangles of terrain need it"},
      "bsp",
-     GeometryFlag<&G::noClip>},
+     GeometryFlag<&Geometry::noClip>},
     {{.name = "polygonOffset", .help = "Keeps a face that coincides with another, and the one behind it"},
      "bsp",
-     GeometryFlag<&G::polygonOffset>},
+     GeometryFlag<&Geometry::polygonOffset>},
     {{.name = "q3map_invert", .help = "Turns surfaces round: normals and facing are reversed"},
      "bsp",
-     GeometryFlag<&G::invert>},
+     GeometryFlag<&Geometry::invert>},
     {{.name = "q3map_clipModel",
       .help = "Gives models with this material clip brushes, so that players do not walk through them",
       .details = "`-clipdepth` and the key `_clipdepth` set how thick they are."},
      "bsp",
-     GeometryFlag<&G::clipModel>},
+     GeometryFlag<&Geometry::clipModel>},
     {{.name = "q3map_indexed",
       .help = "Replaces the shader of terrain by those of the entity's index map",
       .details = "The keys `_indexmap`, `_layers`, `_shader` and `_offsets` of the entity say how."},
      "bsp",
-     GeometryFlag<&G::indexed>},
+     GeometryFlag<&Geometry::indexed>},
 });
 
 constexpr std::array kTexture = std::to_array<ShaderDirective>({
     {{.name = "q3map_globalTexture",
       .help = "Keeps texture coordinates that are far from 0, so that a moving texture fits across surfaces"},
      "bsp",
-     GeometryFlag<&G::globalTexture>},
+     GeometryFlag<&Geometry::globalTexture>},
     {{.name = "q3map_tcGen",
       .values = "vector|ivector SX SY SZ TX TY TZ",
       .kind = SettingKind::Text,
@@ -292,7 +293,7 @@ constexpr std::array kTexture = std::to_array<ShaderDirective>({
 constexpr std::array kExtra = std::to_array<ShaderDirective>({
     {{.name = "fogParms", .help = "Makes brushes with this shader fog volumes; the engine reads its color and depth"},
      "bsp",
-     GeometryFlag<&G::hasFogParms>},
+     GeometryFlag<&Geometry::hasFogParms>},
     {{.name = "q3map_fogDir",
       .values = "X Y Z",
       .kind = SettingKind::Number,
@@ -300,7 +301,7 @@ constexpr std::array kExtra = std::to_array<ShaderDirective>({
       .help = "The visible side of a fog volume is the one whose normal is most opposed to this direction"},
      "bsp",
      FogDir},
-    {{.name = "q3map_noFog", .help = "Keeps fog off these surfaces"}, "bsp", GeometryFlag<&G::noFog>},
+    {{.name = "q3map_noFog", .help = "Keeps fog off these surfaces"}, "bsp", GeometryFlag<&Geometry::noFog>},
     {{.name = "q3map_flareShader",
       .aliases = {"q3map_flare"},
       .values = "SHADER",
@@ -308,7 +309,7 @@ constexpr std::array kExtra = std::to_array<ShaderDirective>({
       .initial = "none",
       .help = "Puts a flare with that shader on each surface, 2 units above its middle, under -flares"},
      "bsp",
-     SetShaderName<&G::flareShader>},
+     SetShaderName<&Geometry::flareShader>},
     {{.name = "light",
       .values = "[N]",
       .kind = SettingKind::Text,
@@ -321,14 +322,14 @@ constexpr std::array kExtra = std::to_array<ShaderDirective>({
       .initial = "none",
       .help = "Adds a second, identical surface with another shader"},
      "bsp",
-     SetShaderName<&G::cloneShader>},
+     SetShaderName<&Geometry::cloneShader>},
     {{.name = "q3map_backShader",
       .values = "SHADER",
       .kind = SettingKind::Text,
       .initial = "none",
       .help = "Adds a second surface with another shader that faces the other way"},
      "bsp",
-     SetShaderName<&G::backShader>},
+     SetShaderName<&Geometry::backShader>},
     {{.name = "q3map_fur",
       .values = "LAYERS OFFSET FADE",
       .kind = SettingKind::Number,

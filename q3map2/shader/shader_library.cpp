@@ -18,8 +18,10 @@ namespace q3 {
 
 namespace {
 
-constexpr int kDefaultImageSize = 64; ///< texels a side
-constexpr std::string_view kDefaultImage = "*default", kMissingName = "missing", kNoShader = "noshader";
+constexpr int kDefaultImageSize = 64;                  ///< texels a side
+constexpr std::string_view kDefaultImage = "*default"; ///< name of the white image
+constexpr std::string_view kMissingName = "missing";   ///< of the shader in place of one without a name
+constexpr std::string_view kNoShader = "noshader";     ///< of brush sides without a shader: it has no image
 constexpr std::uint32_t kSeeThrough = C_ALPHASHADOW | C_LIGHTFILTER;
 
 /// Whether direct light needs the image: the shader emits or transmits light.
@@ -63,6 +65,7 @@ struct ShaderLibrary::State {
     std::vector<std::string> unlistedScripts{};                             ///< that shaderlist.txt leaves out
     std::optional<std::unordered_map<std::string, std::string>> unlisted{}; ///< their shaders, lower case: the script
 
+    /// A scanner of the bytes of that file, which finds what `$include` names.
     TextScanner Open(std::string_view file, const std::vector<std::byte> &bytes) const;
     std::vector<std::string> ScriptNames(const std::string &folder) const;
     void ReadScripts();
@@ -211,7 +214,7 @@ void ShaderLibrary::State::AddJpegAlpha(const std::string &name, Image &image) c
     const Image alpha = DecodeJpeg(*alphaBytes, alphaName);
     if (alpha.width == image.width && alpha.height == image.height)
         for (std::size_t i = 0; i < image.rgba.size(); i += 4)
-            image.rgba[i + 3] = alpha.rgba[i + 2];
+            image.rgba[i + 3] = alpha.rgba[i + 2]; // its blue
 }
 
 /// The first format in which the image exists, and its bytes.
@@ -346,7 +349,7 @@ void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
         geometry.textureWidth = size[0];
         geometry.textureHeight = size[1];
     }
-    if (geometry.terrain && !geometry.hasTexGen) {
+    if (geometry.terrain && !geometry.hasTexGen) { // two repeats for each size of the image in game units
         geometry.hasTexGen = true;
         geometry.texGen = {Vec3f{2.0f / float(geometry.textureWidth), 0, 0},
                            Vec3f{0, 2.0f / float(geometry.textureHeight), 0}};

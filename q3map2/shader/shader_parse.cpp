@@ -10,7 +10,7 @@
 
 namespace q3 {
 
-// ---- Reading a shader script and keeping its text, tidied ----
+// ---- The text of shaders, tidied ----
 
 bool ShaderTextScanner::NextArgument(std::string_view &token) {
     if (!scanner_.NextOnLine(token))
@@ -77,7 +77,7 @@ void ShaderTextScanner::Write(std::string_view token) {
         return;
     }
     const bool quoted = token.empty() || std::any_of(token.begin(), token.end(),
-                                                     [](char c) { return static_cast<unsigned char>(c) <= 32; });
+                                                     [](char c) { return static_cast<unsigned char>(c) <= ' '; });
     if (at_.line == scanner_.Line())
         text_ += ' ';
     else
@@ -99,12 +99,12 @@ std::string TidyBody(std::string_view body) {
     return text.TakeText();
 }
 
-// ---- From script text to shaders, before any image is read ----
+// ---- Shaders of a script ----
 
 namespace {
 
-constexpr std::size_t kMaxName = 63;                 ///< bytes
-constexpr std::string_view kHiddenSuffix = ":q3map"; // hides a definition from the engine
+constexpr std::size_t kMaxName = 63;                 ///< bytes of a name in a .bsp, without the NUL
+constexpr std::string_view kHiddenSuffix = ":q3map"; ///< hides a definition from the engine
 
 class ScriptParser {
   public:
@@ -146,7 +146,7 @@ class ScriptParser {
     void FindStageImage(std::string_view name, std::string &image);
     void ParseDirective(std::string_view word);
     void RunDirective(const ShaderDirective &directive, std::string_view word);
-    bool NoImageYet() const {
+    bool HasNoImageYet() const {
         return shader_->editorImage.empty() && shader_->lightImage.empty() && shader_->implicitImage.empty();
     }
 
@@ -288,7 +288,7 @@ ScriptParser::NextShader ScriptParser::ParseStage() {
             break;
         FindStageImage(word, image);
     }
-    if (NoImageYet() && !isNormalMap) // the image of `stage normalMap` has no color
+    if (HasNoImageYet() && !isNormalMap) // the image of `stage normalMap` has no color
         shader_->lightImage = image;
     return next;
 }

@@ -53,11 +53,13 @@ class ShaderTextScanner {
     TextScanner &scanner_;
     bool recording_ = false;
     std::string text_;
+    /// A state of the recording.
     struct Place {
-        std::size_t size = 0;
-        int depth = 0, line = 0; ///< line: of the script, of the last token; 0 after a line break
+        std::size_t size = 0; ///< bytes of text_
+        int depth = 0;        ///< braces that are open
+        int line = 0;         ///< of the last token in the script; 0: the recording is at the start of a line
     };
-    Place at_, beforeLast_;
+    Place at_, beforeLast_; ///< now, and before the last token
 };
 
 /// The text of a shader, tidied. `body`: what follows its opening brace, without includes.

@@ -33,21 +33,25 @@ struct ColorStep {
 /// q3map_surfaceModel: models scattered over a surface.
 struct SurfaceModelDirective {
     std::string model;
-    float density = 0, odds = 0, minScale = 1, maxScale = 1, minAngle = 0, maxAngle = 0;
-    bool oriented = false;
+    float density = 0; ///< longest edge of the pieces that get a model each, game units
+    float odds = 0;    ///< probability of a model, times alpha
+    float minScale = 1, maxScale = 1;
+    float minAngle = 0, maxAngle = 0; ///< degrees
+    bool oriented = false;            ///< stands on the normal; else upright
 };
 
 /// q3map_foliage.
 struct FoliageDirective {
     std::string model;
-    float scale = 1, density = 0, odds = 0;
-    int invertAlpha = 0; ///< 1: where alpha is low; 2: whatever alpha is
+    float scale = 1, density = 0, odds = 0; ///< density and odds as in SurfaceModelDirective
+    int invertAlpha = 0;                    ///< 1: where alpha is low; 2: whatever alpha is
 };
 
 /// q3map_fur; off if `layers` is 0.
 struct FurDirective {
     int layers = 0;
-    float offset = 0, fade = 0;
+    float offset = 0; ///< between layers, game units
+    float fade = 0;   ///< loss of alpha by layer, 0 to 1
 };
 
 /// Names of shaders are full names. Defaults hold where a directive is absent.
@@ -201,6 +205,7 @@ class ShaderTable {
     bool AddCustomParm(std::string name, std::uint32_t contentFlags, std::uint32_t surfaceFlags);
     /// Flags that the command line gives to all shaders.
     void ApplyGlobalFlags(ShaderInfo &info) const;
+    /// Calls visit for each shader, in no particular order.
     void ForEach(const std::function<void(ParsedShader &)> &visit);
 
   private:

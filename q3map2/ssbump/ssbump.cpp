@@ -15,8 +15,6 @@
 
 namespace q3 {
 
-// ---- Bump maps as image files, and the options of -ssbump ----
-
 // ---- Options of the stage -ssbump ----
 
 std::vector<SettingGroup<SsbumpOptions>> SsbumpSettings() {
@@ -72,7 +70,7 @@ void CheckExtension(const std::filesystem::path &path) {
 std::vector<std::uint8_t> AlphaOf(const DeepImage &image) {
     std::vector<std::uint8_t> alpha;
     for (std::size_t i = 3; i < image.rgba.size(); i += 4)
-        alpha.push_back(std::uint8_t((image.rgba[i] + 128) / 257));
+        alpha.push_back(std::uint8_t((image.rgba[i] + 128) / 257)); // 65535 = 255 * 257, rounded
     return std::ranges::all_of(alpha, [](std::uint8_t a) { return a == 255; }) ? std::vector<std::uint8_t>() : alpha;
 }
 
@@ -138,8 +136,6 @@ void WriteSsbump(const std::filesystem::path &heightMap, const std::filesystem::
     if (!options.normals.empty())
         WriteTexels(options.normals, NormalBytes(field), alpha, field, log);
 }
-
-// ---- Self-shadowed bump maps: responses of a height field to the basis of radiosity normal mapping ----
 
 // ---- Height fields: bilinear surfaces over the texels of an image ----
 
@@ -208,7 +204,8 @@ HeightField HeightsOf(const DeepImage &image, double scale, bool tiles) {
 }
 
 void SmoothSteps(HeightField &field, int passes, double step, const JobPool &jobs) {
-    constexpr float kRelaxation = 0.45f; // converges below 2 / 4: eigenvalues of Curvature applied twice reach 4
+    // Steps of gradient descent converge below 2 over the largest eigenvalue: Curvature has 2, applied twice 4.
+    constexpr float kRelaxation = 0.45f;
     const std::vector<float> original = field.heights;
     HeightField curvature = field;
     const auto half = float(step / 2);
@@ -226,8 +223,8 @@ void SmoothSteps(HeightField &field, int passes, double step, const JobPool &job
 namespace {
 
 constexpr int kLanes = 32;        // texels of a row in one SIMD block
-constexpr int kRun = 12;          // crossings that are tested or skipped together
-constexpr int kTile = 16;         // texels a side of the cells of HeightBounds; at least the extent of a run
+constexpr int kRunLength = 12;    // crossings that are tested or skipped together
+constexpr int kCellSide = 16;     // texels a side of the cells of HeightBounds; at least the extent of a run
 constexpr float kMinRise = 1e-4f; // a horizon blocks if its slope exceeds that of the tangent plane by this
 /// A slope raises the horizon only if it exceeds it by this factor. Rounding alone then cannot raise the horizon of a
 /// texel whose own ray would have ended, so its result does not depend on the other texels of its block.
@@ -247,14 +244,16 @@ struct Crossing {
     std::array<int, 2> x{}, y{};
 };
 
-/// Up to kRun crossings in a row. The offsets of both centers are in a box of kTile x kTile from a corner on.
+/// Up to kRunLength crossings in a row. The offsets of both centers are in a box of kCellSide x kCellSide from a corner
+/// on.
 struct Run {
     std::size_t begin = 0, end = 0;
     int x = 0, y = 0; ///< the corner, wrapped as crossings are
 };
 
+/// A direction in the plane of the texture, and what a ray along it meets.
 struct Azimuth {
-    float s = 0, t = 0; ///< unit vector
+    float s = 0, t = 0; ///< unit vector: to the right, down
     std::vector<Crossing> crossings{};
     std::vector<Run> runs{};
 };
@@ -290,30 +289,30 @@ class PaddedRows {
 class HeightBounds {
   public:
     explicit HeightBounds(const HeightField &field)
-        : columns_((field.width + kTile - 1) / kTile), rows_((field.height + kTile - 1) / kTile) {
-        // The range that From asks for may begin kTile - 1 texels after its cell.
-        constexpr int kWide = kLanes + 2 * kTile, kHigh = 2 * kTile;
+        : columns_((field.width + kCellSide - 1) / kCellSide), rows_((field.height + kCellSide - 1) / kCellSide) {
+        // The range that From asks for may begin kCellSide - 1 texels after its cell.
+        constexpr int kWide = kLanes + 2 * kCellSide, kHigh = 2 * kCellSide;
         const auto columns = std::size_t(columns_);
         std::vector<float> wide(columns * std::size_t(field.height), kNothing);
         bounds_.assign(columns * std::size_t(rows_), kNothing);
         for (int y = 0; y < field.height; ++y)
             for (int i = 0; i < columns_; ++i) {
                 float &most = wide[std::size_t(y) * columns + std::size_t(i)];
-                for (int x = i * kTile; x < i * kTile + kWide && (field.tiles || x < field.width); ++x)
+                for (int x = i * kCellSide; x < i * kCellSide + kWide && (field.tiles || x < field.width); ++x)
                     most = std::max(most, field.At(x % field.width, y));
             }
         for (int i = 0; i < rows_; ++i)
-            for (int y = i * kTile; y < i * kTile + kHigh && (field.tiles || y < field.height); ++y)
+            for (int y = i * kCellSide; y < i * kCellSide + kHigh && (field.tiles || y < field.height); ++y)
                 for (std::size_t k = 0; k < columns; ++k) {
                     float &most = bounds_[std::size_t(i) * columns + k];
                     most = std::max(most, wide[std::size_t(y % field.height) * columns + k]);
                 }
     }
-    /// Upper bound of the heights of (kLanes + kTile) x kTile texels, to the right of (x, y) and down. In a field that
-    /// tiles, (x, y) lies in it.
+    /// Upper bound of the heights of (kLanes + kCellSide) x kCellSide texels, to the right of (x, y) and down. In a
+    /// field that tiles, (x, y) lies in it.
     float From(int x, int y) const {
-        const auto column = std::size_t(std::clamp(x / kTile, 0, columns_ - 1)),
-                   row = std::size_t(std::clamp(y / kTile, 0, rows_ - 1));
+        const auto column = std::size_t(std::clamp(x / kCellSide, 0, columns_ - 1)),
+                   row = std::size_t(std::clamp(y / kCellSide, 0, rows_ - 1));
         return bounds_[row * std::size_t(columns_) + column];
     }
 
@@ -359,8 +358,8 @@ Azimuth AzimuthOf(double angle, float reach, const HeightField &field) {
     auto &crossings = azimuth.crossings = CrossingsOf(azimuth.s, azimuth.t, reach);
     if (!field.tiles)
         std::erase_if(crossings, [&](const Crossing &c) { return IsOutside(c, field); });
-    for (std::size_t i = 0; i < crossings.size(); i += kRun) {
-        Run run{i, std::min(i + kRun, crossings.size()), crossings[i].x[0], crossings[i].y[0]};
+    for (std::size_t i = 0; i < crossings.size(); i += kRunLength) {
+        Run run{i, std::min(i + kRunLength, crossings.size()), crossings[i].x[0], crossings[i].y[0]};
         for (std::size_t k = run.begin; k < run.end; ++k) {
             run.x = std::min({run.x, crossings[k].x[0], crossings[k].x[1]});
             run.y = std::min({run.y, crossings[k].y[0], crossings[k].y[1]});
@@ -402,8 +401,8 @@ struct Block {
     alignas(64) Lanes height, gradientS, gradientT;
     alignas(64) std::array<Lanes, 2> besideS, besideT; ///< heights of the texels before and after along s and t
     alignas(64) Lanes tangent, horizon;                ///< slopes along the current azimuth
-    alignas(64) std::array<Lanes, 3> visible,
-        whole; ///< integrals of each lobe: above the horizon, above the tangent plane
+    alignas(64) std::array<Lanes, 3> visible;          ///< integral of each lobe above the horizon
+    alignas(64) std::array<Lanes, 3> whole;            ///< integral of each lobe above the tangent plane
 };
 
 /// The row of heights that begins (x, y) texels from the block's first; null above and below the field.
@@ -416,6 +415,7 @@ inline const float *HeightsAt(const Horizons &in, const Block &block, int x, int
     return in.rows.Row(row) + block.x + x;
 }
 
+/// Upper bound of the heights that the lanes of a block meet in a run.
 inline float BoundOf(const Horizons &in, const Block &block, const Run &run) {
     int x = block.x + run.x, y = block.y + run.y;
     if (in.field.tiles)
@@ -462,8 +462,9 @@ Q3_VECTOR void FindHorizon(const Horizons &in, const Azimuth &azimuth, Block &bl
     }
 }
 
-/// The integral over elevations from a slope up to the zenith, in the half-plane of one azimuth with directions
-/// w = (cos e, sin e), of (b.w) (n.w) cos e. Both vectors: component along the azimuth, component up.
+/// The integral of (b.w) (n.w) cos e over elevations e from a slope up to the zenith, in the half-plane of one azimuth
+/// with directions w = (cos e, sin e). Both vectors: component along the azimuth, component up. By the antiderivatives
+/// sin e - sin^3 e / 3 of cos^3 e, -cos^3 e / 3 of cos^2 e sin e, and sin^3 e / 3 of cos e sin^2 e.
 inline float IntegralAbove(float slope, float bAlong, float bUp, float nAlong, float nUp) {
     const float cosine = 1 / std::sqrt(1 + slope * slope), sine = slope * cosine;
     const float sine3 = sine * sine * sine / 3, cosine3 = cosine * cosine * cosine / 3;
@@ -474,6 +475,7 @@ inline float IntegralAbove(float slope, float bAlong, float bUp, float nAlong, f
 /// Adds to `sum` the integral of a lobe above the slope of each lane.
 inline void AddAbove(const Lanes &slopes, std::size_t lobe, const Azimuth &azimuth, const Block &block, Lanes &sum) {
     const Vec3f &b = kRnmBasis[lobe];
+    // lobeEdge: the slope below which b.w is negative.
     const float along = b.x * azimuth.s + b.y * azimuth.t, lobeEdge = along < 0 ? -along / b.z : 0;
     Q3_INDEPENDENT
     for (int k = 0; k < kLanes; ++k) {

@@ -21,7 +21,7 @@
 
 namespace q3 {
 
-/// The coordinate from 0 on of a texel of a tiling image.
+/// The coordinate modulo the size: 0 to size - 1, for negative ones too.
 inline int Wrapped(int coordinate, int size) {
     return (coordinate % size + size) % size;
 }
@@ -64,9 +64,7 @@ void SmoothSteps(HeightField &field, int passes, double step, const JobPool &job
 std::vector<Vec3f> SelfShadowedBump(const HeightField &field, int rays, const JobPool &jobs,
                                     const std::function<void(std::int64_t)> &done = {});
 
-// ---- Bump maps as image files, and the options of -ssbump ----
-
-// ---- Options of the stage -ssbump ----
+// ---- Options of the stage -ssbump, and bump maps as image files ----
 
 struct SsbumpOptions {
     double bumpScale = 8; ///< height of white over black, texels; negative: white is deep

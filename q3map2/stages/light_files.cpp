@@ -39,18 +39,23 @@ void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &
                       Log &log) {
     if (inputs.surfaceFile.empty())
         return;
-    constexpr std::string_view kWord = "sampleSize "; // first in the default block
+    constexpr std::string_view kWord = "sampleSize "; // the first one is that of the block "default"
+    constexpr std::size_t kNumberChars = 16;          // more than a number has
     const std::size_t at = inputs.surfaceFile.find(kWord);
-    const int used = at == std::string::npos ? 0 : IntegerFromText(inputs.surfaceFile.substr(at + kWord.size(), 16));
+    const std::string usual =
+        at == std::string::npos
+            ? std::string()
+            : fmt::format(" ({} unless a shader or key says otherwise)",
+                          IntegerFromText(inputs.surfaceFile.substr(at + kWord.size(), kNumberChars)));
     for (const std::string_view option : {"-samplesize", "-minsamplesize"}) {
         const std::string value = LastValueOf(option, given);
         if (value.empty())
             continue;
         arguments.DropChange(option);
         log.Warn("luxel size without effect",
-                 "{} {} has no effect: {}.srf, which the bsp stage wrote, sets the luxel sizes ({} unless a shader or "
-                 "key says otherwise); give {} {} to the bsp stage, or use -samplescale here",
-                 option, value, inputs.name, used, option, value);
+                 "{} {} has no effect: {}.srf, which the bsp stage wrote, sets the luxel sizes{}; give {} {} "
+                 "to the bsp stage, or use -samplescale here",
+                 option, value, inputs.name, usual, option, value);
     }
 }
 
@@ -148,13 +153,13 @@ struct BakeSettings {
     const GridFormats &formats;
 };
 
-/// A lump that is lost by a bake that does not make it again.
+/// A lump that is lost by a bake that makes it stale (BspxRow::relight) and does not make it again.
 struct LostLump {
     BspxId id;
     std::string_view kind;   ///< of the warning
     std::string_view what;   ///< for messages
     std::string_view option; ///< makes it again
-    bool (*isMade)(const BakeSettings &run);
+    bool (*isMadeAgain)(const BakeSettings &run);
 };
 
 constexpr LostLump kLostLumps[] = {
@@ -219,8 +224,8 @@ void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const Light
     };
     for (const LostLump &lost : kLostLumps) {
         const BspxRow &row = RowOf(lost.id);
-        const bool stays = lightmap.onlyGrid && row.relight == BspxRelight::SurfaceBake;
-        if (row.has(bsp) && !stays && !lost.isMade({options, lightmap, formats}))
+        if (row.has(bsp) && MakesStale(row.relight, lightmap.onlyGrid) &&
+            !lost.isMadeAgain({options, lightmap, formats}))
             warn(lost.kind, lost.what, BytesOfLump(bsp, lost.id), IsInBspx(bsp, row) ? lost.option : "-sh");
     }
     for (const BspxLump &lump : bsp.bspx) {

@@ -41,7 +41,7 @@ int JsonStage(const StageContext &context, Arguments arguments) {
         log.Section("Unpack to JSON");
         FileGuard guard(context);
         guard.Needs(bspPath);
-        guard.WritesInto(folder, SizeOfFile(bspPath) * 2);
+        guard.WritesInto(folder, SizeOfFile(bspPath) * 2); // assumed: JSON text has twice the bytes
         UnpackJson(ReadBspFile(bspPath, format, log), game, folder, log);
         return 0;
     }
@@ -59,8 +59,9 @@ int JsonStage(const StageContext &context, Arguments arguments) {
 int InfoStage(const StageContext &context, Arguments arguments) {
     const std::vector<std::string> files = TakeFiles(context, arguments);
     if (files.empty()) {
+        constexpr int kNoFilesStatus = 255; // as the manual page says
         context.log.Print("No files to dump info for.\n");
-        return 255;
+        return kNoFilesStatus;
     }
     for (const std::string &file : files) {
         const auto path = ExistingBsp(file);

@@ -50,11 +50,12 @@ int SsbumpStage(const StageContext &context, Arguments arguments) {
     if (files.size() != 2)
         throw Error("usage: q3map2 {}", context.stage.usage);
     PrintChangedOptions(arguments, log);
+    const std::filesystem::path from = std::filesystem::absolute(files[0]), to = std::filesystem::absolute(files[1]);
     FileGuard guard(context);
-    guard.Needs(std::filesystem::absolute(files[0]));
-    guard.Writes(std::filesystem::absolute(files[1]), SizeOfFile(files[0]) / 4);
+    guard.Needs(from);
+    guard.Writes(to, SizeOfFile(from) / 4); // a guess, as both files may be compressed
     const JobPool jobs(context.options.threads);
-    WriteSsbump(std::filesystem::absolute(files[0]), std::filesystem::absolute(files[1]), options, jobs, log);
+    WriteSsbump(from, to, options, jobs, log);
     return 0;
 }
 

@@ -24,11 +24,12 @@ namespace q3 {
 
 namespace {
 
-struct PagesFiles {
-    std::filesystem::path bsp, folder;
+/// The files of -export and -import.
+struct LightmapFiles {
+    std::filesystem::path bsp, folder; ///< the map, and the folder of its lightmap images
 };
 
-PagesFiles FindPages(const StageContext &context, Arguments &arguments) {
+LightmapFiles TakeLightmapFiles(const StageContext &context, Arguments &arguments) {
     const auto bsp = ExistingBsp(TakeFile(context, arguments, {}).file);
     return {bsp, WithExtension(bsp, "")};
 }
@@ -56,9 +57,10 @@ std::uint64_t EstimateGridSH(const Bsp &bsp, const LightOptions &options) {
     if (!options.sh || bsp.models.empty())
         return 0;
     try {
-        const Vec3f given = Vec3f(GridCellOf(StoredEntities(bsp.entities, "the map").front())) *
-                            float(1 / std::max(options.gridScaleSH, 1e-3f));
-        const Vec3f cell = options.gridSizeSH.value_or(given);
+        constexpr float kLeastScale = 1e-3f; // chosen: keeps the cell of a tiny -gridscalesh finite
+        const Vec3f scaled = Vec3f(GridCellOf(StoredEntities(bsp.entities, "the map").front())) *
+                             float(1 / std::max(options.gridScaleSH, kLeastScale));
+        const Vec3f cell = options.gridSizeSH.value_or(scaled);
         const bspModel_t &world = bsp.models.front();
         return std::uint64_t(LayoutGrid(world.mins, world.maxs, cell.Array()).Count()) * sizeof(bspGridPointSH_t);
     } catch (const Error &) { // the light stage says what is wrong
@@ -159,10 +161,10 @@ int LightStage(const StageContext &context, Arguments arguments) {
 
 int ExportStage(const StageContext &context, Arguments arguments) {
     const ExportOptions options = ParseExportOptions(arguments, context.log);
-    const PagesFiles files = FindPages(context, arguments);
+    const LightmapFiles files = TakeLightmapFiles(context, arguments);
     FileGuard guard(context);
     guard.Needs(files.bsp);
-    guard.WritesInto(files.folder, SizeOfFile(files.bsp) / 4);
+    guard.WritesInto(files.folder, SizeOfFile(files.bsp) / 4); // assumed: lightmaps are a quarter of a lit map
     const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
     ExportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
     return 0;
@@ -170,7 +172,7 @@ int ExportStage(const StageContext &context, Arguments arguments) {
 
 int ImportStage(const StageContext &context, Arguments arguments) {
     const ExportOptions options = ParseExportOptions(arguments, context.log);
-    const PagesFiles files = FindPages(context, arguments);
+    const LightmapFiles files = TakeLightmapFiles(context, arguments);
     FileGuard guard(context);
     guard.Needs(files.bsp);
     guard.Writes(files.bsp, SizeOfFile(files.bsp));

@@ -68,7 +68,7 @@ FileGuard GuardPackage(const std::vector<fs::path> &outputs, const std::vector<f
     }
     for (const fs::path &output : outputs) {
         guard.Writes(output, bytes);
-        bytes = 0;
+        bytes = 0; // only one of the outputs is large
     }
     return guard;
 }
@@ -270,7 +270,7 @@ int SHReportStage(const StageContext &context, Arguments arguments) {
     guard.Needs(bspPath);
     if (run)
         DeclareInputs(bspPath, run->options, guard);
-    guard.Writes(path, SizeOfFile(bspPath) / 4);
+    guard.Writes(path, SizeOfFile(bspPath) / 4); // assumed: the map is packed
     if (options.textureSize > 0 || run)
         RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);

@@ -34,7 +34,7 @@ std::vector<SettingSection> LightSections() {
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
     sections.push_back(VradSection());
-    // Options without effect come last.
+    // The section "Accepted without effect" comes last.
     std::stable_partition(sections.begin(), sections.end(),
                           [](const SettingSection &s) { return !s.title.starts_with("Accepted"); });
     return sections;

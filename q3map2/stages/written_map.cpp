@@ -78,7 +78,8 @@ namespace {
 /// Bytes that the game itself takes while a map is loaded: its modules, player models, bots. ioquake3 with OpenArena
 /// takes 5 to 7 MB with modules as libraries, and more with .qvm files.
 constexpr std::uint64_t kGameBytes = 12000000;
-constexpr std::uint64_t kMebibyte = 1 << 20, kHunkStep = 64; ///< kHunkStep: MiB; proposed values are multiples
+constexpr std::uint64_t kMebibyte = 1 << 20;
+constexpr std::uint64_t kHunkStep = 64; ///< MiB; proposed values of com_hunkMegs are multiples
 
 /// How to make the largest part of the file smaller.
 std::string AdviceFor(const Bsp &bsp, std::uint64_t fileBytes) {

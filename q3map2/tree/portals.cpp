@@ -2,6 +2,7 @@
 #include "q3map2/tree/portals.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/prtfile.h"
 
 #include <fmt/format.h>
 
@@ -305,8 +306,8 @@ void PortalFileWriter::AddPortal(const TreePortal &portal) {
     const Vec3d normal = Normalize(Cross(Vec3d(w[2]) - Vec3d(w[0]), Vec3d(w[1]) - Vec3d(w[0])));
     if (Dot(portal.plane.normal, normal) < kSameFacing)
         std::swap(front, back);
-    constexpr int kHintFlag = 1, kSkyFlag = 2; // of the .prt file
-    const int flags = (portal.compileFlags & C_HINT ? kHintFlag : 0) | (portal.compileFlags & C_SKY ? kSkyFlag : 0);
+    const int flags =
+        (portal.compileFlags & C_HINT ? kPrtHintFlag : 0) | (portal.compileFlags & C_SKY ? kPrtSkyFlag : 0);
     fmt::format_to(std::back_inserter(portals_), "{} {} {} {} ", w.size(), front, back, flags);
     AppendPoints(portals_, w);
     portalCount_++;

@@ -67,8 +67,8 @@ PortalGraph BuildPortalGraph(const PortalFile &file, std::string_view name) {
         forward.winding.assign(points.begin(), points.end());
         forward.plane = plane.Flipped();
         forward.leaf = winding.clusters[1];
-        forward.hint = winding.hint;
-        forward.sky = winding.sky;
+        forward.hint = winding.isHint;
+        forward.sky = winding.isSky;
         forward.UpdateBoundingSphere();
         GraphPortal backward = forward;
         std::reverse(backward.winding.begin(), backward.winding.end());

@@ -34,8 +34,8 @@ TEST(PortalFile, PortalsAndFacesAreRead) {
     ASSERT_EQ(file.portals.size(), 1u);
     ASSERT_EQ(file.faces.size(), 1u);
     EXPECT_THAT(file.portals[0].clusters, testing::ElementsAre(0, 1));
-    EXPECT_TRUE(file.portals[0].hint);
-    EXPECT_TRUE(file.portals[0].sky);
+    EXPECT_TRUE(file.portals[0].isHint);
+    EXPECT_TRUE(file.portals[0].isSky);
     EXPECT_EQ(file.portals[0].line, 5);
     EXPECT_THAT(file.Points(file.portals[0]), testing::ElementsAre(Vec3f(128, 0, 0), Vec3f(128, 64.5f, 0),
                                                                    Vec3f(128, 64, 100), Vec3f(128, -0.25f, 128)));

@@ -119,6 +119,7 @@ TEST_F(ProgramTest, HelpFitsATerminal) {
     EXPECT_EQ(light.find("Does nothing"), std::string::npos) << "-help vrad has those";
     EXPECT_EQ(light.find("\n  _light"), std::string::npos) << "nor the key of that name";
     EXPECT_THAT(light, HasSubstr("-help vrad"));
+    EXPECT_THAT(light, HasSubstr("light is also a key of entities (q3map2 -help keys)"));
 }
 
 /// What bash offers after these words, the last of which is being typed.

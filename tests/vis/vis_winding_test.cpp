@@ -112,7 +112,7 @@ TEST(VisMapOrder, PortalsWithLeastInFrontComeFirst) {
     const RoomGrid grid(8);
     const PortalGraph graph = BuildPortalGraph(ParsePortalFile(grid.Prt(), "grid.prt"), "grid.prt");
     const VisMap map(graph, false);
-    Log log([](LogLevel, std::string_view) {});
+    Log log(Log::Nowhere());
     const MightSeeTable sight = FloodMightSee(map, {}, JobPool(1), log);
     const std::vector<int> sorted = OrderPortals(map, sight, true), asInFile = OrderPortals(map, sight, false);
     ASSERT_EQ(sorted.size(), map.NumPortals());
@@ -147,7 +147,7 @@ TEST(Passages, NarrowSightBetweenFloodAndFlow) {
     const RoomGrid grid(9);
     const PortalGraph graph = BuildPortalGraph(ParsePortalFile(grid.Prt(), "grid.prt"), "grid.prt");
     const VisMap map(graph, true);
-    Log log([](LogLevel, std::string_view) {});
+    Log log(Log::Nowhere());
     const auto narrowed = [&](int threads) {
         MightSeeTable sight = FloodMightSee(map, {}, JobPool(threads), log);
         const Passages passages(map, sight, JobPool(threads), log);

@@ -16,7 +16,7 @@
 
 namespace q3 {
 
-// ---- A compiled map as a folder of JSON files ----
+// ---- Unpacking ----
 
 namespace {
 
@@ -124,7 +124,7 @@ void UnpackJson(const Bsp &bsp, const Game &game, const fs::path &folder, Log &l
     Unpacker(bsp, game, folder, log).Run();
 }
 
-// ---- A compiled map from a folder of JSON files ----
+// ---- Packing ----
 
 namespace {
 

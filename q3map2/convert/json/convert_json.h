@@ -42,7 +42,7 @@ inline constexpr std::string_view kJsonBspx = "bspx.json"; ///< its entries name
 /// Writes every lump as a JSON file into `folder` (made if missing). Streams: memory use does not grow with the lumps.
 void UnpackJson(const Bsp &bsp, const Game &game, const std::filesystem::path &folder, Log &log);
 
-// ---- A JSON folder to a compiled map ----
+// ---- Packing ----
 
 struct PackJsonOptions {
     bool useFlagNames = false;     ///< bits come from the names in the game's table

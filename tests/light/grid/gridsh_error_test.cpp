@@ -19,7 +19,7 @@ class GridSHErrorTest : public LightTest {
     /// Measures the grid of a map that is lit already.
     GridSHError Measure(const Bsp &bsp, std::string_view options = "-sh", int threads = 1,
                         const IndirectLight *indirect = nullptr) {
-        Log log([](LogLevel, std::string_view) {});
+        Log log(Log::Nowhere());
         std::istringstream text{std::string(options)};
         Arguments arguments({std::istream_iterator<std::string>(text), {}});
         const Game &game = *FindGame("quake3");

@@ -107,7 +107,7 @@ TEST_F(GridSHDeringTest, ReportsTheLargestChange) {
 }
 
 TEST_F(GridSHDeringTest, NeedsAGrid) {
-    Log log([](LogLevel, std::string_view) {}, false);
+    Log log(Log::Nowhere());
     for (const char *option : {"-shdering", "-sherror", "-shfit", "-shpreview x.png"}) {
         std::istringstream text{std::string(option)};
         Arguments arguments({std::istream_iterator<std::string>(text), {}});

@@ -109,7 +109,7 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     settings.worst = 3;
     settings.plan = true;
     settings.bakes = {{"default", ""}, {"coarse", "-gridsh 128 128 128"}};
-    Log silent([](LogLevel, std::string_view) {});
+    Log silent(Log::Nowhere());
     const BenchResult result = RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent);
     const BenchReport &report = result.report;
     ASSERT_EQ(report.lines.size(), 5u);
@@ -156,7 +156,7 @@ TEST_F(RunTest, MeasuresSparseGridsByTheirOwnPointsAndBytes) {
     settings.truth.positions = 200;
     settings.raw = settings.baselines = false;
     settings.bakes = {{"default", ""}, {"rough", "-sherrortarget 4"}, {"fine", "-sherrortarget 1"}};
-    Log silent([](LogLevel, std::string_view) {});
+    Log silent(Log::Nowhere());
     const BenchReport report = RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent).report;
     const BenchLine *uniform = report.Line("default"), *rough = report.Line("rough"), *fine = report.Line("fine");
     ASSERT_TRUE(uniform && rough && fine);
@@ -231,7 +231,7 @@ TEST_F(RunTest, WorstPositionsOfAnUnknownSettingAreRefused) {
     settings.raw = false;
     settings.worst = 1;
     settings.worstOf = "fastt";
-    Log silent([](LogLevel, std::string_view) {});
+    Log silent(Log::Nowhere());
     const auto map = Map(Room()); // makes the library
     EXPECT_THROW(RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent), std::exception);
 }

@@ -46,7 +46,7 @@ class ErrorListTest : public BenchTest {
         settings_.bakes = {{"rough", "-gridsh 256 256 256"}, {"sparse", " -sherrortarget  2"}};
     }
     BenchResult Run() {
-        Log silent([](LogLevel, std::string_view) {});
+        Log silent(Log::Nowhere());
         return RunBench(*map_, Library(), settings_, *FindGame("quake3"), JobPool(2), silent);
     }
     /// RMS of a column of the rows, and the rows' agreement with the reference's positions.

@@ -101,7 +101,7 @@ int Run(const std::vector<std::string> &words) {
         fmt::print("{}", kUsage);
         return 1;
     }
-    Log log([](LogLevel, std::string_view) {});
+    Log log(Log::Nowhere());
     const Bsp a = ReadBspFile(arguments.Rest()[0], {}, log), b = ReadBspFile(arguments.Rest()[1], {}, log);
     const Result result = Compare(a, b, moves);
     Print(result, std::size_t(worst));

@@ -27,7 +27,7 @@ GridLayout LayoutOf(const BenchMap &map, const Baked &baked, BakedFormat format)
         const bspGridSHHeader_t &header = baked.bsp.gridSH->header;
         return {header.gridMins, header.gridSize, header.gridBounds};
     }
-    Log silent([](LogLevel, std::string_view) {});
+    Log silent(Log::Nowhere());
     Entity world = map.stored.front();
     return SetupGrid(map.bsp, world, silent);
 }
@@ -176,7 +176,7 @@ BenchFiles::BenchFiles(const GlobalOptions &global, const std::vector<std::strin
                                       options, *library_, log)) {}
 
 bspGridSHHeader_t DefaultLayout(const BenchMap &map) {
-    Log silent([](LogLevel, std::string_view) {});
+    Log silent(Log::Nowhere());
     Entity world = map.stored.front();
     const GridLayout legacy = SetupGrid(map.bsp, world, silent);
     const GridLayout layout = SetupGridSH(map.bsp, legacy.size, map.options, silent);

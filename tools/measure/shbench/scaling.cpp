@@ -120,7 +120,7 @@ std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &ga
             const bool lamps = kind == HallLights::Lamps;
             const TemporaryFolder folder;
             WriteScript(folder.Path(), hall.shaderText);
-            Log silent([](LogLevel, std::string_view) {});
+            Log silent(Log::Nowhere());
             VirtualFileSystem vfs(silent);
             vfs.Mount(folder.Path(), game.archiveExtension);
             ShaderLibrary library(vfs, game, options.shader, silent);
