@@ -18,6 +18,9 @@ namespace q3 {
 /// Longest side of a lightmap page, in texels; more than any engine supports.
 inline constexpr int kMaxPageSide = 8192;
 
+/// Largest -samplessearchboxsize, luxels.
+inline constexpr int kMaxSearchBox = 4;
+
 /// LightmapOptions::bounces of -bounce inf.
 inline constexpr int kEndlessBounces = std::numeric_limits<int>::max();
 
@@ -39,7 +42,7 @@ struct LightmapOptions {
 
     // Samples.
     int super = 1;                          ///< -super, 1 to 8
-    int samples = 1;                        ///< -samples: levels of adaptive subsampling plus one
+    int samples = 1;                        ///< -samples: depth of adaptive sampling; 1: one sample a luxel
     bool samplesExact = false;              ///< -samples +N
     bool randomSamples = false;             ///< -randomsamples
     int samplesSearchBox = 1;               ///< -samplessearchboxsize, 1 to 4

@@ -252,7 +252,7 @@ void VertexLighter::ChooseStyles() {
         choice.Add(*light, energy);
     }
     choice.Choose();
-    result_.dropped = choice.Names();
+    result_.dropped = choice.DroppedLightNames();
     std::erase_if(lights_, [&](const Light *light) { return choice.Drops(light->style); });
 }
 
