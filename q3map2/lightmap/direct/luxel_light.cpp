@@ -155,7 +155,8 @@ void DrawDebugView(DebugView view, RawLightmap &lightmap) {
 
 namespace {
 
-/// Of area lights that give every luxel of a block less than this, only a random choice is traced, with more weight.
+/// Of area lights that give every luxel of a block less than this, only some are traced, with more weight
+/// (SelectFaintLight).
 /// Byte scale.
 constexpr float kFaint = 1.0f / 16;
 

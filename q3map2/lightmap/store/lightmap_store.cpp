@@ -80,7 +80,7 @@ class Storer {
 
     StoredLightmaps Run() {
         stored_ = MakeLayers(in_, surfaces_);
-        CountUsed();
+        CountUsedLuxels();
         ApplyStandIns();
         if (in_.lightmap.collapse && !surfaces_.styled && !in_.lightmap.deluxe)
             JoinTwins(stored_.layers);
@@ -104,9 +104,10 @@ class Storer {
     }
 
   private:
-    void CountUsed() {
+    void CountUsedLuxels() {
         for (const LightmapLayer &layer : stored_.layers)
-            used_ += std::count_if(layer.texels.begin(), layer.texels.end(), [](const Vec3f &t) { return t.x >= 0; });
+            usedLuxels_ +=
+                std::count_if(layer.texels.begin(), layer.texels.end(), [](const Vec3f &t) { return t.x >= 0; });
     }
 
     void ApplyStandIns() {
@@ -115,7 +116,7 @@ class Storer {
             const VertexStandIn kind = standIns[std::size_t(layer.lightmap)];
             const bool tooLarge = layer.width > layer.pageSize[0] || layer.height > layer.pageSize[1];
             layer.byVertex = kind != VertexStandIn::No || tooLarge;
-            if (layer.style == 0) {
+            if (layer.slot == 0) {
                 forced_ += kind == VertexStandIn::Forced;
                 approximated_ += kind == VertexStandIn::Close;
             }
@@ -124,15 +125,15 @@ class Storer {
 
     void MakePages(const std::vector<std::array<int, 2>> &sizes) {
         int number = 0;
-        const int numbers = in_.lightmap.deluxe ? 2 : 1;
+        const int numbersPerPage = in_.lightmap.deluxe ? 2 : 1; // the second is that of the directions
         for (std::size_t i = 0; i < sizes.size(); ++i) {
             LightmapPage page;
             page.width = sizes[i][0], page.height = sizes[i][1];
-            page.file = int(i) * numbers;
+            page.file = int(i) * numbersPerPage;
             page.needsImage = in_.lightmap.external;
             if (page.needsImage || sizes[i] == in_.lightmap.gamePageSize) {
                 page.number = number;
-                number += numbers;
+                number += numbersPerPage;
             } else
                 page.needsImage = true;
             const std::size_t texels = page.Texels();
@@ -185,7 +186,7 @@ class Storer {
                   const ToneMapper &bytes) {
         LightmapPage &page = result_.pages[std::size_t(layer.page)];
         const std::size_t at = page.Index(layer.x + x, layer.y + y);
-        const Vec3f least = layer.style == 0 ? in_.world.minLight : Vec3f{};
+        const Vec3f least = layer.slot == 0 ? in_.world.minLight : Vec3f{};
         if (!page.colors.empty())
             Put(page.colors, at, bytes.Bytes(Max(color, least)));
         if (!page.directions.empty())
@@ -194,9 +195,10 @@ class Storer {
             written_[std::size_t(layer.page)][at] = 1;
     }
 
-    const LightmapLayer *LayerOf(std::size_t surface, std::size_t style) const {
+    /// The packed layer of a surface; null: none, or it is lit at its vertices.
+    const LightmapLayer *LayerOf(std::size_t surface, std::size_t slot) const {
         const int lightmap = surfaces_.lightmapOf[surface];
-        const int layer = lightmap < 0 ? -1 : stored_.layerOf[std::size_t(lightmap)][style];
+        const int layer = lightmap < 0 ? -1 : stored_.layerOf[std::size_t(lightmap)][slot];
         return layer < 0 || stored_.layers[std::size_t(layer)].page < 0 ? nullptr : &stored_.layers[std::size_t(layer)];
     }
 
@@ -246,8 +248,8 @@ class Storer {
                              "{}: no q3map_styleMarker in its script, engines show no light of other styles than 0; it "
                              "belongs after the stage of $lightmap",
                              shader.name);
-            for (std::size_t style = 1; style < kStyles && !text.empty(); ++style)
-                if (const LightmapLayer *other = LayerOf(i, style); other && other->page != layer.page)
+            for (std::size_t slot = 1; slot < kStyles && !text.empty(); ++slot)
+                if (const LightmapLayer *other = LayerOf(i, slot); other && other->page != layer.page)
                     result_.pages[std::size_t(other->page)].needsImage = true;
         }
         if (page.number < 0)
@@ -257,7 +259,7 @@ class Storer {
         if (page.HasBasis() && (page.number < 0 || in_.lightmap.external))
             text = WithBasisMaps(std::move(text), mapName_, page.file, in_.lightmap.rnmRescaled);
         const std::string name = ShaderNameFor(text, mapName_);
-        if (made_.insert(name).second)
+        if (madeShaders_.insert(name).second)
             result_.scripts.push_back({name, text});
         const bspShader_t old = bsp_.shaders[std::size_t(surface.shaderNum)];
         surface.shaderNum = ShaderNumber(bsp_, name, old.surfaceFlags, old.contentFlags);
@@ -266,14 +268,14 @@ class Storer {
     std::vector<StyleStage> StagesOf(std::size_t i, const LightmapLayer &first) const {
         std::vector<StyleStage> stages;
         const auto vertex = std::size_t(bsp_.drawSurfaces[i].firstVert);
-        for (std::size_t style = 1; style < kStyles; ++style) {
-            const LightmapLayer *layer = LayerOf(i, style);
+        for (std::size_t slot = 1; slot < kStyles; ++slot) {
+            const LightmapLayer *layer = LayerOf(i, slot);
             if (!layer)
                 continue;
             const LightmapPage &page = result_.pages[std::size_t(layer->page)];
             const auto from = Coordinates(first, vertex), to = Coordinates(*layer, vertex);
             const bool samePage = layer->page == first.page && page.number >= 0;
-            stages.push_back({surfaces_.lightmaps[std::size_t(first.lightmap)].styles[style],
+            stages.push_back({surfaces_.lightmaps[std::size_t(first.lightmap)].styles[slot],
                               samePage ? -1 : page.file,
                               {to[0] - from[0], to[1] - from[1]}});
         }
@@ -348,9 +350,9 @@ class Storer {
         for (const LightmapPage &page : result_.pages)
             numbered += page.number < 0 ? 0 : page.directions.empty() ? 1 : 2;
         Log &log = in_.log;
-        log.Count(used_, "luxels used");
+        log.Count(usedLuxels_, "luxels used");
         log.Print("{:9} {} stored ({:.2f} percent efficiency)\n", stored, stored == 1 ? "luxel" : "luxels",
-                  stored > 0 ? 100 * double(used_) / double(stored) : 0);
+                  stored > 0 ? 100 * double(usedLuxels_) / double(stored) : 0);
         log.Count(solid, "solid surface lightmaps");
         log.Print("{:9} identical surface {}, using {}\n", twins, twins == 1 ? "lightmap" : "lightmaps",
                   Counted(twinLuxels, "luxels"));
@@ -372,8 +374,9 @@ class Storer {
     std::vector<std::vector<std::uint8_t>> written_; ///< by page, texel; only with -fill
     std::set<std::pair<int, int>> combinations_;     ///< of page and shader
     std::set<std::string, std::less<>> unmarked_;    ///< shaders that styles do not show on
-    std::set<std::string> made_;
-    long long used_ = 0, forced_ = 0, approximated_ = 0;
+    std::set<std::string> madeShaders_;              ///< names of generated shaders
+    long long usedLuxels_ = 0;
+    long long forced_ = 0, approximated_ = 0; ///< lightmaps by VertexStandIn
 };
 
 } // namespace
