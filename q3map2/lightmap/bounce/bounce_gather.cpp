@@ -29,7 +29,7 @@ constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
 } // namespace
 
 std::uint64_t VertexSeed(const Vec3f &vertex) {
-    constexpr float kCell = 1.0f / 8; // game units; more than rounding moves vertices apart
+    constexpr float kCell = 1.0f / 8; // game units: more than rounding moves vertices apart
     std::uint64_t seed = 0;
     for (const float x : {vertex.x, vertex.y, vertex.z})
         seed = HashIndex(seed + std::uint64_t(std::int64_t(std::clamp(std::round(x / kCell), -1e9f, 1e9f))));

@@ -29,9 +29,11 @@ void Put(std::vector<std::uint8_t> &pixels, std::size_t at, const ByteColor &col
     std::copy(color.begin(), color.end(), pixels.begin() + std::ptrdiff_t(3 * at));
 }
 
+/// What -fill knows of a texel.
+enum class TexelFill : std::uint8_t { Unused, Used, InNextRing };
+
 /// -fill: unused texels take the mean of their 4 neighbors, in rings growing from used ones; pages wrap around.
-/// written: by texel; 1: used, 2: in the next ring.
-void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
+void FillPage(LightmapPage &page, std::vector<TexelFill> texels) {
     const int w = page.width, h = page.height;
     const auto neighbors = [&](std::size_t at) {
         const int x = int(at) % w, y = int(at) / w;
@@ -40,14 +42,14 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
                           index(x, (y + h - 1) % h)};
     };
     std::vector<std::size_t> ring, next;
-    const auto reach = [&](std::size_t from) {
+    const auto addNeighbors = [&](std::size_t from) {
         for (const std::size_t at : neighbors(from))
-            if (written[at] == 0)
-                written[at] = 2, next.push_back(at);
+            if (texels[at] == TexelFill::Unused)
+                texels[at] = TexelFill::InNextRing, next.push_back(at);
     };
-    for (std::size_t at = 0; at < written.size(); ++at)
-        if (written[at] == 1)
-            reach(at);
+    for (std::size_t at = 0; at < texels.size(); ++at)
+        if (texels[at] == TexelFill::Used)
+            addNeighbors(at);
     std::vector<ByteColor> means;
     while (!next.empty()) {
         ring.swap(next), next.clear(), means.clear();
@@ -55,7 +57,7 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
             std::array<int, 3> sum{};
             int count = 0;
             for (const std::size_t other : neighbors(at))
-                if (written[other] == 1) {
+                if (texels[other] == TexelFill::Used) {
                     ++count;
                     for (std::size_t i = 0; i < 3; ++i)
                         sum[i] += page.colors[3 * other + i];
@@ -63,9 +65,9 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
             means.push_back({std::uint8_t(sum[0] / count), std::uint8_t(sum[1] / count), std::uint8_t(sum[2] / count)});
         }
         for (std::size_t i = 0; i < ring.size(); ++i)
-            Put(page.colors, ring[i], means[i]), written[ring[i]] = 1;
+            Put(page.colors, ring[i], means[i]), texels[ring[i]] = TexelFill::Used;
         for (const std::size_t at : ring)
-            reach(at);
+            addNeighbors(at);
     }
 }
 
@@ -147,7 +149,7 @@ class Storer {
         }
         if (in_.lightmap.fill && in_.lightmap.ldr)
             for (const LightmapPage &page : result_.pages)
-                written_.emplace_back(page.Texels());
+                fills_.emplace_back(page.Texels());
     }
 
     void MakeLightmassPages() {
@@ -178,8 +180,8 @@ class Storer {
                         PutTexel(layer, x, y, layer.texels[at],
                                  layer.directions.empty() ? Vec3f{} : layer.directions[at], bytes);
         });
-        in_.jobs.For(std::int64_t(written_.size()),
-                     [&](std::int64_t i, int) { FillPage(result_.pages[std::size_t(i)], written_[std::size_t(i)]); });
+        in_.jobs.For(std::int64_t(fills_.size()),
+                     [&](std::int64_t i, int) { FillPage(result_.pages[std::size_t(i)], fills_[std::size_t(i)]); });
     }
 
     void PutTexel(const LightmapLayer &layer, int x, int y, const Vec3f &color, const Vec3f &direction,
@@ -191,8 +193,8 @@ class Storer {
             Put(page.colors, at, bytes.Bytes(Max(color, least)));
         if (!page.directions.empty())
             Put(page.directions, at, DirectionBytes(direction));
-        if (!written_.empty())
-            written_[std::size_t(layer.page)][at] = 1;
+        if (!fills_.empty())
+            fills_[std::size_t(layer.page)][at] = TexelFill::Used;
     }
 
     /// The packed layer of a surface; null: none, or it is lit at its vertices.
@@ -371,10 +373,10 @@ class Storer {
     Entity world_;
     LightmapLayers stored_;
     StoredLightmaps result_;
-    std::vector<std::vector<std::uint8_t>> written_; ///< by page, texel; only with -fill
-    std::set<std::pair<int, int>> combinations_;     ///< of page and shader
-    std::set<std::string, std::less<>> unmarked_;    ///< shaders that styles do not show on
-    std::set<std::string> madeShaders_;              ///< names of generated shaders
+    std::vector<std::vector<TexelFill>> fills_;   ///< by page, texel; only with -fill
+    std::set<std::pair<int, int>> combinations_;  ///< of page and shader
+    std::set<std::string, std::less<>> unmarked_; ///< shaders that styles do not show on
+    std::set<std::string> madeShaders_;           ///< names of generated shaders
     long long usedLuxels_ = 0;
     long long forced_ = 0, approximated_ = 0; ///< lightmaps by VertexStandIn
 };
