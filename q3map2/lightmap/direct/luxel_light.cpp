@@ -156,8 +156,7 @@ void DrawDebugView(DebugView view, RawLightmap &lightmap) {
 namespace {
 
 /// Of area lights that give every luxel of a block less than this, only some are traced, with more weight
-/// (SelectFaintLight).
-/// Byte scale.
+/// (SelectFaintLight). Byte scale.
 constexpr float kFaint = 1.0f / 16;
 
 Q3_VECTOR void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
