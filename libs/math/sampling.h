@@ -24,6 +24,10 @@ constexpr std::uint64_t HashIndex(std::uint64_t x) {
 constexpr double UnitFromHash(std::uint64_t hash) {
     return double(hash >> 11) * 0x1p-53;
 }
+/// The same in single precision, from the upper 24 bits.
+constexpr float UnitFloatFromHash(std::uint64_t hash) {
+    return float(hash >> 40) * 0x1p-24f;
+}
 
 struct Sample2 {
     double u, v;

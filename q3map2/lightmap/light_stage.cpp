@@ -23,13 +23,33 @@
 
 namespace q3 {
 
+namespace {
+
+SurfaceInputs InputsOf(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log) {
+    return {setup.bsp, setup.space, setup.scene, setup.table, setup.options, lightmap, setup.world, jobs, log};
+}
+
+struct PreparedLights {
+    std::vector<Light> lights;
+    int culled = 0; ///< number of lights left out
+};
+
+/// `created` prepared for lightmaps and vertices.
+PreparedLights LightsForSurfaces(const std::vector<Light> &created, const LightSetup &setup,
+                                 const LightmapOptions &lightmap) {
+    PreparedLights prepared;
+    prepared.lights = SetupEnvelopes(created, LightPass::Surfaces, setup.options, setup.space, setup.skySeenFrom,
+                                     prepared.culled, lightmap.fastPoint);
+    return prepared;
+}
+
+} // namespace
+
 // ---- The passes of the light stage over the surfaces of a map ----
 
 SurfacePasses::SurfacePasses(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log,
                              const SurfacePassesOptions &options)
-    : setup_(setup), in_{setup.bsp, setup.space, setup.scene, setup.table, setup.options,
-                         lightmap,  setup.world, jobs,        log},
-      options_(options), surfaces_(Prepare()) {}
+    : setup_(setup), in_(InputsOf(setup, lightmap, jobs, log)), options_(options), surfaces_(Prepare()) {}
 
 SurfaceLight SurfacePasses::Prepare() {
     in_.log.Section("SetupSurfaceLightmaps");
@@ -94,18 +114,13 @@ void SurfacePasses::FindMasks() {
     FindOcclusion(in_, surfaces_);
     if (in_.lightmap.shadowMaps.empty())
         return;
-    int culled = 0;
-    const std::vector<Light> lights = SetupEnvelopes(setup_.lights, LightPass::Surfaces, in_.options, in_.space,
-                                                     setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
-    FindVisibility(in_, lights, surfaces_, counts_);
+    FindVisibility(in_, LightsForSurfaces(setup_.lights, setup_, in_.lightmap).lights, surfaces_, counts_);
 }
 
 void SurfacePasses::Pass(const std::vector<Light> &created, const SurfacePass &pass, const Bounces *bounces) {
     const CpuTimer timer;
     const std::uint64_t raysBefore = counts_.rays;
-    int culled = 0;
-    const std::vector<Light> lights = SetupEnvelopes(created, LightPass::Surfaces, in_.options, in_.space,
-                                                     setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
+    const auto [lights, culled] = LightsForSurfaces(created, setup_, in_.lightmap);
     if (!bounces) {
         in_.log.Count(lights.size(), "lights");
         in_.log.Count(culled, "lights culled");
@@ -122,17 +137,18 @@ void SurfacePasses::Pass(const std::vector<Light> &created, const SurfacePass &p
     in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
 }
 
-// ---- The light stage ----
+// ---- Surfaces, props, grids and storing, in this order ----
 
 namespace {
 
 /// Records the tone mapping of the lightmaps, which readers of the SH grid apply too. -onlygrid keeps the lightmaps and
 /// so their record. If they have none, another program may have lit them: `tone`, the settings of this run, is
 /// recorded.
-void RecordTone(const std::string &tone, bool onlyGrid, bool lightsGrid, Entity &world, Log &log) {
+void RecordTone(const std::string &tone, const LightmapOptions &lightmap, const LightOptions &options, Entity &world,
+                Log &log) {
     const std::string recorded(world.Value(kToneKey));
-    if (onlyGrid && !recorded.empty()) {
-        if (lightsGrid && recorded != tone)
+    if (lightmap.onlyGrid && !recorded.empty()) {
+        if (!options.noGrid && recorded != tone)
             log.Warn("tone of the lightmaps", "-onlygrid keeps lightmaps of tone \"{}\", but lights the legacy grid {}",
                      recorded, tone.empty() ? "without one" : fmt::format("with \"{}\"", tone));
         return;
@@ -160,11 +176,8 @@ void RecordRnm(const LightmapOptions &options, const StoredLightmaps &stored, En
 void LightStaticProps(const LightSetup &setup, const LightmapOptions &lightmap, const Bounces *bounces,
                       const JobPool &jobs, Log &log, LightResult &result) {
     log.Section("LightStaticProps");
-    const SurfaceInputs in{setup.bsp, setup.space, setup.scene, setup.table, setup.options,
-                           lightmap,  setup.world, jobs,        log};
-    int culled = 0;
-    std::vector<Light> lights = SetupEnvelopes(setup.lights, LightPass::Surfaces, setup.options, setup.space,
-                                               setup.skySeenFrom, culled, lightmap.fastPoint);
+    const SurfaceInputs in = InputsOf(setup, lightmap, jobs, log);
+    std::vector<Light> lights = LightsForSurfaces(setup.lights, setup, lightmap).lights;
     PropBounce bounce;
     const std::unique_ptr<IndirectLight> indirect = bounces ? bounces->ForPoints() : nullptr;
     if (indirect) {
@@ -204,8 +217,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     if (setup.options.staticPropLighting)
         bsp.propLight = PackPropLight(setup.props, result.props);
     setup.stored.front().Erase(kGridSHKey);
-    RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap.onlyGrid, !options.noGrid,
-               setup.stored.front(), log);
+    RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap, options, setup.stored.front(), log);
     if (!options.noGrid)
         bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
     if (options.sh || options.shAdaptive) {

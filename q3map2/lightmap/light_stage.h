@@ -53,8 +53,7 @@ class SurfacePasses {
     ContributionCounts counts_;
 };
 
-// ---- The light stage: a compiled map in, a lit one out ----
-
+/// What the light stage computes besides the Bsp.
 struct LightResult {
     GridStats grid, gridSH;
     GridStats cubes;                    ///< ambient cubes; points: places sampled, open: leafs with samples

@@ -26,7 +26,7 @@ constexpr float kSolidDepth = 2;
 constexpr float kRayBackoff = 0.1f;
 /// Triangles are near if they are within the ray length plus this. Game units.
 constexpr float kReachSlack = 1;
-/// After a hit that does not count, a ray continues kStep game units behind it; at most kMaxPassedHits times.
+/// After a hit that does not count, a ray continues kStep game units behind it. It ends after kMaxPassedHits such hits.
 constexpr float kStep = 1.0f / 64;
 constexpr int kMaxPassedHits = 8;
 /// -dirtmode 1: rays of each receiver besides the normal.
@@ -36,7 +36,8 @@ constexpr std::size_t kMaxNearby = 512;
 /// Luxels are visited in tiles of kTile x kTile; a task is kTaskBlocks blocks of 16 luxels.
 constexpr int kTile = 4;
 constexpr std::size_t kTaskBlocks = 64;
-constexpr std::uint32_t kSeedStep = 0x9e3779b9u; // keeps the seeds of different lightmaps apart
+/// 2^32 / golden ratio, as in Knuth's multiplicative hashing: keeps the seeds of different lightmaps apart.
+constexpr std::uint32_t kSeedStep = 0x9e3779b9u;
 
 /// Tangent frame of each receiver; the normal is the third axis.
 struct ReceiverFrames {
@@ -46,11 +47,11 @@ struct ReceiverFrames {
 Q3_VECTOR void SetReceiverFrames(const Lanes3 &normal, ReceiverFrames &frames) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float nx = normal.x[i], ny = normal.y[i], nz = normal.z[i];
-        // normal x z, or +-x where that is zero
+        // right = normal x z / |normal x z|; where that is 0 / 0, +x, or -x for a normal that points down
         const bool vertical = (nx == 0) & (ny == 0);
         const float length = std::sqrt(nx * nx + ny * ny), divisor = vertical ? 1 : length;
         const float rx = vertical ? (nz < 0 ? -1.0f : 1.0f) : ny / divisor, ry = vertical ? 0 : -nx / divisor;
-        // right x normal, or y
+        // up = right x normal / |right x normal|; +y where the normal is vertical
         const float ux = ry * nz, uy = -rx * nz, uz = rx * ny - ry * nx;
         const float upLength = std::sqrt(ux * ux + uy * uy + uz * uz), upDivisor = upLength > 0 ? upLength : 1;
         frames.right.x[i] = rx, frames.right.y[i] = ry, frames.right.z[i] = 0;
@@ -86,7 +87,7 @@ std::uint32_t Hash(std::uint32_t x) {
 /// Direction number `ray`: azimuths are equally spaced, elevations a golden ratio sequence; both are shifted by hashes
 /// of the receiver's seed.
 Vec3f RandomDirection(std::uint32_t seed, std::size_t ray) {
-    constexpr double kUnit = 1.0 / 4294967296.0, kGolden = 0.6180339887498949; // golden ratio
+    constexpr double kUnit = 0x1p-32, kGolden = 0.6180339887498949; // golden ratio - 1
     double azimuth = (double(ray) + 0.5) / double(kRandomRays) + Hash(seed) * kUnit;
     double elevation = double(ray) * kGolden + Hash(seed ^ kSeedStep) * kUnit;
     azimuth = (azimuth - std::floor(azimuth)) * 2 * std::numbers::pi;
@@ -96,16 +97,17 @@ Vec3f RandomDirection(std::uint32_t seed, std::size_t ray) {
 }
 
 /// Fraction of a ray, from the receiver on, that lies behind a hit: 1 - (distance - b) / (length - b), b = kRayBackoff.
+/// The divisor is at least kStep, so that it is not 0.
 float OccludedFraction(float distance, float length) {
     return 1 - std::max(0.0f, distance - kRayBackoff) / std::max(kStep, length - kRayBackoff);
 }
 
-/// Adds the occlusion of hits beyond `sure` and removes their rays from `live`. close: rays with nearer hits, about
+/// Adds the occlusion of hits beyond `certain` and removes their rays from `live`. close: rays with nearer hits, about
 /// which the caller decides.
-Q3_VECTOR void CullDistant(const LightScene::Blockers &blockers, float sure, const Lanes &length, LaneMask &live,
+Q3_VECTOR void CullDistant(const LightScene::Blockers &blockers, float certain, const Lanes &length, LaneMask &live,
                            Lanes &occlusion, LaneMask &close) {
     for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const std::int32_t hit = blockers.hit[i], far = hit & (SignBits(sure - blockers.distance[i]) >> 31);
+        const std::int32_t hit = blockers.hit[i], far = hit & (SignBits(certain - blockers.distance[i]) >> 31);
         occlusion[i] += far != 0 ? OccludedFraction(blockers.distance[i], length[i]) : 0;
         live[i] &= ~far;
         close[i] = hit & ~far;
@@ -150,31 +152,32 @@ struct AmbientOcclusion::BlockerTracer {
     LightScene::BlockerKind kind;
     NearTriangles *nearby;
     const Boundsf *bounds; ///< of the rays; null without `nearby`
-    float nearest;
-    float sure; ///< every hit beyond this distance counts
+    float tnear;           ///< hits nearer than this do not count
+    float certain;         ///< every hit beyond this distance counts
 
-    /// Removes blocked rays from `live` and adds their OccludedFraction. counts(ray, distance, surface): whether a hit
-    /// nearer than `sure` counts. Distances are from ray origins.
-    template <typename Counts> void Run(LaneMask &live, Lanes &occlusion, RayCounts &work, const Counts &counts) const {
-        Lanes from;
-        from.fill(nearest);
+    /// Removes blocked rays from `live` and adds their OccludedFraction. hitCounts(ray, distance, surface): whether a
+    /// hit nearer than `certain` counts. Distances are from ray origins.
+    template <typename HitCounts>
+    void Run(LaneMask &live, Lanes &occlusion, RayCounts &counts, const HitCounts &hitCounts) const {
+        Lanes from; // where each ray continues
+        from.fill(tnear);
         LaneMask going = live;
         LightScene::Blockers blockers;
-        Outcome outcome = nearby ? nearby->Trace(rays, going, *bounds, nearest, blockers) : Outcome::Undecided;
+        Outcome outcome = nearby ? nearby->Trace(rays, going, *bounds, tnear, blockers) : Outcome::Undecided;
         for (int hit = 0; hit < kMaxPassedHits; ++hit) {
             if (outcome == Outcome::Undecided)
-                TraceInScene(going, from, blockers, work);
+                TraceInScene(going, from, blockers, counts);
             else
-                work.rays += std::uint64_t(going.Count());
+                counts.rays += std::uint64_t(going.Count());
             if (outcome == Outcome::Missed)
                 return;
             LaneMask close;
-            CullDistant(blockers, sure, rays.distance, live, occlusion, close);
+            CullDistant(blockers, certain, rays.distance, live, occlusion, close);
             going = {};
             for (unsigned lanes = close.Bits(); lanes != 0; lanes &= lanes - 1) {
                 const auto i = std::size_t(std::countr_zero(lanes));
                 const float distance = blockers.distance[i];
-                if (counts(i, distance, blockers.surface[i])) {
+                if (hitCounts(i, distance, blockers.surface[i])) {
                     occlusion[i] += OccludedFraction(distance, rays.distance[i]);
                     live[i] = 0;
                 } else {
@@ -191,10 +194,11 @@ struct AmbientOcclusion::BlockerTracer {
 
   private:
     using Outcome = NearTriangles::Outcome;
-    void TraceInScene(const LaneMask &going, const Lanes &from, LightScene::Blockers &blockers, RayCounts &work) const {
+    void TraceInScene(const LaneMask &going, const Lanes &from, LightScene::Blockers &blockers,
+                      RayCounts &counts) const {
         RayPacket some = rays;
         some.live = going;
-        scene.TraceBlockers(some, kind, receivers.receiveShadows, from, blockers, work);
+        scene.TraceBlockers(some, kind, receivers.receiveShadows, from, blockers, counts);
     }
 };
 
@@ -217,7 +221,7 @@ void AmbientOcclusion::AccumulateOcclusion(const OcclusionReceivers &receivers, 
                                  LightScene::BlockerKind::Surfaces,
                                  nearby ? &nearby->surfaces : nullptr,
                                  bounds,
-                                 rules.nearest + kRayBackoff,
+                                 rules.minDistance + kRayBackoff,
                                  rules.ownSurface + kRayBackoff};
     surfaces.Run(live, occlusion, counts,
                  [&](std::size_t, float, int surface) { return !IsOwnSurface(receivers, surface); });
@@ -243,13 +247,13 @@ const AmbientOcclusion::Nearby &AmbientOcclusion::AllBlockers() const {
 
 void AmbientOcclusion::Dirt(std::span<const OcclusionReceivers> blocks, std::vector<Lanes> &dirt,
                             RayCounts &counts) const {
-    const auto fits = [](const OcclusionReceivers &receivers) {
+    const auto mayUseNearby = [](const OcclusionReceivers &receivers) {
         return receivers.receiveShadows == 1 && !receivers.vertices;
     };
     dirt.resize(blocks.size());
     Boundsf box;
     for (const OcclusionReceivers &receivers : blocks)
-        if (fits(receivers))
+        if (mayUseNearby(receivers))
             box.Add(BoundsOf(receivers));
     const float reach = depth_ + kReachSlack;
     Nearby around, nearby;
@@ -258,13 +262,13 @@ void AmbientOcclusion::Dirt(std::span<const OcclusionReceivers> blocks, std::vec
         around.surfaces.Select(AllBlockers().surfaces, box, reach);
     }
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-        bool few = false;
-        if (fits(blocks[i])) {
+        bool fewNearby = false;
+        if (mayUseNearby(blocks[i])) {
             SelectNear(blocks[i], reach, around.solids, nearby.solids);
             SelectNear(blocks[i], reach, around.surfaces, nearby.surfaces);
-            few = nearby.solids.Count() + nearby.surfaces.Count() <= kMaxNearby;
+            fewNearby = nearby.solids.Count() + nearby.surfaces.Count() <= kMaxNearby;
         }
-        Dirt(blocks[i], few ? &nearby : nullptr, dirt[i], counts);
+        Dirt(blocks[i], fewNearby ? &nearby : nullptr, dirt[i], counts);
     }
 }
 
@@ -335,8 +339,8 @@ void AmbientOcclusion::SkyVisibility(const OcclusionReceivers &receivers, float 
 void AmbientOcclusion::OpenSky(const OcclusionReceivers &receivers, Lanes3 &sky, RayCounts &counts) const {
     ReceiverFrames frames;
     SetReceiverFrames(receivers.normal, frames);
-    std::array<Vec3f, kPacketSize> directions{};
-    Lanes open{};
+    std::array<Vec3f, kPacketSize> directions{}; // sums over rays that reach a sky
+    Lanes open{};                                // sum of their transmittances
     Lanes3 local{};
     for (const Vec3f &direction : floodDirections_) {
         local.Fill(direction);
@@ -349,8 +353,8 @@ void AmbientOcclusion::OpenSky(const OcclusionReceivers &receivers, Lanes3 &sky,
         for (std::size_t i = 0; i < receivers.count; ++i) {
             if (rays.live[i] == 0)
                 continue;
-            const float fraction = rays.tinted ? Luminance(rays.tint[i]) / Luminance({1, 1, 1}) : 1;
-            directions[i] += rays.direction[i] * fraction, open[i] += fraction;
+            const float transmittance = rays.tinted ? Luminance(rays.tint[i]) / Luminance({1, 1, 1}) : 1;
+            directions[i] += rays.direction[i] * transmittance, open[i] += transmittance;
         }
     }
     for (std::size_t i = 0; i < receivers.count; ++i)

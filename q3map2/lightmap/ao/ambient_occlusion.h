@@ -56,7 +56,7 @@ class AmbientOcclusion {
     /// Which hits close to a receiver count.
     struct NearHitRules {
         LightScene::BlockerKind solids; ///< which solids block
-        float nearest;                  ///< hits on surfaces nearer than this do not count
+        float minDistance;              ///< hits on surfaces nearer than this do not count
         float ownSurface;               ///< nor hits on the receivers' own surfaces nearer than this
     };
     struct BlockerTracer;

@@ -99,6 +99,7 @@ class FloodChannels {
     std::array<BasisNormals, kPacketSize> basis_;
 };
 
+/// Weight of floodlight in the directions of deluxe pages: of the shader if it asks for floodlight, else of the world.
 float DirectionScale(const SurfaceInputs &in, const RawLightmap &raw) {
     const bool byShader = ShaderFlood(in, raw).light != Vec3f{};
     const float scale = byShader ? in.table[std::size_t(raw.surfaces.front())].shader->lightmap.floodDirectionScale
@@ -135,7 +136,9 @@ void FloodLuxels(const SurfaceInputs &in, SurfaceLight &surfaces) {
                 FloodChannels channels(raw, source.light, luxels[b], blocks[b].count);
                 AmbientOcclusion::UseSkyRay useRay;
                 if (raw.channels.Any())
-                    useRay = [&](const Lanes3 &direction, const Lanes &open) { channels.Add(direction, open); };
+                    useRay = [&](const Lanes3 &direction, const Lanes &visibility) {
+                        channels.Add(direction, visibility);
+                    };
                 occlusion.SkyVisibility(blocks[b], source.distance, skyVisibility, counts[worker], useRay);
                 for (std::size_t i = 0; i < blocks[b].count; ++i)
                     raw.floodlight[luxels[b][i]] += source.light * skyVisibility[i];

@@ -15,25 +15,25 @@ constexpr std::size_t kMaxTested = 96;
 /// Margin added to the bounds of rays. Game units.
 constexpr float kSlack = 0.05f;
 /// Barycentric slack at edges, so that no ray slips through between two triangles.
-constexpr float kEdge = 1e-5f;
+constexpr float kEdgeSlack = 1e-5f;
 /// Rays with a smaller determinant are parallel to the triangle.
 constexpr float kLeastDeterminant = 1e-12f;
 
 /// Bounds along one axis of the origins and ends of live rays.
 Q3_VECTOR void AxisBounds(const Lanes &origin, const Lanes &direction, const Lanes &length, const LaneMask &live,
                           float &low, float &high) {
-    constexpr float kNone = 1e30f;
-    float least = kNone, most = -kNone;
+    constexpr float kInfinity = 1e30f; // beyond any coordinate
+    float least = kInfinity, most = -kInfinity;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         const float start = origin[i], end = start + direction[i] * length[i];
-        least = std::min(least, live[i] != 0 ? std::min(start, end) : kNone);
-        most = std::max(most, live[i] != 0 ? std::max(start, end) : -kNone);
+        least = std::min(least, live[i] != 0 ? std::min(start, end) : kInfinity);
+        most = std::max(most, live[i] != 0 ? std::max(start, end) : -kInfinity);
     }
     low = least, high = most;
 }
 
 /// Square of the distance between two boxes.
-float Gap2(const Boundsf &a, const Boundsf &b) {
+float SquaredGap(const Boundsf &a, const Boundsf &b) {
     const Vec3f gap = Max(Max(a.mins - b.maxs, b.mins - a.maxs), {});
     return Dot(gap, gap);
 }
@@ -54,47 +54,52 @@ Q3_VECTOR void FindNear(const NearTriangles::Group &group, const SearchRegion &r
         const float x = std::max(std::max(group.mins.x[i] - to.x, from.x - group.maxs.x[i]), 0.0f);
         const float y = std::max(std::max(group.mins.y[i] - to.y, from.y - group.maxs.y[i]), 0.0f);
         const float z = std::max(std::max(group.mins.z[i] - to.z, from.z - group.maxs.z[i]), 0.0f);
-        const float corner = Dot(n, group.corner[i]), a = Dot(n, group.a[i]), b = Dot(n, group.b[i]);
-        const float highest = corner + std::max(std::max(a, b), 0.0f);
+        const float corner = Dot(n, group.corner[i]), rise1 = Dot(n, group.edge1[i]), rise2 = Dot(n, group.edge2[i]);
+        const float highest = corner + std::max(std::max(rise1, rise2), 0.0f);
         found[i] = ~(SignBits(most - (x * x + y * y + z * z)) | SignBits(highest - least)) >> 31;
     }
     near = found;
 }
 
-Q3_VECTOR void FindInBox(const NearTriangles::Group &group, const Vec3f &from, const Vec3f &to, LaneMask &met) {
+Q3_VECTOR void FindInBox(const NearTriangles::Group &group, const Vec3f &from, const Vec3f &to, LaneMask &inBox) {
     LaneMask found;
     for (std::size_t i = 0; i < kPacketSize; ++i)
         found[i] = ~(SignBits(to.x - group.mins.x[i]) | SignBits(group.maxs.x[i] - from.x) |
                      SignBits(to.y - group.mins.y[i]) | SignBits(group.maxs.y[i] - from.y) |
                      SignBits(to.z - group.mins.z[i]) | SignBits(group.maxs.z[i] - from.z)) >>
                    31;
-    met = found;
+    inBox = found;
 }
 
 using Groups = std::span<const NearTriangles::Group>;
 
-/// Moeller and Trumbore's intersection test of all rays with the triangles of `met`: the first hit of each.
-Q3_VECTOR void IntersectTriangles(Groups groups, std::span<const unsigned> metBits, const RayPacket &packet,
-                                  const LaneMask &live, const Lanes &nearest, LightScene::Blockers &first) {
+/// Intersects the rays with the triangles of `tested`, a bit for each by group, and sets the first hit of each ray
+/// beyond `tnear`. Variables are named as in Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle Intersection,
+/// 1997.
+Q3_VECTOR void IntersectTriangles(Groups groups, std::span<const unsigned> tested, const RayPacket &packet,
+                                  const LaneMask &live, const Lanes &tnear, LightScene::Blockers &first) {
     LightScene::Blockers now = first; // a copy that aliases nothing
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const NearTriangles::Group &group = groups[g];
-        for (unsigned met = metBits[g]; met != 0; met &= met - 1) {
-            const auto k = std::size_t(std::countr_zero(met));
-            const Vec3f corner = group.corner[k], a = group.a[k], b = group.b[k];
+        for (unsigned bits = tested[g]; bits != 0; bits &= bits - 1) {
+            const auto k = std::size_t(std::countr_zero(bits));
+            const Vec3f corner = group.corner[k], edge1 = group.edge1[k], edge2 = group.edge2[k];
             const std::int32_t surface = group.surface[k];
             for (std::size_t i = 0; i < kPacketSize; ++i) {
-                const Vec3f d = packet.direction[i], p = Cross(d, b), s = packet.origin[i] - corner, q = Cross(s, a);
-                const float determinant = Dot(a, p), size = std::abs(determinant);
-                const float inverse = 1 / (size < kLeastDeterminant ? 1 : determinant);
-                const float u = Dot(s, p) * inverse, v = Dot(d, q) * inverse, t = Dot(b, q) * inverse;
-                const std::int32_t out = SignBits(size - kLeastDeterminant) | SignBits(u + kEdge) |
-                                         SignBits(v + kEdge) | SignBits(1 + kEdge - (u + v)) |
-                                         SignBits(t - nearest[i]) | SignBits(now.distance[i] - t);
-                const std::int32_t meets = (~out >> 31) & live[i];
-                now.distance[i] = meets != 0 ? t : now.distance[i];
-                now.surface[i] = meets != 0 ? surface : now.surface[i];
-                now.hit[i] |= meets;
+                const Vec3f direction = packet.direction[i], pvec = Cross(direction, edge2),
+                            tvec = packet.origin[i] - corner, qvec = Cross(tvec, edge1);
+                const float determinant = Dot(edge1, pvec), magnitude = std::abs(determinant);
+                const float inverse = 1 / (magnitude < kLeastDeterminant ? 1 : determinant);
+                const float u = Dot(tvec, pvec) * inverse, v = Dot(direction, qvec) * inverse,
+                            t = Dot(edge2, qvec) * inverse;
+                // The sign bit is set if one of the conditions for a hit fails.
+                const std::int32_t misses = SignBits(magnitude - kLeastDeterminant) | SignBits(u + kEdgeSlack) |
+                                            SignBits(v + kEdgeSlack) | SignBits(1 + kEdgeSlack - (u + v)) |
+                                            SignBits(t - tnear[i]) | SignBits(now.distance[i] - t);
+                const std::int32_t hits = (~misses >> 31) & live[i];
+                now.distance[i] = hits != 0 ? t : now.distance[i];
+                now.surface[i] = hits != 0 ? surface : now.surface[i];
+                now.hit[i] |= hits;
             }
         }
     }
@@ -116,7 +121,7 @@ void NearTriangles::Append(const Group &from, std::size_t lane) {
     if (to == 0)
         groups_.push_back(from); // later calls set its other lanes
     Group &last = groups_.back();
-    for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::a, &Group::b})
+    for (auto row : {&Group::mins, &Group::maxs, &Group::corner, &Group::edge1, &Group::edge2})
         (last.*row).Set(to, (from.*row)[lane]);
     last.surface[to] = from.surface[lane];
     last.used = (2u << to) - 1;
@@ -127,7 +132,7 @@ void NearTriangles::Add(const LightScene::BlockerTriangle &triangle) {
     const auto &[a, b, c] = triangle.corners;
     Group one{};
     one.mins.Set(0, Min(a, Min(b, c))), one.maxs.Set(0, Max(a, Max(b, c)));
-    one.corner.Set(0, a), one.a.Set(0, b - a), one.b.Set(0, c - a);
+    one.corner.Set(0, a), one.edge1.Set(0, b - a), one.edge2.Set(0, c - a);
     one.surface[0] = triangle.surface;
     one.seeThrough = triangle.seeThrough ? 1 : 0;
     Append(one, 0);
@@ -146,7 +151,7 @@ void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, flo
     const SearchRegion region{starts, reach, normal, dist};
     LaneMask near;
     for (std::size_t group = 0; group < from.groups_.size(); ++group) {
-        if (group < from.bounds_.size() && Gap2(from.bounds_[group], starts) > reach * reach)
+        if (group < from.bounds_.size() && SquaredGap(from.bounds_[group], starts) > reach * reach)
             continue;
         FindNear(from.groups_[group], region, near);
         for (unsigned lanes = near.Bits() & from.groups_[group].used; lanes != 0; lanes &= lanes - 1)
@@ -157,37 +162,37 @@ void NearTriangles::Select(const NearTriangles &from, const Boundsf &starts, flo
 NearTriangles::Outcome NearTriangles::FindInBounds(const Boundsf &bounds) {
     const Vec3f slack{kSlack, kSlack, kSlack};
     bool any = false;
-    std::size_t many = 0; // triangles met; counted only if count_ is over the limit
+    std::size_t found = 0; // triangles in the bounds; counted only if count_ is over the limit
     LaneMask lanes;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
         FindInBox(groups_[i], bounds.mins - slack, bounds.maxs + slack, lanes);
-        const unsigned met = lanes.Bits() & groups_[i].used;
+        const unsigned inBounds = lanes.Bits() & groups_[i].used;
         if (count_ > kMaxTested)
-            many += std::size_t(std::popcount(met));
-        if (many > kMaxTested || (met & groups_[i].seeThrough) != 0)
+            found += std::size_t(std::popcount(inBounds));
+        if (found > kMaxTested || (inBounds & groups_[i].seeThrough) != 0)
             return Outcome::Undecided;
-        met_[i] = met;
-        any = any || met != 0;
+        inBounds_[i] = inBounds;
+        any = any || inBounds != 0;
     }
     return any ? Outcome::Traced : Outcome::Missed;
 }
 
 NearTriangles::Outcome NearTriangles::Trace(const RayPacket &packet, const LaneMask &live, const Boundsf &bounds,
-                                            float nearest, LightScene::Blockers &blockers) {
-    met_.resize(groups_.size());
+                                            float tnear, LightScene::Blockers &blockers) {
+    inBounds_.resize(groups_.size());
     if (const Outcome outcome = FindInBounds(bounds); outcome != Outcome::Traced)
         return outcome;
-    Lanes nearests;
-    nearests.fill(nearest);
-    return TraceNextHit(packet, live, nearests, blockers);
+    Lanes tnears;
+    tnears.fill(tnear);
+    return TraceNextHit(packet, live, tnears, blockers);
 }
 
-NearTriangles::Outcome NearTriangles::TraceNextHit(const RayPacket &packet, const LaneMask &live, const Lanes &nearest,
+NearTriangles::Outcome NearTriangles::TraceNextHit(const RayPacket &packet, const LaneMask &live, const Lanes &tnear,
                                                    LightScene::Blockers &blockers) const {
     blockers.hit = {};
     blockers.surface.fill(-1);
     blockers.distance = packet.distance;
-    IntersectTriangles(groups_, met_, packet, live, nearest, blockers);
+    IntersectTriangles(groups_, inBounds_, packet, live, tnear, blockers);
     return blockers.hit.Any() ? Outcome::Traced : Outcome::Missed;
 }
 

@@ -29,29 +29,29 @@ class NearTriangles {
         Traced,   ///< `blockers` is set
         Undecided ///< too many triangles, or transparent ones, are in the bounds; `blockers` is as it was
     };
-    /// The first hit beyond `nearest` of each live ray, as of LightScene::TraceBlockers. bounds: RayBounds of the rays.
-    Outcome Trace(const RayPacket &packet, const LaneMask &live, const Boundsf &bounds, float nearest,
+    /// The first hit beyond `tnear` of each live ray, as of LightScene::TraceBlockers. bounds: RayBounds of the rays.
+    Outcome Trace(const RayPacket &packet, const LaneMask &live, const Boundsf &bounds, float tnear,
                   LightScene::Blockers &blockers);
-    /// After Traced, for some of the same rays: the first hit beyond each ray's own `nearest`. Missed or Traced.
-    Outcome TraceNextHit(const RayPacket &packet, const LaneMask &live, const Lanes &nearest,
+    /// After Traced, for some of the same rays: the first hit beyond each ray's own `tnear`. Missed or Traced.
+    Outcome TraceNextHit(const RayPacket &packet, const LaneMask &live, const Lanes &tnear,
                          LightScene::Blockers &blockers) const;
 
-    /// Sixteen triangles: bounds, the first corner, and the edges a, b from it to the others.
+    /// Sixteen triangles: bounds, the first corner, and the edges from it to the second and the third.
     struct Group {
-        Lanes3 mins, maxs, corner, a, b;
+        Lanes3 mins, maxs, corner, edge1, edge2;
         std::array<std::int32_t, kPacketSize> surface;
         unsigned used = 0, seeThrough = 0; ///< a bit for each lane
     };
 
   private:
     void Append(const Group &from, std::size_t lane);
-    /// Sets met_; Traced: some triangle is in the bounds.
+    /// Sets inBounds_; Traced: some triangle is in the bounds.
     Outcome FindInBounds(const Boundsf &bounds);
 
     std::size_t count_ = 0;
     std::vector<Group> groups_;
-    std::vector<Boundsf> bounds_; ///< by group; empty after Select
-    std::vector<unsigned> met_;   ///< by group: bits of triangles in the latest bounds
+    std::vector<Boundsf> bounds_;    ///< by group; empty after Select
+    std::vector<unsigned> inBounds_; ///< by group: bits of triangles in the latest bounds
 };
 
 } // namespace q3

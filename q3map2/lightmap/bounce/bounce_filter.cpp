@@ -8,11 +8,12 @@ namespace q3 {
 
 namespace {
 
-/// Luxels on each side of the center of a window; the outermost count half.
+/// Luxels on each side of the center of a window. The outermost count half, so that weights add up to 4 on each axis
+/// and each of the 4 x 4 sets of GatherDirections has weight 1.
 constexpr int kReach = 2, kWindow = 2 * kReach + 1;
 constexpr std::array<float, kWindow> kWeights{0.5f, 1, 1, 1, 0.5f};
-/// Neighbors have normals within 18 degrees, and their height over each other's plane is at most kMaxSlope times their
-/// distance.
+/// Neighbors have normals within 18 degrees, of which kMinCosine is the cosine, and their height over each other's
+/// plane is at most kMaxSlope times their distance.
 constexpr float kMinCosine = 0.95f, kMaxSlope = 0.2f;
 
 } // namespace
@@ -24,13 +25,14 @@ NoiseFilter::NoiseFilter(const RawLightmap &raw, std::span<const float> luminanc
     for (std::size_t i = 0; i < luminance.size(); ++i)
         if (raw.Mapped(i)) {
             const float d = Mean(i, luminance) - luminance[i];
+            // The weight k of a luxel in its own mean is 1 / weights_.
             noise[i] = deviation[i] * deviation[i] * (1 - 1 / weights_[i]);
             difference[i] = d * d;
         }
     for (std::size_t i = 0; i < luminance.size(); ++i)
         if (raw.Mapped(i)) {
-            const float n = Mean<float>(i, noise), d = Mean<float>(i, difference);
-            fractions_[i] = n >= d ? 1 : n / d;
+            const float meanNoise = Mean<float>(i, noise), meanDifference = Mean<float>(i, difference);
+            fractions_[i] = meanNoise >= meanDifference ? 1 : meanNoise / meanDifference;
         }
 }
 
@@ -47,7 +49,7 @@ void NoiseFilter::FindNeighbors() {
     for (std::size_t luxel = 0; luxel < neighbors_.size(); ++luxel) {
         if (!raw_.Mapped(luxel))
             continue;
-        std::uint32_t found = 0, opposite = 0;
+        std::uint32_t found = 0, opposite = 0; // bit sets of places: of neighbors, and of those opposite to neighbors
         ForWindow(luxel, [&](std::size_t other, int bit, float) {
             if (AreNeighbors(luxel, other))
                 found |= 1u << bit, opposite |= 1u << (kWindow * kWindow - 1 - bit);

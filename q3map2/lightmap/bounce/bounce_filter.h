@@ -21,14 +21,16 @@ struct BounceEstimate {
           directions(deluxe ? raw.luxelClusters.size() : 0) {}
 };
 
-/// Blends each luxel with the mean over its neighbors, as far as the difference between them is noise. Window weights
-/// give every set of GatherDirections equal weight in the mean, since sets repeat every 4 luxels. Neighbors that are
-/// not mapped, on another plane, not facing the same way, or without such a neighbor on the opposite side are left out,
-/// so that linear gradients stay. With D the difference, k the weight of the luxel in its mean and s2 the variance of
-/// the estimate, the fraction t of the mean that minimizes the squared error is (1 - k) sum s2 / sum D^2, sums taken
-/// over the neighborhood (Stein's estimate): 1 where light is even, near 0 where it varies more than its noise, such as
-/// in a corner. Two luxels exchange light by the smaller of their fractions, which keeps the sum of light except at
-/// edges.
+/// Moves each luxel toward the weighted mean over its neighbors, as far as their difference is noise. The window gives
+/// every set of GatherDirections equal weight, since sets repeat every 4 luxels. Neighbors that are not mapped, on
+/// another plane, not facing the same way, or without such a neighbor on the opposite side are left out, so that linear
+/// gradients stay. The fraction t of the way to the mean that minimizes the squared error (Stein's estimate) is
+///
+///     t = min(1, (1 - k) sum s^2 / sum D^2)
+///
+/// with D the mean minus the luxel, k the weight of the luxel in its mean, s^2 the variance of the luxel, and sums over
+/// the neighborhood: 1 where light is even, near 0 where it varies more than its noise, such as in a corner. Two luxels
+/// exchange light by the smaller of their fractions, which keeps the sum of light except at edges.
 class NoiseFilter {
   public:
     /// By luxel: luminance of the irradiance, and a sample of its error, whose square estimates the variance. Keeps a

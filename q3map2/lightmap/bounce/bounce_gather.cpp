@@ -21,7 +21,7 @@ namespace {
 constexpr int kRays = 64, kFastRays = 24, kMinRays = 4;
 /// Rays per vertex, as a multiple of the rays per luxel.
 constexpr int kVertexRayFactor = 4;
-/// Above this number of hits (768 MiB) only some are kept.
+/// Above this number of hits, which take 768 MiB, only some are kept.
 constexpr std::uint64_t kMaxKeptHits = std::uint64_t(192) << 20;
 /// Rays of vertices start this far off their surface, or kMinRayLift where another surface is nearer. Game units.
 constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
@@ -29,7 +29,7 @@ constexpr float kRayLift = 1, kMinRayLift = 1.0f / 16;
 } // namespace
 
 std::uint64_t VertexSeed(const Vec3f &vertex) {
-    constexpr float kCell = 1.0f / 8; // game units; more than rounding moves vertices apart
+    constexpr float kCell = 1.0f / 8; // game units: more than rounding moves vertices apart
     std::uint64_t seed = 0;
     for (const float x : {vertex.x, vertex.y, vertex.z})
         seed = HashIndex(seed + std::uint64_t(std::int64_t(std::clamp(std::round(x / kCell), -1e9f, 1e9f))));
@@ -44,24 +44,24 @@ BounceGather::BounceGather(const SurfaceInputs &in, const SurfaceLight &surfaces
       rows_(surfaces.lightmaps.size()) {
     std::uint64_t texels = 0;
     for (const RawLightmap &raw : surfaces.lightmaps) {
-        const auto isMapped = [](int code) { return code >= 0; };
+        const auto isMapped = [](int cluster) { return cluster >= 0; };
         rays_ += std::uint64_t(std::count_if(raw.luxelClusters.begin(), raw.luxelClusters.end(), isMapped)) *
                  std::uint64_t(RaysPerLuxel(raw));
         texels += std::uint64_t(raw.width) * std::uint64_t(raw.height);
     }
     keepAll_ = rays_ <= kMaxKeptHits;
-    const auto fewer = int(std::clamp(kMaxKeptHits / std::max(texels, std::uint64_t(1)), std::uint64_t(kMinRays),
-                                      std::uint64_t(luxelRays_)));
+    const auto fewerRays = int(std::clamp(kMaxKeptHits / std::max(texels, std::uint64_t(1)), std::uint64_t(kMinRays),
+                                          std::uint64_t(luxelRays_)));
     for (const RawLightmap &raw : surfaces.lightmaps)
         directions_.try_emplace(RaysPerLuxel(raw), RaysPerLuxel(raw));
     if (!keepAll_)
-        directions_.try_emplace(fewer, fewer);
+        directions_.try_emplace(fewerRays, fewerRays);
     in.jobs.For(std::int64_t(rows_.size()), [&](std::int64_t i, int) {
         const RawLightmap &raw = surfaces.lightmaps[std::size_t(i)];
         const auto number = std::size_t(i);
         origins_[number] = RayOrigins(in.space, scene, raw);
         rows_[number] = keepAll_ ? TraceRows(number, raw, 1, DirectionsOf(raw))
-                                 : TraceRows(number, raw, raw.super, directions_.at(fewer));
+                                 : TraceRows(number, raw, raw.super, directions_.at(fewerRays));
     });
 }
 
@@ -136,7 +136,7 @@ EmitterId BounceGather::Dithered(EmitterId emitter, const Vec3f &position, const
     if (!Emits(emitter) || !patches_)
         return emitter;
     const float fraction = patches_->ContributionFraction(emitter, position, normal, twoSided);
-    return fraction > float(HashIndex(number) >> 40) * 0x1p-24f ? emitter : kNoEmitter;
+    return fraction > UnitFloatFromHash(HashIndex(number)) ? emitter : kNoEmitter;
 }
 
 /// Directional channels of one luxel, summed over its rays. Rays are cosine-weighted, so each is a directional light of
@@ -167,7 +167,7 @@ class BounceGather::ChannelSum {
         if (raw_.channels.sh) {
             channels[0][luxel_] += fluence_ * (kDirectedSH0 * scale * fluenceScale);
             for (std::size_t c = 0; c < 3; ++c) {
-                constexpr std::size_t kAxes[3] = {1, 2, 0};
+                constexpr std::size_t kAxes[3] = {1, 2, 0}; // the channels of band 1 are y, z, x
                 const std::size_t axis = kAxes[c];
                 const Vec3f sum =
                     vector_[0] * frame_.right[axis] + vector_[1] * frame_.up[axis] + vector_[2] * frame_.normal[axis];

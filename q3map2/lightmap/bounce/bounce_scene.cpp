@@ -17,7 +17,8 @@ namespace {
 /// Radiosity of a white wall that receives light 1, at LightmapOptions::bounceScale 1. The established program turns a
 /// wall of luxel value 255 into an area light of 187.5, and an area light gives 3 times its value at form factor 1.
 constexpr float kLegacyRadiosity = 187.5f * 3 / 255;
-/// The same with -reflectivity linear: a white wall reflects all light at the default bounceScale of 0.25.
+/// The same with -reflectivity linear: 1 / 0.25, since a white wall reflects all light at the default bounceScale of
+/// 0.25.
 constexpr float kLinearRadiosity = 4;
 /// Textures are averaged down to at most this many texels on a side, since a luxel covers several texels.
 constexpr int kTextureSide = 16;
@@ -42,14 +43,14 @@ class CoarseTexture {
 };
 
 CoarseTexture::CoarseTexture(const ShaderInfo &shader, const LightmapOptions &options) {
-    const auto color = [&](Vec3f c) {
+    const auto reflectanceOf = [&](Vec3f c) {
         if (options.sRgbTexture || options.linearReflectance)
             c = {LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)};
         const float gray = (c.x + c.y + c.z) / 3, ratio = options.bounceColorRatio;
         return c * ratio + Vec3f{gray, gray, gray} * (1 - ratio);
     };
     if (!shader.imageFound || !shader.lightImage) {
-        texels_ = {color(shader.averageColor / 255)};
+        texels_ = {reflectanceOf(shader.averageColor / 255)};
         return;
     }
     const Image &image = *shader.lightImage;
@@ -62,7 +63,7 @@ CoarseTexture::CoarseTexture(const ShaderInfo &shader, const LightmapOptions &op
             for (int row = top; row < bottom; ++row)
                 for (int column = left; column < right; ++column) {
                     const auto rgba = image.Texel(column, row);
-                    sum += color(Vec3f{float(rgba[0]), float(rgba[1]), float(rgba[2])} / 255);
+                    sum += reflectanceOf(Vec3f{float(rgba[0]), float(rgba[1]), float(rgba[2])} / 255);
                 }
             texels_.push_back(sum / float((right - left) * (bottom - top)));
         }

@@ -14,33 +14,38 @@
 
 namespace q3 {
 
-// ---- The brightest emitters as small patches in a light tree ----
-
 // ---- A light tree over small patches ----
 
 namespace {
 
-/// A node is opened if its radius is above kMaxOpening times its distance, or the cosine between its axis and one of
-/// its normals is below kMinNodeCosine.
+/// A cut descends into a node if radius / distance is above kMaxOpening, or the cosine between its axis and one of its
+/// normals is below kMinNodeCosine. Chosen.
 constexpr float kMaxOpening = 0.25f, kMinNodeCosine = 0.8f;
+/// A node is flat if all its normals are within 2.6 degrees of its axis, of which this is the cosine.
+constexpr float kFlatNodeCosine = 0.999f;
 
-/// Patches with the same facing share a root. Facing: the axis nearest to the normal, and its sign or two-sidedness.
+std::size_t LargestComponent(const Vec3f &v) {
+    return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
+}
+
+/// Patches with the same facing share a root: the axis nearest to the normal (0 to 2), plus 3 if the normal points to
+/// its negative side, plus 6 instead if the patch is two-sided.
 int FacingOf(const BrightPatch &patch) {
-    const Vec3f size = Max(patch.normal, -patch.normal);
-    const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t axis = LargestComponent(Max(patch.normal, -patch.normal));
     return int(axis) + (patch.twoSided ? 6 : patch.normal[axis] < 0 ? 3 : 0);
 }
 
-/// Whether no receiver of the view can get light from the node.
-bool IsHidden(const BrightTree::Node &node, const ReceiverGroup &view, const BspSpace &space) {
-    const Vec3f offset = node.center - view.center;
-    const float reach = node.radius + view.radius;
-    if (view.normal != Vec3f{} && Dot(view.normal, offset) < -reach)
+/// Whether no receiver can get light from the node: the node is behind them, they are behind the node, or no cluster of
+/// theirs sees it.
+bool IsHidden(const BrightTree::Node &node, const ReceiverGroup &receivers, const BspSpace &space) {
+    const Vec3f offset = node.center - receivers.center;
+    const float reach = node.radius + receivers.radius;
+    if (receivers.normal != Vec3f{} && Dot(receivers.normal, offset) < -reach)
         return true;
-    if (!node.twoSided && node.minCosine > 0.999f && Dot(node.axis, offset) > reach)
+    if (!node.twoSided && node.minCosine > kFlatNodeCosine && Dot(node.axis, offset) > reach)
         return true;
-    return node.cluster != BrightPatch::kNoCluster && !view.clusters.empty() &&
-           std::none_of(view.clusters.begin(), view.clusters.end(),
+    return node.cluster != BrightPatch::kNoCluster && !receivers.clusters.empty() &&
+           std::none_of(receivers.clusters.begin(), receivers.clusters.end(),
                         [&](int cluster) { return space.Visible(cluster, node.cluster); });
 }
 
@@ -96,8 +101,7 @@ std::uint32_t BrightTree::Build(std::uint32_t first, std::uint32_t count) {
     const auto begin = patches_.begin() + first;
     for (auto patch = begin; patch != begin + count; ++patch)
         bounds.Add(patch->center);
-    const Vec3f size = bounds.maxs - bounds.mins;
-    const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t axis = LargestComponent(bounds.maxs - bounds.mins);
     const std::uint32_t half = count / 2;
     std::nth_element(begin, begin + half, begin + count, [&](const BrightPatch &a, const BrightPatch &b) {
         return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.emitter < b.emitter;
@@ -107,26 +111,26 @@ std::uint32_t BrightTree::Build(std::uint32_t first, std::uint32_t count) {
     return number;
 }
 
-void BrightTree::Cut(const ReceiverGroup &view, const BspSpace &space, float faint,
+void BrightTree::Cut(const ReceiverGroup &receivers, const BspSpace &space, float faint,
                      std::vector<std::uint32_t> &cut) const {
-    std::vector<std::uint32_t> open(roots_.rbegin(), roots_.rend());
-    while (!open.empty()) {
-        const std::uint32_t number = open.back();
-        open.pop_back();
+    std::vector<std::uint32_t> pending(roots_.rbegin(), roots_.rend());
+    while (!pending.empty()) {
+        const std::uint32_t number = pending.back();
+        pending.pop_back();
         const Node &node = nodes_[number];
-        if (IsHidden(node, view, space))
+        if (IsHidden(node, receivers, space))
             continue;
-        const float distance = Length(node.center - view.center) - view.radius;
-        if (node.right == 0 || MostLight(node, view) < faint ||
+        const float distance = Length(node.center - receivers.center) - receivers.radius;
+        if (node.right == 0 || MostLight(node, receivers) < faint ||
             (node.radius < kMaxOpening * distance && node.minCosine > kMinNodeCosine))
             cut.push_back(number);
         else
-            open.push_back(node.right), open.push_back(number + 1);
+            pending.push_back(node.right), pending.push_back(number + 1);
     }
 }
 
-float BrightTree::MostLight(const Node &node, const ReceiverGroup &view) {
-    const float nearest = std::max(Length(node.center - view.center) - view.radius - node.radius, 1.0f);
+float BrightTree::MostLight(const Node &node, const ReceiverGroup &receivers) {
+    const float nearest = std::max(Length(node.center - receivers.center) - receivers.radius - node.radius, 1.0f);
     return Luminance(node.power) / (std::numbers::pi_v<float> * nearest * nearest);
 }
 
@@ -136,14 +140,14 @@ const BrightPatch &BrightTree::PatchAt(const Node &node, float u) const {
     return patches_[std::size_t(std::upper_bound(first, end, from + double(u) * (to - from)) - first) + node.first];
 }
 
-// ---- The brightest emitters as patches of a light tree ----
+// ---- Patches of the brightest emitters ----
 
 namespace {
 
 /// Texels are cut into this many pieces on each axis.
 constexpr int kPieces = 2;
-/// Triangles with less than half this area in their lightmap make no patches. Square pieces.
-constexpr float kMinLuxelArea = 1e-6f;
+/// Triangles whose doubled area in the lightmap is smaller make no patches. Square pieces.
+constexpr float kMinTwiceArea = 1e-6f;
 
 float TwiceArea(const LuxelTriangle &t) {
     return (t[1][0] - t[0][0]) * (t[2][1] - t[0][1]) - (t[2][0] - t[0][0]) * (t[1][1] - t[0][1]);
@@ -214,8 +218,8 @@ class LightmapPieces {
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t axis = 0; axis < 2; ++axis)
                 inPieces[i][axis] = triangle.corners[i].luxel[axis] * float(kPieces) / float(raw_.super);
-        const float twice = TwiceArea(inPieces);
-        if (std::abs(twice) < kMinLuxelArea)
+        const float twiceArea = TwiceArea(inPieces);
+        if (std::abs(twiceArea) < kMinTwiceArea)
             return;
         ForCoveredLuxels(inPieces, width_, height_, [&](int x, int y) {
             if (Excess(x, y) == Vec3f{})
@@ -224,13 +228,13 @@ class LightmapPieces {
             if (!(area > 0))
                 return;
             const std::array<float, 2> at{center.x, center.y};
-            const float u = TwiceArea({inPieces[0], at, inPieces[2]}) / twice,
-                        v = TwiceArea({inPieces[0], inPieces[1], at}) / twice;
+            const float u = TwiceArea({inPieces[0], at, inPieces[2]}) / twiceArea,
+                        v = TwiceArea({inPieces[0], inPieces[1], at}) / twiceArea;
             Piece &piece = pieces_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
-            const float world = area * triangle.area / (std::abs(twice) / 2);
-            piece.area += world;
-            piece.center += triangle.At(u, v) * world;
-            piece.normal += triangle.normal * world;
+            const float worldArea = area * triangle.area / (std::abs(twiceArea) / 2);
+            piece.area += worldArea;
+            piece.center += triangle.At(u, v) * worldArea;
+            piece.normal += triangle.normal * worldArea;
             piece.twoSided = piece.twoSided || twoSided;
         });
     }
@@ -242,10 +246,10 @@ class LightmapPieces {
                 if (!(piece.area > 0) || normal == Vec3f{})
                     continue;
                 const int half = raw_.super / 2, tx = x / kPieces, ty = y / kPieces;
-                const int code = raw_.luxelClusters[raw_.SuperIndex(tx * raw_.super + half, ty * raw_.super + half)];
+                const int cluster = raw_.luxelClusters[raw_.SuperIndex(tx * raw_.super + half, ty * raw_.super + half)];
                 patches.push_back({piece.center / piece.area, normal, piece.area, Excess(x, y),
-                                   first_ + EmitterId(raw_.Index(tx, ty)), code >= 0 ? code : BrightPatch::kNoCluster,
-                                   piece.twoSided});
+                                   first_ + EmitterId(raw_.Index(tx, ty)),
+                                   cluster >= 0 ? cluster : BrightPatch::kNoCluster, piece.twoSided});
             }
     }
 
@@ -267,7 +271,9 @@ class LightmapPieces {
 /// Appends a patch for each corner of a triangle whose vertex has excess: the part of the triangle nearest to it.
 void AppendVertexPatches(const EmittingTriangle &triangle, bool twoSided, const EmitterIndex &emitters,
                          std::span<const Vec3f> excess, std::vector<BrightPatch> &patches) {
-    constexpr float kOwn = 11.0f / 18, kOther = 7.0f / 36; // barycentric coordinates of the centroid of such a part
+    // Barycentric coordinates of the centroid of such a part, the quad of the corner, the middles of its two edges and
+    // the center: (1 + 1/2 + 1/3) / 3 for the corner, and half of the rest for each other.
+    constexpr float kOwn = 11.0f / 18, kOther = 7.0f / 36;
     for (std::size_t i = 0; i < 3; ++i) {
         const EmitterId emitter = emitters.Vertex(triangle.corners[i].vertex);
         if (excess[emitter] == Vec3f{})
@@ -315,7 +321,7 @@ std::vector<BrightPatch> MakeBrightPatches(const SurfaceInputs &in, const Surfac
     return patches;
 }
 
-// ---- Next event estimation of the brightest emitters of a bounce ----
+// ---- Shadow rays to the nodes of a cut ----
 
 namespace {
 
@@ -325,8 +331,9 @@ constexpr float kSurfaceRoulette = 0.1f, kPointRoulette = 0.5f;
 /// Shadow rays end kPatchGap (game units) in front of the patch, but at least at the fraction kPatchFraction of the
 /// distance to it.
 constexpr float kPatchGap = 0.25f, kPatchFraction = 0.99f;
+/// "Roulette" and "Stride" in ASCII: keep the two random choices independent.
 constexpr std::uint64_t kRouletteSeed = 0x526F756C65747465u, kStrideSeed = 0x537472696465u;
-/// A faint node is tried at every stride-th receiver, and the stride is at most this.
+/// A node whose most light is 1 / s of the roulette limit is tried at every s-th receiver only, with s at most this.
 constexpr float kMaxStride = 64;
 
 /// Scales each emission down to a largest channel of at most `limit`, and returns what was removed.
@@ -343,9 +350,9 @@ std::vector<Vec3f> TakeExcess(float limit, std::vector<Vec3f> &emission) {
 
 } // namespace
 
-/// Up to 16 receivers close together.
+/// Up to kPacketSize receivers close together.
 struct BrightEmitters::Receivers {
-    ReceiverGroup view;
+    ReceiverGroup group;
     std::size_t count = 0;
     std::array<Vec3f, kPacketSize> position, origin, normal; // zero normal: a point in the open
     std::array<std::size_t, kPacketSize> tag{};              // luxel, or a hash for other receivers; seeds the sampling
@@ -354,22 +361,22 @@ struct BrightEmitters::Receivers {
 
     void Add(const Vec3f &at, const Vec3f &rayOrigin, const Vec3f &facing, std::size_t number, int cluster) {
         position[count] = at, origin[count] = rayOrigin, normal[count] = facing, tag[count++] = number;
-        auto &clusters = view.clusters;
+        auto &clusters = group.clusters;
         if (cluster >= 0 && std::find(clusters.begin(), clusters.end(), cluster) == clusters.end())
             clusters.push_back(cluster);
     }
     /// Call after the last Add.
-    void SetView() {
+    void SetGroup() {
         Boundsf bounds;
         for (std::size_t i = 0; i < count; ++i)
             bounds.Add(origin[i]);
-        view.center = bounds.Center();
-        view.radius = 0;
-        view.normal = normal[0];
+        group.center = bounds.Center();
+        group.radius = 0;
+        group.normal = normal[0];
         for (std::size_t i = 0; i < count; ++i) {
-            view.radius = std::max(view.radius, Length(origin[i] - view.center));
+            group.radius = std::max(group.radius, Length(origin[i] - group.center));
             if (normal[i] != normal[0])
-                view.normal = {};
+                group.normal = {};
         }
     }
 };
@@ -379,7 +386,7 @@ BrightEmitters::BrightEmitters(const SurfaceInputs &in, const SurfaceLight &surf
                                std::vector<Vec3f> &emission)
     : space_(in.space), scene_(scene), patches_(patches), tree_([&] {
           auto bright = MakeBrightPatches(in, surfaces, emitters, TakeExcess(limit, emission));
-          count_ = bright.size();
+          patchCount_ = bright.size();
           return bright;
       }()) {}
 
@@ -389,27 +396,29 @@ bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::
                                 Sample &sample, Vec3f &target) const {
     const BrightTree::Node &node = tree_.At(number);
     const Vec3f offset = node.center - receivers.origin[i];
-    const float distance2 = std::max(Dot(offset, offset), 1e-6f);
+    const float distance2 = std::max(Dot(offset, offset), 1e-6f); // not 0
     const Vec3f direction = offset / std::sqrt(distance2);
     const bool oriented = receivers.normal[i] != Vec3f{};
     const float cosine = oriented ? Dot(direction, receivers.normal[i]) : 1;
     const float emitted = node.twoSided ? std::abs(Dot(direction, node.axis)) : -Dot(direction, node.axis);
     if (!(cosine > 0) || !(emitted > 0))
         return false;
-    // Form factor of a disk instead of a point: it stays below 1 at small distances.
+    // Irradiance over power on a receiver that faces the node. The node counts as a disk of its projected area
+    // A = area * emitted: emitted / (pi d^2 + A), finite at small distances (Wallace et al., A Ray Tracing Algorithm
+    // for Progressive Radiosity, 1989).
     float fraction = emitted / (std::numbers::pi_v<float> * distance2 + node.area * emitted);
     const std::uint64_t hash = HashIndex(kRouletteSeed + (std::uint64_t(receivers.tag[i]) << 24) + number);
     // The caller tries this receiver with probability 1 / stride.
     const float strength = Luminance(node.power) * fraction * cosine,
                 rouletteLimit = receivers.rouletteLimit / float(stride);
     if (strength < rouletteLimit) {
-        const auto u = float(hash >> 40) * 0x1p-24f;
-        if (u * rouletteLimit >= strength)
+        if (UnitFloatFromHash(hash) * rouletteLimit >= strength)
             return false;
         fraction *= rouletteLimit / strength;
     }
     fraction *= float(stride);
-    const BrightPatch &patch = tree_.PatchAt(node, float(hash & 0xFFFFFF) * 0x1p-24f);
+    // The lower 24 bits of the hash; roulette takes the upper ones.
+    const BrightPatch &patch = tree_.PatchAt(node, UnitFloatFromHash(hash << 40));
     if (patches_ && oriented)
         fraction *= patches_->ContributionFraction(patch.emitter, receivers.position[i], receivers.normal[i],
                                                    receivers.twoSided);
@@ -421,7 +430,8 @@ bool BrightEmitters::SampleNode(const Receivers &receivers, std::size_t i, std::
 void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> &samples) const {
     samples.clear();
     std::vector<std::uint32_t> cut;
-    tree_.Cut(receivers.view, space_, receivers.rouletteLimit / 4, cut);
+    // Nodes that give less than a quarter of the roulette limit are not split (chosen).
+    tree_.Cut(receivers.group, space_, receivers.rouletteLimit / 4, cut);
     auto rays = MakeRayBatcher<Sample>([&](RayPacket &packet, std::span<const Sample> waiting) {
         scene_.TraceOccluded(packet);
         for (std::size_t ray = 0; ray < waiting.size(); ++ray)
@@ -430,7 +440,7 @@ void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> 
     });
     for (const std::uint32_t node : cut) {
         // A faint node is tried at every stride-th receiver only, starting at a random one.
-        const float most = BrightTree::MostLight(tree_.At(node), receivers.view);
+        const float most = BrightTree::MostLight(tree_.At(node), receivers.group);
         const auto stride = std::uint32_t(std::clamp(receivers.rouletteLimit / most, 1.0f, kMaxStride));
         const std::uint64_t hash = HashIndex(kStrideSeed + (std::uint64_t(receivers.tag[0]) << 24) + node);
         for (std::size_t i = stride > 1 ? hash % stride : 0; i < receivers.count; i += stride) {
@@ -450,7 +460,7 @@ void BrightEmitters::SampleTree(const Receivers &receivers, std::vector<Sample> 
 
 void BrightEmitters::AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f> &origins,
                                  BounceEstimate &estimate) const {
-    constexpr int kBlock = 4;
+    constexpr int kBlock = 4; // luxels on a side: kPacketSize receivers
     std::vector<Sample> samples;
     for (int top = 0; top < raw.SuperHeight(); top += kBlock)
         for (int left = 0; left < raw.SuperWidth(); left += kBlock) {
@@ -463,7 +473,7 @@ void BrightEmitters::AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f
                                       raw.luxelClusters[luxel]);
             if (receivers.count == 0)
                 continue;
-            receivers.SetView();
+            receivers.SetGroup();
             SampleTree(receivers, samples);
             for (const Sample &sample : samples) {
                 const std::size_t luxel = receivers.tag[sample.receiver];
@@ -488,7 +498,7 @@ Vec3f BrightEmitters::IrradianceAt(const Vec3f &position, const Vec3f &origin, c
     const auto bits = [](float x) { return std::uint64_t(std::bit_cast<std::uint32_t>(x)); };
     const std::uint64_t seed = HashIndex(bits(position.x) ^ bits(position.y) << 16 ^ bits(position.z) << 32);
     receivers.Add(position, origin, normal, std::size_t(seed), space_.ClusterAt(origin, 0));
-    receivers.SetView();
+    receivers.SetGroup();
     std::vector<Sample> samples;
     SampleTree(receivers, samples);
     Vec3f sum;
@@ -501,7 +511,7 @@ void BrightEmitters::Gather(const Vec3f &point, std::uint64_t seed, std::vector<
     Receivers receivers;
     receivers.rouletteLimit = kPointRoulette;
     receivers.Add(point, point, {}, std::size_t(seed), space_.ClusterAt(point, 0));
-    receivers.SetView();
+    receivers.SetGroup();
     std::vector<Sample> samples;
     SampleTree(receivers, samples);
     for (const Sample &sample : samples)

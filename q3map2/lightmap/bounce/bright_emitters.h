@@ -50,10 +50,11 @@ class BrightTree {
 
     /// Appends the nodes of a cut in which each node is small compared to its distance from all receivers, or gives
     /// them less light than `faint` (byte scale), or is a leaf.
-    void Cut(const ReceiverGroup &view, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const;
+    void Cut(const ReceiverGroup &receivers, const BspSpace &space, float faint, std::vector<std::uint32_t> &cut) const;
     const Node &At(std::uint32_t node) const { return nodes_[node]; }
-    /// Upper bound of the luminance that a node gives to any receiver of the view at least 1 unit away. Byte scale.
-    static float MostLight(const Node &node, const ReceiverGroup &view);
+    /// Upper bound of the luminance that a node gives to a receiver of the group at least 1 unit away: L / (pi d^2),
+    /// with L the luminance of its power and d the distance between the bounding spheres. Byte scale.
+    static float MostLight(const Node &node, const ReceiverGroup &receivers);
     /// Samples a patch of a node in proportion to power: inverts its cumulative distribution at `u` in [0, 1).
     const BrightPatch &PatchAt(const Node &node, float u) const;
 
@@ -84,7 +85,7 @@ class BrightEmitters {
                    const EmitterIndex &emitters, const FaintPatches *patches, float limit,
                    std::vector<Vec3f> &emission);
     bool Empty() const { return tree_.Empty(); }
-    std::size_t Patches() const { return count_; }
+    std::size_t PatchCount() const { return patchCount_; }
 
     /// Adds the light of bright emitters on the luxels of a lightmap. origins: ray origins by luxel.
     void AddToLuxels(const RawLightmap &raw, const std::vector<Vec3f> &origins, BounceEstimate &estimate) const;
@@ -109,7 +110,7 @@ class BrightEmitters {
     const BspSpace &space_;
     const BounceScene &scene_;
     const FaintPatches *patches_;
-    std::size_t count_ = 0;
+    std::size_t patchCount_ = 0;
     BrightTree tree_;
 };
 

@@ -82,8 +82,8 @@ bool HoldsLight(const RawLightmap &raw, std::size_t texel) {
                        [&](const auto &slot) { return !slot.empty() && slot[texel].x >= 0; });
 }
 
-/// Splits quads that are not flat into triangles.
-void FlatFaces(Face face, std::vector<Face> &flat) {
+/// Appends the face, or two triangles if it is a quad that is not flat.
+void AppendFlatFaces(Face face, std::vector<Face> &flat) {
     if (face.size() == 4) {
         const Vec3f normal = Normalize(Cross(face[2].xyz - face[0].xyz, face[1].xyz - face[0].xyz));
         if (normal == Vec3f{} || std::abs(Dot(normal, face[3].xyz - face[0].xyz)) >= kFlatQuad) {
@@ -98,13 +98,13 @@ void FlatFaces(Face face, std::vector<Face> &flat) {
 
 /// Subdivides the faces of surfaces into patches.
 struct FaintPatches::PatchBuilder {
-    FaintPatches &to;
+    FaintPatches &result;
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
     const EmitterIndex &emitters;
     std::span<const Vec3f> emission;
     std::size_t surface = 0;
-    bool varies = false;                        ///< false: the surface is too dark for LightVaries to hold anywhere
+    bool mayVary = false;                       ///< false: the surface is too dark for LightVaries to hold anywhere
     std::vector<std::uint8_t> centerFound = {}; ///< by emitter: not 0 if the texel's center is in its patch
     std::vector<std::pair<Face, float>> pending = {}; ///< faces still to cut, with the longest side allowed
 
@@ -133,7 +133,7 @@ void FaintPatches::PatchBuilder::Begin(std::size_t number) {
     const float value = raw ? most(Texel(0, 0), std::size_t(raw->width) * std::size_t(raw->height))
                             : most(emitters.Vertex(record.firstVert), std::size_t(record.numVerts));
     const float full = 255 * BounceScale(in, number);
-    varies = value * value > kLightVaries * full * full;
+    mayVary = value * value > kLightVaries * full * full;
 }
 
 void FaintPatches::PatchBuilder::Add(Face first) {
@@ -163,7 +163,7 @@ void FaintPatches::PatchBuilder::Add(Face first) {
         const double area = WindingArea(w);
         if (!(area >= kMinArea && area <= kMaxArea))
             continue;
-        if (varies && size > kMinPatchSize && LightVaries(face))
+        if (mayVary && size > kMinPatchSize && LightVaries(face))
             pending.emplace_back(std::move(face), size / 2);
         else
             AddPatch(face, area);
@@ -215,50 +215,51 @@ void FaintPatches::PatchBuilder::AddPatch(const Face &face, double area) {
     patch.dist = Dot(patch.origin, patch.normal);
     // Light of a white patch in white light at form factor 1, byte scale.
     const float add = 255 * std::abs(BounceScale(in, surface));
-    patch.minFormFactor = shader.noFast ? -2 : in.options.tolerance / add;
+    patch.minFormFactor = shader.noFast ? -2 : in.options.tolerance / add; // form factors are -1 to 1
     float radius = 0;
     for (const Vec3f &p : w)
         radius = std::max(radius, Length(p - patch.center));
     patch.farDistance2 = kFarRadii * kFarRadii * radius * radius;
     patch.twoSided = shader.twoSided || (shader.compileFlags & C_FOG) != 0;
-    patch.first = std::uint32_t(to.corners_.size()), patch.count = std::uint32_t(w.size());
-    const auto number = std::uint32_t(to.patches_.size());
-    to.patches_.push_back(patch);
-    to.corners_.insert(to.corners_.end(), w.begin(), w.end());
+    patch.first = std::uint32_t(result.corners_.size()), patch.count = std::uint32_t(w.size());
+    const auto number = std::uint32_t(result.patches_.size());
+    result.patches_.push_back(patch);
+    result.corners_.insert(result.corners_.end(), w.begin(), w.end());
     if (const RawLightmap *raw = Lightmap())
         return AssignTexels(face, number, *raw);
     for (const FaceCorner &corner : face)
-        if (std::uint32_t &known = to.patchOf_[emitters.Vertex(corner.vertex)];
-            known == kNone || Length(to.patches_[known].areaNormal) < Length(patch.areaNormal))
+        if (std::uint32_t &known = result.patchOf_[emitters.Vertex(corner.vertex)];
+            known == kNone || Length(result.patches_[known].areaNormal) < Length(patch.areaNormal))
             known = number;
 }
 
 /// Assigns texels to the patch that holds their center, else to the first patch whose bounds they overlap.
 void FaintPatches::PatchBuilder::AssignTexels(const Face &face, std::uint32_t patch, const RawLightmap &raw) {
-    std::vector<std::array<float, 2>> at;
+    std::vector<std::array<float, 2>> corners; // in texels
     std::array<float, 2> least{1e30f, 1e30f}, most{-1e30f, -1e30f};
     for (const FaceCorner &corner : face) {
-        at.push_back({corner.luxel[0] / float(raw.super), corner.luxel[1] / float(raw.super)});
+        corners.push_back({corner.luxel[0] / float(raw.super), corner.luxel[1] / float(raw.super)});
         for (std::size_t axis = 0; axis < 2; ++axis)
-            least[axis] = std::min(least[axis], at.back()[axis]), most[axis] = std::max(most[axis], at.back()[axis]);
+            least[axis] = std::min(least[axis], corners.back()[axis]),
+            most[axis] = std::max(most[axis], corners.back()[axis]);
     }
     const auto inside = [&](float x, float y) {
         bool left = false, right = false;
-        for (std::size_t i = 0; i < at.size(); ++i) {
-            const auto &a = at[i], &b = at[(i + 1) % at.size()];
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const auto &a = corners[i], &b = corners[(i + 1) % corners.size()];
             const float side = (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
             left |= side > 0, right |= side < 0;
         }
         return !(left && right);
     };
-    const auto whole = [](float value, int size) { return std::clamp(int(value), 0, size - 1); };
-    for (int y = whole(least[1], raw.height); y <= whole(most[1], raw.height); ++y)
-        for (int x = whole(least[0], raw.width); x <= whole(most[0], raw.width); ++x) {
+    const auto texelAt = [](float value, int size) { return std::clamp(int(value), 0, size - 1); };
+    for (int y = texelAt(least[1], raw.height); y <= texelAt(most[1], raw.height); ++y)
+        for (int x = texelAt(least[0], raw.width); x <= texelAt(most[0], raw.width); ++x) {
             const EmitterId texel = Texel(x, y);
-            const bool middle = centerFound[texel] == 0 && inside(float(x) + 0.5f, float(y) + 0.5f);
-            if (middle || to.patchOf_[texel] == kNone)
-                to.patchOf_[texel] = patch;
-            centerFound[texel] |= std::uint8_t(middle);
+            const bool holdsCenter = centerFound[texel] == 0 && inside(float(x) + 0.5f, float(y) + 0.5f);
+            if (holdsCenter || result.patchOf_[texel] == kNone)
+                result.patchOf_[texel] = patch;
+            centerFound[texel] |= std::uint8_t(holdsCenter);
         }
 }
 
@@ -274,7 +275,7 @@ FaintPatches::FaintPatches(const SurfaceInputs &in, const SurfaceLight &surfaces
         builder.Begin(i);
         flat.clear();
         for (Face &face : FacesOf(in, surfaces, i))
-            FlatFaces(std::move(face), flat);
+            AppendFlatFaces(std::move(face), flat);
         for (Face &face : flat)
             builder.Add(std::move(face));
     }
@@ -288,26 +289,28 @@ float FaintPatches::PatchContributionFraction(const Patch &patch, const Vec3f &p
     const float height = std::abs(signedHeight);
     const Vec3f p = height < kMinHeight ? position + patch.normal * (kMinHeight - signedHeight) : position;
     const Vec3f toCenter = patch.center - p;
-    const float distance2 = Dot(toCenter, toCenter), ahead = Dot(normal, toCenter);
+    const float distance2 = Dot(toCenter, toCenter), along = Dot(normal, toCenter);
     const bool anySide = patch.twoSided || twoSided;
     const auto enough = [&](float factor, float least) { return (anySide ? std::abs(factor) : factor) > least; };
-    const float asPoint = -ahead * Dot(patch.areaNormal, toCenter);
+    // With c = toCenter and A = areaNormal, a point source has the form factor -(n . c) (A . c) / (pi |c|^4): compared
+    // without the division.
+    const float asPoint = -along * Dot(patch.areaNormal, toCenter);
     const float least = patch.minFormFactor * std::numbers::pi_v<float> * distance2 * distance2;
-    // Needs clipping unless the bounding sphere of the patch is wholly above the receiver's horizon.
-    const bool clipped =
-        height < kClipHeight && !(ahead > 0 && kFarRadii * kFarRadii * ahead * ahead > patch.farDistance2);
-    if (distance2 > patch.farDistance2 || (!clipped && asPoint > kPointMargin * least))
+    // Clipped unless the bounding sphere of the patch is wholly above the receiver's horizon: along > radius.
+    const bool clips =
+        height < kClipHeight && !(along > 0 && kFarRadii * kFarRadii * along * along > patch.farDistance2);
+    if (distance2 > patch.farDistance2 || (!clips && asPoint > kPointMargin * least))
         return enough(asPoint, least) ? 1 : 0;
     const auto corners = std::span(corners_).subspan(patch.first, patch.count);
-    const float whole = FormFactor(p, normal, corners);
-    if (!enough(whole, patch.minFormFactor))
+    const float unclipped = FormFactor(p, normal, corners);
+    if (!enough(unclipped, patch.minFormFactor))
         return 0;
-    if (!clipped)
+    if (!clips)
         return 1;
-    const float front = ClippedFormFactor(p, normal, corners);
-    const float left = front != 0 ? std::clamp(whole / front, 0.0f, 1.0f) : 0;
-    const float low = std::min(1.0f, (kClipHeight - height) / (kClipHeight - kMinHeight));
-    return 1 - (1 - left) * low;
+    const float clipped = ClippedFormFactor(p, normal, corners);
+    const float ratio = clipped != 0 ? std::clamp(unclipped / clipped, 0.0f, 1.0f) : 0;
+    const float nearness = std::min(1.0f, (kClipHeight - height) / (kClipHeight - kMinHeight)); // 1 up to kMinHeight
+    return 1 - (1 - ratio) * nearness;
 }
 
 } // namespace q3

@@ -15,7 +15,7 @@ namespace q3 {
 /// Tangent frame of a receiver.
 struct GatherFrame {
     explicit GatherFrame(const Vec3f &n) : normal(n) {
-        const Vec3f axis = std::abs(n.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
+        const Vec3f axis = std::abs(n.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1}; // far from parallel to n
         right = Normalize(Cross(axis, n));
         up = Cross(n, right);
     }
@@ -75,6 +75,7 @@ class GatherDirections {
         return std::size_t(choice.pattern * kSets + choice.set) * std::size_t(rays_);
     }
     void AddSet(const Sample2 &shift, int set) {
+        // Set (i, j) of 4 x 4 is shifted to the center of its part of the square cell of a ray, whose area is 1 / rays.
         const double cell = 1 / std::sqrt(double(rays_));
         const double u = shift.u + ((set & 3) - 1.5) / 4 * cell, v = shift.v + ((set >> 2) - 1.5) / 4 * cell;
         double sum = 0;

@@ -163,7 +163,7 @@ bool Bounces::Solve(const SurfaceLight &surfaces) {
         StyleRadiosity &radiosity = byStyle_[style];
         radiosity.bright = std::make_unique<const BrightEmitters>(in_, surfaces, scene_, emitters_, patches_.get(),
                                                                   BrightLimit(emission), emission);
-        in_.log.Count(radiosity.bright->Patches(), "bright patches");
+        in_.log.Count(radiosity.bright->PatchCount(), "bright patches");
         radiosity.rest = std::move(emission);
     }
     return !byStyle_.empty();

@@ -48,7 +48,7 @@ struct RadiositySolver::State {
     std::vector<float> peak, power; // by group: maximum and sum of unshot radiosity
     std::vector<Vec3f> sum, decay;  // by group: sum of unshot radiosity, and its ratio to that of the bounce before
     Vec3f allDecay;                 // the same ratio of the sum over all groups
-    bool wholeBounce = true;        // the unshot radiosity is that of one bounce
+    bool isWholeBounce = true;      // the unshot radiosity is that of one bounce
     std::vector<Vec3f> light;       // by emitter: light that it got in the latest step
     float Peak() const { return peak.empty() ? 0 : *std::max_element(peak.begin(), peak.end()); }
 };
@@ -158,7 +158,7 @@ void RadiositySolver::FinishLight(const Group &group, std::span<Vec3f> light) co
 /// Shoots the unshot radiosity of the groups in `shot`.
 void RadiositySolver::Step(const GroupMask &shot, State &state) const {
     const bool shootsAll = std::find(shot.begin(), shot.end(), 0) == shot.end(),
-               nextBounce = shootsAll && state.wholeBounce;
+               isNextBounce = shootsAll && state.isWholeBounce;
     const Vec3f sumBefore = std::accumulate(state.sum.begin(), state.sum.end(), Vec3f{});
     Emission emission(state.unshot.size());
     for (std::size_t i = 0; i < groups_.size(); ++i)
@@ -182,15 +182,15 @@ void RadiositySolver::Step(const GroupMask &shot, State &state) const {
             unshot[k] += reflected, total[k] += reflected;
             sum += unshot[k];
         }
-        if (nextBounce)
+        if (isNextBounce)
             for (std::size_t c = 0; c < 3; ++c)
                 state.decay[i][c] = state.sum[i][c] > 0 ? sum[c] / state.sum[i][c] : maxReflectance_;
         state.peak[i] = Peak(unshot);
         state.power[i] = Luminance(sum);
         state.sum[i] = sum;
     });
-    state.wholeBounce = shootsAll;
-    if (const Vec3f after = std::accumulate(state.sum.begin(), state.sum.end(), Vec3f{}); nextBounce)
+    state.isWholeBounce = shootsAll;
+    if (const Vec3f after = std::accumulate(state.sum.begin(), state.sum.end(), Vec3f{}); isNextBounce)
         for (std::size_t c = 0; c < 3; ++c)
             state.allDecay[c] = sumBefore[c] > 0 ? after[c] / sumBefore[c] : 0;
 }
@@ -199,13 +199,13 @@ void RadiositySolver::Step(const GroupMask &shot, State &state) const {
 /// is the decay of a group, limited to the larger of peakDecay, the decay of the largest radiosity, and the decay of
 /// all light: a group that has just got its first light from others has no decay of its own yet.
 void RadiositySolver::AddRest(int bounces, float peakDecay, State &state) const {
-    Vec3f most;
+    Vec3f maxDecay;
     for (std::size_t c = 0; c < 3; ++c)
-        most[c] = std::min(std::max(peakDecay, state.allDecay[c]), maxReflectance_);
+        maxDecay[c] = std::min(std::max(peakDecay, state.allDecay[c]), maxReflectance_);
     for (std::size_t i = 0; i < groups_.size(); ++i) {
         Vec3f factor;
         for (std::size_t c = 0; c < 3; ++c) {
-            const float q = std::min(state.decay[i][c], most[c]);
+            const float q = std::min(state.decay[i][c], maxDecay[c]);
             factor[c] = q / (1 - q) * (bounces == kEndlessBounces ? 1 : 1 - std::pow(q, float(bounces)));
         }
         const auto unshot = groups_[i].Of(state.unshot), total = groups_[i].Of(state.total);
@@ -240,6 +240,7 @@ RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &
             const float ratio = std::min(state.Peak() / before, maxReflectance_);
             decay = solution.steps == 2 ? ratio : std::max(decay, ratio);
         }
+        // The rest of a geometric series: peak (decay + decay^2 + ...).
         solution.stillToCome = state.Peak() * decay / std::max(1 - decay, 1e-3f);
         in_.log.Print("{:9.2f} bytes of light at most in bounce {}{}, {:.2f} still to come\n", Peak(state.light),
                       solution.steps + 1, shotAll ? "" : " (brightest surfaces)", solution.stillToCome);

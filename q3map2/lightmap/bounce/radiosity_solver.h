@@ -16,8 +16,8 @@ struct RadiosityLimits {
 };
 
 struct RadiositySolution {
-    Emission total; ///< radiosity, summed over bounces
-    int steps = 0;
+    Emission total;        ///< radiosity, summed over bounces
+    int steps = 0;         ///< of the solver; without -bounce inf one for each bounce after the first
     float stillToCome = 0; ///< estimate of the most light that later bounces give anywhere, byte scale
     bool timedOut = false; ///< later bounces are not in `total`; else their estimate is
 };

@@ -14,7 +14,7 @@ namespace q3 {
 
 namespace {
 
-/// -dark: ambient light counts as this many neighbors in the mean.
+/// -dark: ambient light counts as this many neighbors in the mean (chosen).
 constexpr float kDarkNeighbors = 2;
 
 void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
@@ -26,8 +26,8 @@ void AddFloodlight(RawLightmap &lightmap, bool deluxe) {
         for (std::size_t c = 0; c < lightmap.channels.Count(); ++c)
             lightmap.directional[0][c][i] += lightmap.floodChannels[c][i];
         if (deluxe && lightmap.floodDirectionScale > 0) {
-            const float fraction = std::max(1.0f / 256, Luminance(flood) / 255 * lightmap.floodDirectionScale);
-            lightmap.directions[i] += lightmap.normals[i] * fraction;
+            const float weight = std::max(kLeastDeluxeWeight, Luminance(flood) / 255 * lightmap.floodDirectionScale);
+            lightmap.directions[i] += lightmap.normals[i] * weight;
         }
     }
 }
@@ -179,14 +179,16 @@ struct SuperLuxelSum {
 
 /// Luxels of one style of one raw lightmap in one pass. Vectors are reused.
 struct LuxelGrid {
-    std::vector<Vec3f> colors, directions, lastPass, channel;
-    LuxelMask valid;
+    std::vector<Vec3f> colors, directions;
+    std::vector<Vec3f> channel;  ///< means of one directional channel
+    std::vector<Vec3f> lastPass; ///< radiosity of the last pass, which the lightmap does not keep
+    LuxelMask valid;             ///< whether colors and directions hold a value
 };
 
 class Averager {
   public:
-    Averager(const RawLightmap &lightmap, std::size_t style, const LightmapOptions &options)
-        : lightmap_(lightmap), style_(style), options_(options) {}
+    Averager(const RawLightmap &lightmap, std::size_t slot, const LightmapOptions &options)
+        : lightmap_(lightmap), slot_(slot), options_(options) {}
 
     void Fill(LuxelGrid &grid, const Vec3f &ambient) const {
         const std::size_t count = std::size_t(lightmap_.width) * std::size_t(lightmap_.height);
@@ -203,7 +205,8 @@ class Averager {
                 const int samples = lit ? sum.litCount : sum.reserveCount;
                 grid.valid[at] = samples > 0 || sum.surfaceCount > 0;
                 grid.colors[at] = samples > 0 ? (lit ? sum.lit : sum.reserve) / float(samples) : ambient;
-                if (options_.debug && style_ > 0 && x < 2 && y < 2)
+                // -debug marks the lightmap of a further style by a corner of 2 x 2 luxels.
+                if (options_.debug && slot_ > 0 && x < 2 && y < 2)
                     grid.colors[at] = kBorderColor, grid.valid[at] = true;
                 if (HasDirections())
                     grid.directions[at] = sum.direction;
@@ -227,7 +230,7 @@ class Averager {
         for (int sy = y * super; sy < (y + 1) * super; ++sy)
             for (int sx = x * super; sx < (x + 1) * super; ++sx) {
                 const std::size_t at = lightmap_.SuperIndex(sx, sy);
-                if (lightmap_.filled[style_][at] == 0)
+                if (lightmap_.filled[slot_][at] == 0)
                     continue;
                 if (CountsAsLit(lightmap_.luxelClusters[at]))
                     lit += values[at], ++litCount;
@@ -237,12 +240,12 @@ class Averager {
         return litCount > 0 ? lit / float(litCount) : reserveCount > 0 ? reserve / float(reserveCount) : ambient;
     }
 
-    bool HasDirections() const { return style_ == 0 && !lightmap_.directions.empty(); }
+    bool HasDirections() const { return slot_ == 0 && !lightmap_.directions.empty(); }
 
     /// Fill without supersampling.
     void FillWithoutSuper(LuxelGrid &grid, const Vec3f &ambient) const {
-        const std::vector<std::uint8_t> &filled = lightmap_.filled[style_];
-        const std::vector<Vec3f> &light = lightmap_.light[style_];
+        const std::vector<std::uint8_t> &filled = lightmap_.filled[slot_];
+        const std::vector<Vec3f> &light = lightmap_.light[slot_];
         for (std::size_t at = 0; at < grid.colors.size(); ++at) {
             grid.valid[at] = filled[at] != 0 || lightmap_.luxelClusters[at] != kUnmapped;
             grid.colors[at] = filled[at] != 0 ? light[at] : ambient;
@@ -263,7 +266,7 @@ class Averager {
     void Add(int x, int y, SuperLuxelSum &sum) const {
         const std::size_t at = lightmap_.SuperIndex(x, y);
         const int cluster = lightmap_.luxelClusters[at];
-        const bool filled = lightmap_.filled[style_][at] != 0;
+        const bool filled = lightmap_.filled[slot_][at] != 0;
         sum.surfaceCount += cluster != kUnmapped;
         if (HasDirections())
             sum.direction += lightmap_.directions[at];
@@ -274,14 +277,14 @@ class Averager {
         } else if (options_.debug && cluster < 0) {
             sum.reserve += NoClusterColor(cluster), ++sum.reserveCount;
         } else if (filled && CountsAsLit(cluster)) {
-            sum.lit += lightmap_.light[style_][at], ++sum.litCount;
+            sum.lit += lightmap_.light[slot_][at], ++sum.litCount;
         } else if (filled) {
-            sum.reserve += lightmap_.light[style_][at], ++sum.reserveCount;
+            sum.reserve += lightmap_.light[slot_][at], ++sum.reserveCount;
         }
     }
 
     const RawLightmap &lightmap_;
-    std::size_t style_;
+    std::size_t slot_;
     const LightmapOptions &options_;
 };
 
@@ -323,15 +326,15 @@ void AddDirections(LuxelGrid &grid, std::vector<Vec3f> &result) {
 
 /// Adds the directional channels of a pass to the result, except at unused luxels. used: the light of the pass.
 void AccumulateChannels(const Averager &averager, const std::vector<Vec3f> &used, const LuxelMask &touching,
-                        const Vec3f &ambient, bool store, std::size_t style, LuxelGrid &grid, RawLightmap &lightmap) {
+                        const Vec3f &ambient, bool store, std::size_t slot, LuxelGrid &grid, RawLightmap &lightmap) {
     const ChannelWeights uniform = UniformWeights(lightmap.channels);
-    ChannelImages &result = lightmap.resultChannels[style];
+    ChannelImages &result = lightmap.resultChannels[slot];
     result.resize(lightmap.channels.Count());
     for (std::size_t c = 0; c < result.size(); ++c) {
         result[c].resize(used.size());
         if (!store)
             continue;
-        averager.FillChannel(lightmap.directional[style][c], ambient * uniform[c], grid.channel);
+        averager.FillChannel(lightmap.directional[slot][c], ambient * uniform[c], grid.channel);
         const bool isSigned = lightmap.channels.IsSH(c);
         std::size_t at = 0;
         for (int y = 0; y < lightmap.height; ++y)
@@ -350,13 +353,13 @@ void AccumulateChannels(const Averager &averager, const std::vector<Vec3f> &used
 void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, PassData data, LuxelGrid &grid,
                      RawLightmap &lightmap) {
     const bool store = pass.bounce || !in.lightmap.bounceOnly || in.lightmap.bounces == 0;
-    for (std::size_t style = 0; style < kStyles; ++style) {
-        lightmap.radiosity[style].clear();
-        if (lightmap.styles[style] == kNoStyle || lightmap.light[style].empty())
+    for (std::size_t slot = 0; slot < kStyles; ++slot) {
+        lightmap.radiosity[slot].clear();
+        if (lightmap.styles[slot] == kNoStyle || lightmap.light[slot].empty())
             continue;
-        std::vector<Vec3f> &radiosity = data == PassData::Free ? grid.lastPass : lightmap.radiosity[style];
-        const Averager averager(lightmap, style, in.lightmap);
-        const Vec3f ambient = style == 0 && !pass.bounce ? lightmap.ambient : Vec3f{};
+        std::vector<Vec3f> &radiosity = data == PassData::Free ? grid.lastPass : lightmap.radiosity[slot];
+        const Averager averager(lightmap, slot, in.lightmap);
+        const Vec3f ambient = slot == 0 && !pass.bounce ? lightmap.ambient : Vec3f{};
         averager.Fill(grid, ambient);
         radiosity.resize(grid.colors.size());
         const LuxelMask touching = Dilate(grid.valid, lightmap.width, lightmap.height);
@@ -368,8 +371,8 @@ void AverageLightmap(const SurfaceInputs &in, const SurfacePass &pass, PassData 
                     : touching[at]
                         ? Max(NeighborMean(x, y, lightmap.width, lightmap.height, grid.valid, grid.colors), Vec3f{})
                         : kUnused;
-        AccumulateChannels(averager, radiosity, touching, ambient, store, style, grid, lightmap);
-        Accumulate(radiosity, store, lightmap.result[style]);
+        AccumulateChannels(averager, radiosity, touching, ambient, store, slot, grid, lightmap);
+        Accumulate(radiosity, store, lightmap.result[slot]);
         AddDirections(grid, lightmap.resultDirections);
     }
     if (data == PassData::Free)

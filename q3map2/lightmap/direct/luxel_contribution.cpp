@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The light of one source on blocks of 16 luxels, its directional channels, and sums of such light.
 #include "q3map2/lightmap/direct/luxel_contribution.h"
 
+#include "q3map2/light/transfer/light_kernel.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 #include <algorithm>
@@ -15,24 +16,30 @@ namespace {
 
 /// Luxels are visited in tiles of kTile x kTile, so that luxels of a block are near each other.
 constexpr int kTile = 4;
-/// For the form factor, receivers near the plane of an area light are moved along its normal by up to kPushReach, to
-/// the height kPushHeight over it: AreaHeights, kAreaPush. Game units.
-constexpr float kPushReach = 16, kPushHeight = 8;
+/// AreaHeights moves receivers up to kAreaPush over or behind the plane of an area light to the height kAreaPush: by at
+/// most this. Game units.
+constexpr float kMaxPush = 2 * kAreaPush;
 /// Added to bounds for rounding. Game units.
 constexpr float kSlack = 0.05f;
+/// Stands for no limit.
+constexpr float kUnlimited = 1e30f;
 
 /// What bounds the light of a source: its envelope, its lit side, and for area lights its strength.
 struct LightReach {
-    Vec3f origin, normal, center;
+    Vec3f origin, normal;
+    Vec3f center; ///< of an area light
     float dist = 0, envelope = 0;
-    bool area = false, oneSided = false, bounded = false;
-    float areaRadius = 0, strength = 0, least = 0;
+    bool area = false, oneSided = false;
+    bool endsAtTolerance = false; ///< an area light that leaves out light up to its tolerance
+    float areaRadius = 0;         ///< of a sphere around center that holds an area light, plus kMaxPush
+    float strength = 0;           ///< of an area light: its light at form factor 1, times its area / pi
+    float tolerance = 0;
 
     LightReach(const Light &light, bool pointAreas)
         : origin(light.origin), normal(light.normal), center(light.shape.center), dist(light.dist),
           envelope(light.envelope), area(light.type == LightType::Area), oneSided(!light.twoSided),
-          bounded(area && light.endsAtTolerance && !pointAreas), areaRadius(light.shape.radius + kPushReach),
-          strength(light.radiosity * light.shape.area / std::numbers::pi_v<float>), least(light.tolerance) {
+          endsAtTolerance(area && light.endsAtTolerance && !pointAreas), areaRadius(light.shape.radius + kMaxPush),
+          strength(light.radiosity * light.shape.area / std::numbers::pi_v<float>), tolerance(light.tolerance) {
         // A two-sided light is also seen from 2 units behind.
         envelope += area && light.twoSided ? 2 : 0;
     }
@@ -42,29 +49,32 @@ struct BlockSpheres {
     const float *x, *y, *z, *radius, *nx, *ny, *nz, *thickness;
 };
 
-/// keep[i]: -1 if a receiver in sphere i may get light: within the envelope, facing it, on its lit side, and for area
-/// lights not faint: strength * height / distance^3 >= tolerance, the form factor of a differential area.
+/// mayReach[i]: -1 if a receiver in sphere i may get light: within the envelope, facing it, on its lit side, and for
+/// area lights not faint: strength * height / distance^3 >= tolerance, the form factor of a differential area.
 Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
-                          std::int32_t *__restrict keep) {
-    const float aside = twoSided ? 1e30f : 0, behind = light.area && light.oneSided ? 1 : 1e30f;
-    const float strong = light.bounded ? 0 : 1e30f;
+                          std::int32_t *__restrict mayReach) {
+    // How far the light may be behind receivers, and receivers behind the light; what is added to its strength.
+    const float behindReceiver = twoSided ? kUnlimited : 0;
+    const float behindLight = light.area && light.oneSided ? kAreaBehind : kUnlimited;
+    const float extraStrength = light.endsAtTolerance ? 0 : kUnlimited;
     for (std::size_t i = 0; i < count; ++i) {
         const float r = spheres.radius[i];
         const float x = light.origin.x - spheres.x[i], y = light.origin.y - spheres.y[i],
                     z = light.origin.z - spheres.z[i];
-        const float d = std::sqrt(x * x + y * y + z * z);
+        const float distance = std::sqrt(x * x + y * y + z * z);
         const float facing = x * spheres.nx[i] + y * spheres.ny[i] + z * spheres.nz[i];
-        const float s =
+        const float signedHeight = // of the sphere's center over the plane of the light
             spheres.x[i] * light.normal.x + spheres.y[i] * light.normal.y + spheres.z[i] * light.normal.z - light.dist;
         const float cx = light.center.x - spheres.x[i], cy = light.center.y - spheres.y[i],
                     cz = light.center.z - spheres.z[i];
         const float near = std::sqrt(cx * cx + cy * cy + cz * cz) - r - light.areaRadius;
-        const float height = std::max(std::abs(s) + r + 1, kPushHeight);
-        const float most = light.strength * std::min(height, std::max(near, 0.0f)) + strong;
-        const std::int32_t faint = SignBits(1 - near) & SignBits(most - light.least * near * near * near);
-        keep[i] = ~(SignBits(light.envelope - (d - r)) | SignBits(facing + spheres.thickness[i] + aside) |
-                    SignBits(s + r + behind) | faint) >>
-                  31;
+        const float height = std::max(std::abs(signedHeight) + r + 1, kAreaPush);
+        const float most = light.strength * std::min(height, std::max(near, 0.0f)) + extraStrength;
+        const std::int32_t faint = SignBits(1 - near) & SignBits(most - light.tolerance * near * near * near);
+        mayReach[i] =
+            ~(SignBits(light.envelope - (distance - r)) | SignBits(facing + spheres.thickness[i] + behindReceiver) |
+              SignBits(signedHeight + r + behindLight) | faint) >>
+            31;
     }
 }
 
@@ -120,20 +130,20 @@ void LuxelBlocks::Build(const RawLightmap &lightmap) {
     const std::size_t padded = (Count() + kPacketSize - 1) / kPacketSize * kPacketSize;
     for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})
         row->resize(padded);
-    keep_.resize(padded);
+    mayReach_.resize(padded);
 }
 
 void LuxelBlocks::FindReached(const Light &light, const SurfaceLightSettings &settings,
                               std::vector<std::uint32_t> &reached) {
     if (light.type == LightType::Sun)
-        std::fill(keep_.begin(), keep_.end(), -1);
+        std::fill(mayReach_.begin(), mayReach_.end(), -1);
     else
         CullBlocks(
             LightReach(light, settings.pointAreas), Count() > 0 && receivers_[0].twoSided,
             {x_.data(), y_.data(), z_.data(), radius_.data(), nx_.data(), ny_.data(), nz_.data(), thickness_.data()},
-            keep_.size(), keep_.data());
+            mayReach_.size(), mayReach_.data());
     for (std::size_t i = 0; i < Count(); ++i)
-        if (keep_[i] != 0)
+        if (mayReach_[i] != 0)
             reached.push_back(std::uint32_t(i));
 }
 
@@ -168,12 +178,13 @@ float SphereAtHorizon(float cosine, float sine2) {
 /// amount = light on receivers with the given normals for a light of color 1 1 1, before the tint; live lanes only. An
 /// area light that crosses the horizon of a receiver counts as a sphere.
 void LightOn(const Lanes3 &normal, const SurfaceIncidentLight &incident, Lanes &amount) {
-    constexpr float kPointlike = 1e-4f;
+    constexpr float kPointlike = 1e-4f; // squared sine of the angular radius below which a light counts as a point
     const LightDirections &from = incident.directions;
     for (const std::size_t i : kEachLane) {
         if (incident.live[i] == 0)
             continue;
         const float facing = Dot(from.vector[i], normal[i]);
+        // A uniform spherical light of angular radius a has spread = 2 pi (1 - cos a) / (pi sin^2 a) = 2 / (1 + cos a).
         const float cosineOfRadius = 2 / from.spread[i] - 1, sine2 = 1 - cosineOfRadius * cosineOfRadius;
         const float length2 = Dot(from.vector[i], from.vector[i]);
         float light = std::max(0.0f, facing);
@@ -220,7 +231,7 @@ void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const
 
 namespace {
 
-/// Color and direction of incident light. directionScale: length of a direction per unit of light; 0: no
+/// Sets color and direction of incident light. directionScale: length of a direction per unit of light; 0: no
 /// directions.
 Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &from, float directionScale,
                                 LuxelIncidentLight &out) {

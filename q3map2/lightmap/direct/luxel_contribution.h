@@ -59,7 +59,7 @@ class LuxelBlocks {
     // By block, padded to whole packets: bounding sphere of the receivers, their common normal (zero if they differ),
     // and how far they are off the plane through the center with that normal.
     std::vector<float> x_, y_, z_, radius_, nx_, ny_, nz_, thickness_;
-    std::vector<std::int32_t> keep_; ///< -1: the light of the latest FindReached may reach the block
+    std::vector<std::int32_t> mayReach_; ///< -1: the light of the latest FindReached may reach the block; else 0
 };
 
 /// Sum of the light of sources with one style slot and one filter radius, by block.

@@ -12,8 +12,8 @@ namespace q3 {
 
 namespace {
 
-/// Fraction of the interpolation kernel of a cell, a tent of width 2, that lies in a box whose rim is `inside` cells
-/// beyond its center.
+/// Fraction of the kernel of linear interpolation, a tent from -1 to 1 around the center of a cell, that lies in a box
+/// whose rim is `inside` cells beyond that center: an integral of 1 - |x|.
 float FractionInBox(float inside) {
     const float off = std::clamp(1 - std::abs(inside), 0.0f, 1.0f), outer = off * off / 2;
     return inside < 0 ? outer : 1 - outer;
@@ -85,8 +85,8 @@ namespace {
 
 /// Boxes reach at most this many luxels over the border of a lightmap.
 constexpr int kMostReach = 32;
-/// Cosine between basis normals that count as the same.
-constexpr float kSameDirection = 0.98f;
+/// Basis normals within 11 degrees, of which this is the cosine, count as the same.
+constexpr float kSameBasisCosine = 0.98f;
 
 /// Width of a luxel of the super grid. Game units.
 float LuxelWidth(const RawLightmap &raw) {
@@ -100,13 +100,13 @@ float BoxRadius(const SurfaceInputs &in, const RawLightmap &raw, float filterRad
     return radius > 0 || in.lightmap.filter ? std::max(radius, LuxelWidth(raw)) : 0;
 }
 
-/// The radius of a box over luxels of `raw` that blurs as widely as the box of `other` does. The interpolation between
-/// luxels, of another width there, is blur too: variances of box and interpolation add up to the same. Game units; 0:
-/// less than a luxel.
+/// The radius of a box over luxels of `raw` that blurs as widely as the box of `other` does: box and interpolation
+/// together have the same variance, radius^2 / 3 + width^2 / 6 (LuxelFilter::Apply), with the width of the luxels. Game
+/// units; 0: less than a luxel.
 float MatchingRadius(const SurfaceInputs &in, const RawLightmap &raw, const RawLightmap &other, float filterRadius) {
-    const float radius = BoxRadius(in, other, filterRadius), luxelWidth = LuxelWidth(raw), width = LuxelWidth(other);
-    const float square = radius * radius + (width * width - luxelWidth * luxelWidth) / 2;
-    return radius > 0 && square >= luxelWidth * luxelWidth ? std::sqrt(square) : 0;
+    const float radius = BoxRadius(in, other, filterRadius), width = LuxelWidth(raw), otherWidth = LuxelWidth(other);
+    const float square = radius * radius + (otherWidth * otherWidth - width * width) / 2;
+    return radius > 0 && square >= width * width ? std::sqrt(square) : 0;
 }
 
 /// The largest BoxRadius of the light of a lightmap.
@@ -219,6 +219,7 @@ std::vector<float> LightmapBlur::FractionsNear(float radius, float filterRadius)
         if (around_.At(cell) == CellState::Tapped &&
             MatchingRadius(in_, *raw_, surfaces_.lightmaps[around_.TapOf(cell).lightmap], filterRadius) == radius)
             distance[cell] = 0;
+    // Towards neighbors above and to the left (side -1), or below and to the right (side 1).
     const auto shorten = [&](int x, int y, int side) {
         const auto at = [&](int u, int v) -> float & {
             return distance[std::size_t(v) * std::size_t(width) + std::size_t(u)];
@@ -290,7 +291,7 @@ bool LightmapBlur::SameBasis(std::size_t luxel, const LuxelTap &tap) const {
     if (!other.channels.basis)
         return false;
     const BasisNormals basis = raw_->BasisOf(luxel), otherBasis = other.BasisOf(tap.luxels[std::size_t(most)]);
-    return Dot(basis[0], otherBasis[0]) > kSameDirection && Dot(basis[1], otherBasis[1]) > kSameDirection;
+    return Dot(basis[0], otherBasis[0]) > kSameBasisCosine && Dot(basis[1], otherBasis[1]) > kSameBasisCosine;
 }
 
 /// The value in a cell of another lightmap. If that has no such channel, or other basis normals, light there is spread

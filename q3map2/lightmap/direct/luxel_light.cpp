@@ -155,7 +155,8 @@ void DrawDebugView(DebugView view, RawLightmap &lightmap) {
 
 namespace {
 
-/// Of area lights that give every luxel of a block less than this, only some are traced, with more weight. Byte scale.
+/// Of area lights that give every luxel of a block less than this, only some are traced, with more weight
+/// (SelectFaintLight). Byte scale.
 constexpr float kFaint = 1.0f / 16;
 
 Q3_VECTOR void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
@@ -184,11 +185,11 @@ class LightmapPass {
                  RawLightmap &lightmap, std::vector<UnblurredLight> &unblurred, Worker &worker)
         : in_(in), lights_(lights), lightmap_(lightmap), worker_(worker), blurAll_(blurAll), unblurred_(unblurred) {
         pass_ = LuxelPassOf(in, pass, lightmap);
-        sampling_ = in.lightmap.samples > 1 || in.lightmap.randomSamples;
+        supersamples_ = in.lightmap.samples > 1 || in.lightmap.randomSamples;
     }
 
     /// Names of lights that found no place.
-    std::vector<std::string> Dropped() const { return styles_.Names(); }
+    std::vector<std::string> Dropped() const { return styles_.DroppedLightNames(); }
 
     void Run() {
         worker_.blocks.Build(lightmap_);
@@ -202,7 +203,7 @@ class LightmapPass {
             DrawDebugView(in_.lightmap.show, lightmap_);
             return;
         }
-        if (sampling_)
+        if (supersamples_)
             worker_.sampler.Start(in_, lightmap_, worker_.blocks, pass_);
         worker_.list.Build(lights_, lightmap_, in_.options.sunOnly);
         if (StyleChoice::IsNeeded(worker_.list.Lights()))
@@ -223,11 +224,11 @@ class LightmapPass {
                 ClearStyleSlot(lightmap_, slot, slot == 0 ? ambient : Vec3f{});
         if (!pass_.deluxe)
             return;
-        const float fraction = std::max(1.0f / 256, Luminance(ambient) / 255);
+        const float weight = std::max(kLeastDeluxeWeight, Luminance(ambient) / 255);
         lightmap_.directions.assign(count, {});
         for (std::size_t i = 0; i < count; ++i)
             if (lightmap_.Mapped(i))
-                lightmap_.directions[i] = lightmap_.normals[i] * fraction;
+                lightmap_.directions[i] = lightmap_.normals[i] * weight;
     }
 
     /// The sum that the light adds to. Claims the slot for a new style.
@@ -244,7 +245,7 @@ class LightmapPass {
             return;
         worker_.reachedBlocks.clear();
         worker_.blocks.FindReached(light, pass_.settings, worker_.reachedBlocks);
-        if (sampling_)
+        if (supersamples_)
             worker_.sampler.StartLight(light);
         LuxelSum *sum = nullptr;
         const float sign = light.negative ? -1.0f : 1.0f;
@@ -260,10 +261,10 @@ class LightmapPass {
                 AddLanes(incident.direction, 1, sum->direction[block]);
             for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
                 AddLanes(channels[c], sign, sum->channels[block][c]);
-            if (sampling_)
+            if (supersamples_)
                 worker_.sampler.SetBlock(block, incident, channels);
         }
-        if (sampling_ && sum)
+        if (supersamples_ && sum)
             worker_.sampler.Refine(*sum, worker_.counts);
     }
 
@@ -292,7 +293,7 @@ class LightmapPass {
     }
 
     /// Adds a sum to luxels. lanesOf(block): the sum of a block.
-    template <typename LanesOf> void AddDense(const LanesOf &lanesOf, std::vector<Vec3f> &to) const {
+    template <typename LanesOf> void AddLanesToLuxels(const LanesOf &lanesOf, std::vector<Vec3f> &to) const {
         for (std::size_t block = 0; block < worker_.blocks.Count(); ++block) {
             const auto &luxels = worker_.blocks.Luxels(block);
             const Lanes3 &lanes = lanesOf(block);
@@ -301,19 +302,19 @@ class LightmapPass {
         }
     }
 
-    void AddDense(const LuxelSum &sum, std::vector<Vec3f> &light, std::vector<Vec3f> &directions,
-                  ChannelImages &channels) const {
-        AddDense([&](std::size_t block) -> const Lanes3 & { return sum.color[block]; }, light);
+    void AddToLuxels(const LuxelSum &sum, std::vector<Vec3f> &light, std::vector<Vec3f> &directions,
+                     ChannelImages &channels) const {
+        AddLanesToLuxels([&](std::size_t block) -> const Lanes3 & { return sum.color[block]; }, light);
         if (pass_.deluxe)
-            AddDense([&](std::size_t block) -> const Lanes3 & { return sum.direction[block]; }, directions);
+            AddLanesToLuxels([&](std::size_t block) -> const Lanes3 & { return sum.direction[block]; }, directions);
         for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
-            AddDense([&](std::size_t block) -> const Lanes3 & { return sum.channels[block][c]; }, channels[c]);
+            AddLanesToLuxels([&](std::size_t block) -> const Lanes3 & { return sum.channels[block][c]; }, channels[c]);
     }
 
     /// Adds a sum to the lightmap, or keeps it until those of all lightmaps are known, if it is to be blurred.
     void AddSum(const LuxelSum &sum) {
         if (!blurAll_ && sum.filterRadius == 0)
-            return AddDense(sum, lightmap_.light[sum.slot], lightmap_.directions, lightmap_.directional[sum.slot]);
+            return AddToLuxels(sum, lightmap_.light[sum.slot], lightmap_.directions, lightmap_.directional[sum.slot]);
         const std::vector<Vec3f> zero(lightmap_.luxelClusters.size());
         UnblurredLight &kept = unblurred_.emplace_back();
         kept.style = lightmap_.styles[sum.slot], kept.filterRadius = sum.filterRadius;
@@ -321,7 +322,7 @@ class LightmapPass {
         if (pass_.deluxe)
             kept.direction = zero;
         kept.channels.assign(pass_.channels.Count(), zero);
-        AddDense(sum, kept.color, kept.direction, kept.channels);
+        AddToLuxels(sum, kept.color, kept.direction, kept.channels);
     }
 
     const SurfaceInputs &in_;
@@ -330,8 +331,8 @@ class LightmapPass {
     Worker &worker_;
     LuxelPass pass_;
     StyleChoice styles_;
-    bool sampling_ = false;
-    const bool blurAll_; // not only light of sources with a filter radius
+    bool supersamples_ = false; // -samples above 1, or -randomsamples
+    const bool blurAll_;        // not only light of sources with a filter radius
     std::vector<UnblurredLight> &unblurred_;
 };
 

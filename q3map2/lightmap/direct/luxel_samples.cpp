@@ -22,13 +22,15 @@ constexpr float kFirstOffset = 0.25f;
 /// In hitFlags_: the shadow ray of the luxel passed a transparent surface. Makes the sum of its cell differ from the
 /// count of mapped luxels, so the cell is always refined.
 constexpr std::uint8_t kTransparentHit = 16;
-constexpr std::uint64_t kSeedSamples = 0x4C7578656Cull;
+constexpr std::uint64_t kSeedSamples = 0x4C7578656Cull; ///< "Luxel" in ASCII
 
-/// -randomsamples: number of samples for -samples N.
+/// -randomsamples: number of random samples of a luxel for -samples N. N up to 4 is a depth, and 4^N samples, at least
+/// 16, stand for it; above, or with exact (-samples +N), it is the number of samples itself.
 int RandomCount(int samples, bool exact) {
-    if (exact || samples > 4)
+    constexpr int kDeepest = 4, kLeastDepth = 2;
+    if (exact || samples > kDeepest)
         return std::max(samples, 1);
-    return samples <= 2 ? 16 : samples == 3 ? 64 : 256;
+    return 1 << 2 * std::max(samples, kLeastDepth);
 }
 
 /// Whether any of the 2 x 2 cells of two rows of luxels is partly lit.
@@ -52,9 +54,9 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
     in_ = &in, lightmap_ = &lightmap, blocks_ = &blocks, pass_ = pass;
     pass_.settings.faint = 0;
     width_ = lightmap.SuperWidth(), height_ = lightmap.SuperHeight();
-    maxSamples_ = std::max(in.lightmap.samples, 1);
-    randomSamples_ = in.lightmap.randomSamples ? RandomCount(maxSamples_, in.lightmap.samplesExact) : 0;
-    offsetScale_ = float(std::clamp(in.lightmap.samplesSearchBox, 1, 4));
+    maxDepth_ = std::max(in.lightmap.samples, 1);
+    randomSamples_ = in.lightmap.randomSamples ? RandomCount(maxDepth_, in.lightmap.samplesExact) : 0;
+    offsetScale_ = float(std::clamp(in.lightmap.samplesSearchBox, 1, kMaxSearchBox));
     allowed_.emplace(in.space, lightmap.clusters);
     const std::size_t luxels = std::size_t(width_) * std::size_t(height_);
     mappedInCell_.assign(luxels, 0);
@@ -102,8 +104,8 @@ void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
     if (firstTouched_ > lastTouched_)
         return;
     const auto row = [&](std::size_t luxel) { return int(luxel / std::size_t(width_)); };
-    for (int y = std::max(0, row(firstTouched_) - 1); y + 1 < height_ && y <= row(lastTouched_);
-         ++y) { // RefineCell may raise lastTouched_
+    // RefineCell may raise lastTouched_.
+    for (int y = std::max(0, row(firstTouched_) - 1); y + 1 < height_ && y <= row(lastTouched_); ++y) {
         if (!RowIsPartlyLit(y))
             continue;
         for (int x = 0; x + 1 < width_; ++x) {
@@ -221,7 +223,7 @@ LuxelSampler::SubsamplePositions LuxelSampler::PositionsOfSubsamples(std::span<c
 std::vector<LuxelSampler::SamplePlace> LuxelSampler::FirstSamples(int x, int y) const {
     std::vector<SamplePlace> places;
     const std::size_t luxel = lightmap_->SuperIndex(x, y);
-    if (maxSamples_ <= 1 || randomSamples_ > 0 || !lightmap_->Mapped(luxel))
+    if (maxDepth_ <= 1 || randomSamples_ > 0 || !lightmap_->Mapped(luxel))
         return places;
     Sample center;
     center.position = lightmap_->positions[luxel];
@@ -270,7 +272,7 @@ void LuxelSampler::Scale(float factor, Sample &sample) const {
 }
 
 void LuxelSampler::Subsample(std::span<const Refinement> samples, float offset, ContributionCounts &counts) const {
-    if (samples.empty() || samples.front().sample->levels >= maxSamples_)
+    if (samples.empty() || samples.front().sample->depth >= maxDepth_)
         return;
     const SubsamplePositions at = PositionsOfSubsamples(samples, offset);
     std::array<Sample, kPacketSize> subsamples;
@@ -286,7 +288,7 @@ void LuxelSampler::Subsample(std::span<const Refinement> samples, float offset, 
             if (!FindOpenCluster(luxel, at[i], cluster))
                 continue;
             subsamples[receivers.count].position = at[i];
-            subsamples[receivers.count].levels = samples[k].sample->levels + 1;
+            subsamples[receivers.count].depth = samples[k].sample->depth + 1;
             luxels[receivers.count] = luxel;
             receivers.Add(at[i], normal, cluster);
         }
@@ -305,14 +307,15 @@ void LuxelSampler::AverageSubsamples(const Refinement &whole, std::span<Sample> 
     if (subsamples.empty())
         return;
     Vec3f total;
-    std::size_t mapped = subsamples.size(), lit = 0;
+    std::size_t lit = 0;
+    bool anyFiltered = false;
     for (const Sample &subsample : subsamples) {
         total += subsample.color;
         lit += subsample.lit ? 1 : 0;
-        if (subsample.filtered)
-            lit += 1, mapped += 2; // never equal: always refined, as by kTransparentHit
+        anyFiltered = anyFiltered || subsample.filtered;
     }
-    if (MaxComponent(total) > kDarkCell && lit != 0 && lit != mapped) {
+    const bool partlyLit = anyFiltered || (lit != 0 && lit != subsamples.size());
+    if (MaxComponent(total) > kDarkCell && partlyLit) {
         std::array<Refinement, kSubsamples> refinements;
         for (std::size_t i = 0; i < subsamples.size(); ++i)
             refinements[i] = {whole.x, whole.y, &subsamples[i]};
@@ -322,7 +325,6 @@ void LuxelSampler::AverageSubsamples(const Refinement &whole, std::span<Sample> 
     for (const Sample &subsample : subsamples)
         Accumulate(subsample, sample);
     Scale(1.0f / float(1 + subsamples.size()), sample);
-    ++sample.levels;
 }
 
 LuxelSampler::Sample LuxelSampler::RandomSamples(int x, int y, ContributionCounts &counts) const {

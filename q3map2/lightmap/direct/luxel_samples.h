@@ -36,8 +36,9 @@ class LuxelSampler {
         Vec3f position;
         Vec3f color, direction;
         std::array<Vec3f, kMaxChannels> channels{};
-        int levels = 1; ///< 1 + levels of subsamples that are averaged into it; at most -samples
-        bool lit = false, filtered = false;
+        int depth = 1;         ///< 1 for the sample of a luxel, one more for each level of subsamples; at most -samples
+        bool lit = false;      ///< light arrives
+        bool filtered = false; ///< by a shadow ray that met a transparent surface
     };
     /// A sample of luxel (x, y) that is refined.
     struct Refinement {
@@ -73,8 +74,10 @@ class LuxelSampler {
     const LuxelBlocks *blocks_ = nullptr;
     const Light *light_ = nullptr;
     LuxelPass pass_;
-    int width_ = 0, height_ = 0, maxSamples_ = 1, randomSamples_ = 0;
-    float offsetScale_ = 1;
+    int width_ = 0, height_ = 0;
+    int maxDepth_ = 1;                               ///< of subsamples: -samples; 1: none
+    int randomSamples_ = 0;                          ///< samples of a refined luxel under -randomsamples; else 0
+    float offsetScale_ = 1;                          ///< factor of the offsets of samples: -samplessearchboxsize
     mutable std::optional<VisibleClusters> allowed_; ///< clusters that may hold samples
     std::vector<std::uint8_t> mappedInCell_;         ///< mapped luxels of the cell with this upper left luxel
     std::vector<std::uint8_t> hitFlags_, refined_;   ///< by luxel; hitFlags_: 1 if lit, plus kTransparentHit

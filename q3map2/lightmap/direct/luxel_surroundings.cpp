@@ -98,9 +98,9 @@ bool SurfaceFinder::FindTap(const SurfacePlace &place, LuxelTap &tap) const {
 
 namespace {
 
-/// Surfaces continue each other if their normals turn by at most 30 degrees from cell to cell, of which this is the
-/// cosine, and the segment between the cells leaves the surface by at most kMaxRise of its length plus kRiseSlack (game
-/// units).
+/// Surfaces continue each other if their normals turn by at most 30 degrees from cell to cell, of which kMostTurnCosine
+/// is the cosine, and the segment between the cells leaves the surface by at most kMaxRise of its length plus
+/// kRiseSlack (game units).
 constexpr float kMostTurnCosine = 0.866f, kMaxRise = 0.15f, kRiseSlack = 0.25f;
 /// A surface is searched this far over and under the tangent plane, plus kHeightFraction of the step. Game units.
 constexpr float kHeight = 2, kHeightFraction = 0.5f;
@@ -191,7 +191,7 @@ LuxelSurroundings::Footing LuxelSurroundings::FootingOf(int x, int y) const {
 }
 
 /// Finds where the outermost luxels stand. One whose center lies on a surface of another lightmap takes its light.
-void LuxelSurroundings::LookAtBorder(const LuxelMask &outside) {
+void LuxelSurroundings::LookAtBorder(const LuxelMask &nearBorder) {
     struct Look {
         std::size_t cell;
         std::uint32_t footing;
@@ -219,7 +219,7 @@ void LuxelSurroundings::LookAtBorder(const LuxelMask &outside) {
                 continue;
             states_[cell] = CellState::Own;
             visited_[cell] = 1;
-            if (outside[cell] == 0)
+            if (nearBorder[cell] == 0)
                 continue;
             const Footing at = FootingOf(x, y);
             footingOf_[cell] = std::uint32_t(footings_.size());
@@ -230,12 +230,12 @@ void LuxelSurroundings::LookAtBorder(const LuxelMask &outside) {
     rays.Flush();
 }
 
-/// Steps to cells that the walk has not been at, from their neighbors among the cells of the last steps; from one
-/// beside them rather than from one at a corner.
-void LuxelSurroundings::FindNextSteps(std::span<const std::size_t> last, std::vector<Step> &steps) {
+/// Steps to cells that the walk has not been at, from their neighbors in the frontier, the cells of the last steps;
+/// from one beside them rather than from one at a corner.
+void LuxelSurroundings::FindNextSteps(std::span<const std::size_t> frontier, std::vector<Step> &steps) {
     steps.clear();
     for (const auto &[dx, dy] : kAround)
-        for (const std::size_t cell : last) {
+        for (const std::size_t cell : frontier) {
             const auto x = int(cell % std::size_t(width_)) + dx, y = int(cell / std::size_t(width_)) + dy;
             if (x < 0 || y < 0 || x >= width_ || y >= height_)
                 continue;
@@ -250,7 +250,7 @@ void LuxelSurroundings::FindNextSteps(std::span<const std::size_t> last, std::ve
 
 /// Sets where the steps lead, if the surface continues there and nothing opaque is in between.
 void LuxelSurroundings::TakeSteps(std::vector<Step> &steps) {
-    auto down = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
+    auto downRays = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
         const SurfaceFinder::Places places = finder_.FirstHits(packet, kind_);
         for (std::size_t i = 0; i < numbers.size(); ++i)
             if (Step &step = steps[numbers[i]]; Continues(step.from, places[i]))
@@ -259,10 +259,10 @@ void LuxelSurroundings::TakeSteps(std::vector<Step> &steps) {
     for (std::size_t i = 0; i < steps.size(); ++i) {
         const Footing &from = steps[i].from;
         const float height = kHeight + kHeightFraction * Length(steps[i].target - from.position);
-        down.Add(i, steps[i].target + from.normal * height, -from.normal, 2 * height);
+        downRays.Add(i, steps[i].target + from.normal * height, -from.normal, 2 * height);
     }
-    down.Flush();
-    auto between = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
+    downRays.Flush();
+    auto betweenRays = MakeRayBatcher<std::size_t>([&](RayPacket &packet, std::span<const std::size_t> numbers) {
         finder_.TraceOccluded(packet);
         for (std::size_t i = 0; i < numbers.size(); ++i)
             if (packet.live[i] == 0)
@@ -271,9 +271,9 @@ void LuxelSurroundings::TakeSteps(std::vector<Step> &steps) {
     for (std::size_t i = 0; i < steps.size(); ++i)
         if (const auto &[cell, from, target, found] = steps[i]; found.surface >= 0) {
             const float lift = kLift + kLiftFraction * Length(found.position - from.position);
-            between.Aim(i, from.position + from.normal * lift, found.position + found.normal * lift);
+            betweenRays.Aim(i, from.position + from.normal * lift, found.position + found.normal * lift);
         }
-    between.Flush();
+    betweenRays.Flush();
 }
 
 /// Sets the state of a cell after the step to it.
@@ -311,24 +311,25 @@ void LuxelSurroundings::Walk(std::size_t lightmap, int reach) {
     for (int y = 0; y < raw_->SuperHeight(); ++y)
         for (int x = 0; x < raw_->SuperWidth(); ++x)
             outside[CellOf(x, y)] = !raw_->Mapped(raw_->SuperIndex(x, y));
-    const LuxelMask beside = Dilate(outside, width_, height_);
+    const LuxelMask besideOutside = Dilate(outside, width_, height_);
     // Rings of luxels beside the surface, and the luxels that it covers in part.
+    LuxelMask nearBorder = std::move(outside);
     for (int ring = 0; ring <= std::max(1, raw_->super / 2); ++ring)
-        outside = Dilate(outside, width_, height_);
-    LookAtBorder(outside);
-    std::vector<std::size_t> last;
+        nearBorder = Dilate(nearBorder, width_, height_);
+    LookAtBorder(nearBorder);
+    std::vector<std::size_t> frontier;
     for (std::size_t cell = 0; cell < cells; ++cell)
-        if (footingOf_[cell] != kNone && beside[cell] != 0)
-            last.push_back(cell);
+        if (footingOf_[cell] != kNone && besideOutside[cell] != 0)
+            frontier.push_back(cell);
     std::vector<Step> steps;
-    for (int level = 0; level < reach && !last.empty(); ++level) {
-        FindNextSteps(last, steps);
+    for (int ring = 0; ring < reach && !frontier.empty(); ++ring) {
+        FindNextSteps(frontier, steps);
         TakeSteps(steps);
-        last.clear();
+        frontier.clear();
         for (const Step &step : steps) {
             Arrive(step);
             if (states_[step.cell] == CellState::Tapped)
-                last.push_back(step.cell);
+                frontier.push_back(step.cell);
         }
     }
 }

@@ -64,7 +64,7 @@ class SurfaceFinder {
 
     const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;
-    std::vector<int> models_; // by draw surface
+    std::vector<int> models_; // by draw surface: number of its inline model, 0: the world
     std::unique_ptr<FaceScene> opaque_, translucent_;
 };
 
@@ -117,10 +117,10 @@ class LuxelSurroundings {
     bool Continues(const Footing &from, const SurfacePlace &place) const;
     void Tap(std::size_t cell, const LuxelTap &tap);
     Footing FootingOf(int x, int y) const;
-    void LookAtBorder(const LuxelMask &outside);
+    void LookAtBorder(const LuxelMask &nearBorder);
     void TakeSteps(std::vector<Step> &steps);
     void Arrive(const Step &step);
-    void FindNextSteps(std::span<const std::size_t> last, std::vector<Step> &steps);
+    void FindNextSteps(std::span<const std::size_t> frontier, std::vector<Step> &steps);
 
     const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;

@@ -80,9 +80,9 @@ namespace {
 
 constexpr float kLongestDirection = 0.564190f;      // of one light: sqrt(3) kL1Directed
 constexpr float kLeastDirectionality = kL1Flat / 4; // at the smooth normal
-constexpr float kBrightest = 1e9f;
-constexpr float kDark = 1e-12f;              // light with an L0 up to this has no direction
-constexpr float kColorlessLuminance = 1e-4f; // below it light counts as white
+constexpr float kBrightest = 1e9f;                  // infinite light counts as this (chosen)
+constexpr float kDark = 1e-12f;                     // light with an L0 up to this has no direction
+constexpr float kColorlessLuminance = 1e-4f;        // below it light counts as white
 
 /// Finite, and not below 0. NaN gives 0.
 float NotNegative(float value) {
@@ -112,7 +112,8 @@ ColorAndDirection Coefficients(const GatheredLight &light) {
     if (!(l0 > kDark))
         return {incident * (1 / kL1Flat), {}};
     const Vec3f direction = Vec3f{y, z, x} * (kL1Directed / l0);
-    const float directed = light.correction / l0 - kL1Flat;
+    // The direction's part of the value at the normal: l1Luminance = l0 (kL1Flat + directed).
+    const float directed = light.l1Luminance / l0 - kL1Flat;
     if (!IsFinite(direction) || !std::isfinite(directed))
         return {incident * (1 / kL1Flat), {}};
     float shorter = std::min(1.0f, kLongestDirection / std::max(Length(direction), kLongestDirection));
@@ -121,17 +122,17 @@ ColorAndDirection Coefficients(const GatheredLight &light) {
     return {incident * (1 / (kL1Flat + shorter * directed)), direction * shorter};
 }
 
-/// Smallest and largest value of a coefficient, and bytes between them.
+/// Smallest and largest value of a coefficient, and the bytes between them.
 class Range {
   public:
     void Add(float value) { low_ = std::min(low_, value), high_ = std::max(high_, value); }
     float Multiply() const { return high_ > low_ ? high_ - low_ : 0; }
     float Offset() const { return high_ >= low_ ? low_ : 0; }
-    /// 0 to 255.
-    float Place(float value) const {
+    /// The byte for a value before rounding, 0 to 255.
+    float UnroundedByte(float value) const {
         return Multiply() > 0 ? std::clamp((value - low_) / Multiply(), 0.0f, 1.0f) * 255 : 0;
     }
-    std::uint8_t Byte(float value) const { return std::uint8_t(std::lround(Place(value))); }
+    std::uint8_t Byte(float value) const { return std::uint8_t(std::lround(UnroundedByte(value))); }
     float Value(std::uint8_t byte) const { return float(byte) / 255 * Multiply() + Offset(); }
 
   private:
@@ -170,16 +171,16 @@ Vec3f RootChromaticity(const Vec3f &color, float luminance) {
 void QuantizeLog(std::span<const std::size_t> mapped, std::span<const float> luminance, std::size_t image,
                  Lightmap &out) {
     const LogScale log = image == kHigh ? kHighLog : kLowLog;
-    const auto place = [&](float l) { return std::clamp(std::log2(l + log.black), -log.scale / 2, log.scale / 2); };
+    const auto logOf = [&](float l) { return std::clamp(std::log2(l + log.black), -log.scale / 2, log.scale / 2); };
     Range range;
     for (const float l : luminance)
-        range.Add(place(l));
+        range.Add(logOf(l));
     for (std::size_t m = 0; m < mapped.size(); m++) {
         auto &bytes = out.luxels[mapped[m]].coefficients;
-        const float at = range.Place(place(luminance[m])), whole = std::round(at);
-        bytes[image][3] = std::uint8_t(whole);
+        const float exact = range.UnroundedByte(logOf(luminance[m])), rounded = std::round(exact);
+        bytes[image][3] = std::uint8_t(rounded);
         if (image == kHigh)
-            bytes[image + 1][3] = UnitByte(at - whole + 0.5f);
+            bytes[image + 1][3] = UnitByte(exact - rounded + 0.5f);
     }
     out.range.multiply[image][3] = range.Multiply();
     out.range.add[image][3] = range.Offset();
@@ -224,13 +225,13 @@ std::array<std::uint8_t, 4> SkyBytes(const Vec3f &sky) {
 void GatheredLight::AddL1(const L1Light &light, const Vec3f &lit, const Vec3f &normal) {
     incident += lit;
     l1 += light;
-    correction += DirectionalLuminance(light.Evaluate(normal));
+    l1Luminance += DirectionalLuminance(light.Evaluate(normal));
 }
 
 GatheredLight &GatheredLight::operator+=(const GatheredLight &o) {
     incident += o.incident;
     l1 += o.l1;
-    correction += o.correction;
+    l1Luminance += o.l1Luminance;
     skyOcclusion += o.skyOcclusion;
     unoccluded += o.unoccluded;
     return *this;
@@ -239,7 +240,7 @@ GatheredLight &GatheredLight::operator+=(const GatheredLight &o) {
 GatheredLight &GatheredLight::operator*=(float scale) {
     incident *= scale;
     l1 *= scale;
-    correction *= scale;
+    l1Luminance *= scale;
     skyOcclusion *= scale;
     unoccluded *= scale;
     return *this;

@@ -123,11 +123,11 @@ inline constexpr LogScale kHighLog{0.01858136f, 11.5f}, kLowLog{0.00390625f, 16.
 
 /// Light gathered at a point with a smooth normal. Additive: sums and weighted means of samples are samples.
 struct GatheredLight {
-    Vec3f incident;       ///< lit value at the smooth normal, unit scale
-    L1Light l1;           ///< the same light from all directions
-    float correction = 0; ///< luminance that `l1` gives at the smooth normal
-    Vec3f skyOcclusion;   ///< mean direction of visible sky; its length is the visible fraction
-    float unoccluded = 0; ///< ambient occlusion: 0 to 1, 1 is open
+    Vec3f incident;        ///< lit value at the smooth normal, unit scale
+    L1Light l1;            ///< the same light from all directions
+    float l1Luminance = 0; ///< that `l1` gives at the smooth normal
+    Vec3f skyOcclusion;    ///< mean direction of visible sky; its length is the visible fraction
+    float unoccluded = 0;  ///< ambient occlusion: 0 to 1, 1 is open
 
     /// Adds light, given as L1 and as lit value at the normal. Light from behind counts in `light` only.
     void AddL1(const L1Light &light, const Vec3f &lit, const Vec3f &normal);

@@ -10,8 +10,6 @@
 
 namespace q3 {
 
-// ---- Settings of lightmaps, vertex light and bounces ----
-
 namespace {
 
 constexpr int kMinPageSide = 2;
@@ -79,15 +77,14 @@ LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &l
     return o;
 }
 
-// ---- Declares the options of lightmaps, vertex light and bounces ----
+// ---- The options, their ranges and their help ----
 
 namespace {
 
 using Group = SettingGroup<LightmapOptions>;
 using Values = SettingValues;
 
-constexpr int kMaxSuper = 8, kMaxSearchBox = 4, kMaxSamples = 64, kMaxExactSamples = 65536, kMaxBounces = 1000,
-              kMaxBounceRays = 16384;
+constexpr int kMaxSuper = 8, kMaxSamples = 64, kMaxExactSamples = 65536, kMaxBounces = 1000, kMaxBounceRays = 16384;
 constexpr int kMaxSampleSize = 16384, kMaxSearchBlock = 1 << 20, kMaxSearchPower = 20;
 constexpr SettingRange kPositive{.low = 0, .aboveLow = true}, kFraction{0, 1};
 
@@ -420,9 +417,10 @@ Group Encodings() {
     const auto hdrOnly = [](LightmapOptions &o, const Values &) { o.ldr = false, o.hdr = true; };
     const auto both = [](LightmapOptions &o, const Values &) { o.ldr = o.hdr = true; };
     const auto files = [](LightmapOptions &o, const Values &v) {
-        constexpr std::array<std::string_view, 4> kForms = {"rend2", "ioquake3", "exr", "pfm"};
-        const auto found = std::find(kForms.begin(), kForms.end(), v.words[0]);
-        o.hdrFiles = HdrFiles(1 + (found - kForms.begin()));
+        // In the order of HdrFiles after None.
+        constexpr std::array<std::string_view, 4> kWords = {"rend2", "ioquake3", "exr", "pfm"};
+        const auto found = std::find(kWords.begin(), kWords.end(), v.words[0]);
+        o.hdrFiles = HdrFiles(1 + (found - kWords.begin()));
         o.hdr = true;
     };
     const auto ldr = [](LightmapOptions &o, const Values &) {

@@ -18,6 +18,9 @@ namespace q3 {
 /// Longest side of a lightmap page, in texels; more than any engine supports.
 inline constexpr int kMaxPageSide = 8192;
 
+/// Largest -samplessearchboxsize, luxels.
+inline constexpr int kMaxSearchBox = 4;
+
 /// LightmapOptions::bounces of -bounce inf.
 inline constexpr int kEndlessBounces = std::numeric_limits<int>::max();
 
@@ -39,7 +42,7 @@ struct LightmapOptions {
 
     // Samples.
     int super = 1;                          ///< -super, 1 to 8
-    int samples = 1;                        ///< -samples: levels of adaptive subsampling plus one
+    int samples = 1;                        ///< -samples: depth of adaptive sampling; 1: one sample a luxel
     bool samplesExact = false;              ///< -samples +N
     bool randomSamples = false;             ///< -randomsamples
     int samplesSearchBox = 1;               ///< -samplessearchboxsize, 1 to 4
@@ -49,15 +52,17 @@ struct LightmapOptions {
     int sampleScale = 0;                    ///< -samplescale; 0: off
     int rawSizeLimit = 0;                   ///< -rawlightmapsizelimit; 0: off
     bool triangleCheck = false, extraVisNudge = false, dark = false;
-    bool shade = false;
-    float shadeAngle = 0; ///< degrees
-    bool halfLambert = false, fastPoint = true;
-    bool fast = false, faster = false, cheap = false;
+    bool shade = false;                               ///< smooths vertex normals
+    float shadeAngle = 0;                             ///< -shadeangle, degrees; over 0 includes shade
+    bool halfLambert = false;                         ///< -lightanglehl 1
+    bool fastPoint = true;                            ///< false: -nofastpoint
+    bool fast = false, faster = false, cheap = false; ///< of LightOptions
 
     // Dirt.
     bool dirty = false;
-    bool dirtRandom = false; ///< -dirtmode 1
-    float dirtDepth = 128, dirtScale = 1, dirtGain = 1;
+    bool dirtRandom = false;           ///< -dirtmode 1
+    float dirtDepth = 128;             ///< game units
+    float dirtScale = 1, dirtGain = 1; ///< factor and exponent
 
     // Bounces.
     int bounces = 0;                ///< kEndlessBounces: until little light is left
@@ -65,7 +70,8 @@ struct LightmapOptions {
     std::optional<int> bounceRays;  ///< -bouncerays, of a luxel; not given: 64, or 24 under -fast
     bool linearReflectance = false; ///< -reflectivity linear
     bool bounceGrid = false, bounceOnly = false;
-    float bounceScale = 0.25f, bounceColorRatio = 1;
+    float bounceScale = 0.25f;  ///< 0.25 * -bouncescale
+    float bounceColorRatio = 1; ///< 0: bounced light is gray, 1: of the texture's color
 
     // Vertices.
     float vertexScale = 1;
@@ -80,7 +86,8 @@ struct LightmapOptions {
     bool external = false;
     std::string externalFolder; ///< -lightmapdir
     bool deluxe = false, deluxeTangent = false;
-    bool collapse = true, fastAllocate = true;
+    bool collapse = true;           ///< false: -nocollapse
+    bool fastAllocate = true;       ///< false: -slowallocate
     int searchBlock = 0;            ///< pages; 0: all
     std::optional<int> searchPower; ///< -lightmapsearchpower
     bool noSearch = false;          ///< -nolightmapsearch
@@ -96,6 +103,7 @@ struct LightmapOptions {
     bool rnmRescaled = true;          ///< -rnmstorage
     bool lightmass = false, skyOcclusion = false;
     std::vector<std::string> shadowMaps; ///< -shadowmap: names of lights
+    /// Whether luxels keep the SH of their light.
     bool NeedsSH() const { return lightmass; }
 
     // Debug.

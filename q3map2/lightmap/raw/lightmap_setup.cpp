@@ -25,26 +25,30 @@ constexpr float kSamePosition = 0.001f;
 constexpr float kSameNormal = 0.01f;
 /// Rounding of angles: normals at exactly the shading angle are not joined. Radians.
 constexpr float kAngleSlack = 1e-6f;
-/// Largest number of vertices that share one normal.
+/// Largest number of vertices that share one normal (chosen).
 constexpr std::size_t kMaxGroup = 256;
 
 /// Side of the hash cells that vertices are found by. Game units.
-constexpr double kCell = 0.125;
+constexpr double kHashCell = 0.125;
+/// Cell numbers are clamped to this, so that they fit 64-bit integers.
+constexpr double kMaxCell = 1e15;
 
 bool Near(const Vec3f &a, const Vec3f &b, float epsilon) {
     return std::abs(a.x - b.x) < epsilon && std::abs(a.y - b.y) < epsilon && std::abs(a.z - b.z) < epsilon;
 }
 
+/// A number for the hash cell of p; several cells may have the same.
 std::uint64_t CellKey(const Vec3f &p) {
+    constexpr std::uint64_t kMultiplier = 0x9E3779B97F4A7C15u; // 2^64 / golden ratio
     std::uint64_t key = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-        const double cell = std::clamp(std::floor(double(p[i]) / kCell), -1e15, 1e15);
-        key = key * 0x9E3779B97F4A7C15u + std::uint64_t(std::int64_t(cell));
+        const double cell = std::clamp(std::floor(double(p[i]) / kHashCell), -kMaxCell, kMaxCell);
+        key = key * kMultiplier + std::uint64_t(std::int64_t(cell));
     }
     return key;
 }
 
-/// Cells that positions within kSamePosition of p can be in, each once.
+/// Keys of the cells that positions within kSamePosition of p can be in, each once.
 std::vector<std::uint64_t> CellsAround(const Vec3f &p) {
     std::vector<std::uint64_t> keys;
     for (const float x : {-kSamePosition, kSamePosition})
@@ -155,14 +159,18 @@ bool Overlap(const Boundsf &a, const Boundsf &b) {
 /// A draw surface and the properties that decide which surfaces share its raw lightmap.
 struct Candidate {
     int number = 0;
-    bool patch = false, planar = false, lightmapped = false, mergable = false;
-    Vec3f normal;
+    bool isPatch = false;
+    bool planar = false;
+    bool getsLightmap = false; ///< else it is lit at its vertices
+    bool mergable = false;     ///< q3map_lightmapMergable: shares lightmaps across planes
+    Vec3f normal;              ///< of the plane, with dist; zero: not planar
     float dist = 0;
     const SurfaceEntry *entry = nullptr;
     std::array<int, 2> pageSize{};
 };
 
-std::tuple<std::string_view, int, float, float, float, bool> FirstKeys(const Candidate &c) {
+/// The properties that surfaces of one lightmap mostly share.
+std::tuple<std::string_view, int, float, float, float, bool> SharedKeys(const Candidate &c) {
     const Vec3f &axis = c.entry->axis;
     return {c.entry->shader->name, c.entry->sampleSize, axis.x, axis.y, axis.z, c.planar};
 }
@@ -170,7 +178,7 @@ std::tuple<std::string_view, int, float, float, float, bool> FirstKeys(const Can
 /// Hash cell of a plane distance, 1 game unit wide: distances that differ by kEqualEpsilon are in the same or in
 /// neighboring cells.
 std::int64_t PlaneCell(float dist) {
-    return std::int64_t(std::clamp(std::floor(double(dist)), -1e15, 1e15));
+    return std::int64_t(std::clamp(std::floor(double(dist)), -kMaxCell, kMaxCell));
 }
 
 class LightmapSetup {
@@ -181,12 +189,12 @@ class LightmapSetup {
         MakeVerts();
         CollectClusters();
         MakeCandidates();
-        for (std::size_t i = 0; i < order_.size(); ++i)
-            if (order_[i].lightmapped)
-                (order_[i].mergable ? mergable_ : onPlanes_[PlaneCell(order_[i].dist)]).push_back(i);
-        taken_.resize(order_.size());
-        for (std::size_t i = 0; i < order_.size(); ++i)
-            if (order_[i].lightmapped && !taken_[i])
+        for (std::size_t i = 0; i < candidates_.size(); ++i)
+            if (candidates_[i].getsLightmap)
+                (candidates_[i].mergable ? mergable_ : onPlanes_[PlaneCell(candidates_[i].dist)]).push_back(i);
+        taken_.resize(candidates_.size());
+        for (std::size_t i = 0; i < candidates_.size(); ++i)
+            if (candidates_[i].getsLightmap && !taken_[i])
                 MakeLightmap(i);
         Report();
     }
@@ -213,9 +221,9 @@ class LightmapSetup {
 
     const SurfaceInputs &in_;
     SurfaceLight &out_;
-    std::vector<Candidate> order_;
-    std::vector<bool> taken_;                                             // by position in order_
-    std::vector<std::size_t> mergable_;                                   // positions in order_
+    std::vector<Candidate> candidates_;
+    std::vector<bool> taken_;                                             // by position in candidates_
+    std::vector<std::size_t> mergable_;                                   // positions in candidates_
     std::unordered_map<std::int64_t, std::vector<std::size_t>> onPlanes_; // others, by PlaneCell
     int grown_ = 0;
 };
@@ -260,9 +268,9 @@ void LightmapSetup::CollectClusters() {
 
 bool LightmapSetup::GetsLightmap(const Candidate &c) const {
     const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(c.number)];
-    return (surface.surfaceType == MST_PLANAR || c.patch) && surface.numVerts > 0 && !in_.lightmap.noLightmaps &&
+    return (surface.surfaceType == MST_PLANAR || c.isPatch) && surface.numVerts > 0 && !in_.lightmap.noLightmaps &&
            (c.entry->shader->compileFlags & C_VERTEXLIT) == 0 && c.entry->sampleSize > 0 && c.entry->parent < 0 &&
-           (c.patch || c.entry->axis != Vec3f{}) &&
+           (c.isPatch || c.entry->axis != Vec3f{}) &&
            !IsCollisionOnly(in_.bsp, in_.table, std::size_t(c.number), in_.options.noDrawSurfaceFlags);
 }
 
@@ -271,7 +279,7 @@ Candidate LightmapSetup::MakeCandidate(int number) const {
     Candidate c;
     c.number = number;
     c.entry = &in_.table[std::size_t(number)];
-    c.patch = surface.surfaceType == MST_PATCH;
+    c.isPatch = surface.surfaceType == MST_PATCH;
     c.normal = Vec3f(surface.lightmapVecs[2]);
     c.planar = c.normal != Vec3f{} && surface.numVerts > 0;
     if (c.planar)
@@ -280,7 +288,7 @@ Candidate LightmapSetup::MakeCandidate(int number) const {
     c.mergable = shader.mergable;
     for (std::size_t i = 0; i < 2; ++i)
         c.pageSize[i] = shader.pageSize[i] > 0 ? shader.pageSize[i] : in_.lightmap.pageSize[i];
-    c.lightmapped = GetsLightmap(c);
+    c.getsLightmap = GetsLightmap(c);
     return c;
 }
 
@@ -288,9 +296,9 @@ Candidate LightmapSetup::MakeCandidate(int number) const {
 /// properties that surfaces of one lightmap share.
 void LightmapSetup::MakeCandidates() {
     for (std::size_t i = 0; i < in_.table.size(); ++i)
-        order_.push_back(MakeCandidate(int(i)));
+        candidates_.push_back(MakeCandidate(int(i)));
     const auto before = [&](const Candidate &a, const Candidate &b) {
-        const auto keysA = FirstKeys(a), keysB = FirstKeys(b);
+        const auto keysA = SharedKeys(a), keysB = SharedKeys(b);
         if (keysA != keysB)
             return keysA > keysB;
         const auto more = [&](const Candidate &c) {
@@ -299,7 +307,7 @@ void LightmapSetup::MakeCandidates() {
         };
         return more(a) > more(b);
     };
-    std::sort(order_.begin(), order_.end(), before);
+    std::sort(candidates_.begin(), candidates_.end(), before);
 }
 
 RawLightmap LightmapSetup::Seed(const Candidate &c) const {
@@ -480,7 +488,7 @@ void LightmapSetup::SetLuxelCoordinates(const RawLightmap &raw) {
     }
 }
 
-/// Positions in order_ of surfaces without a lightmap yet that are in the plane of the seed, or mergable.
+/// Positions in candidates_ of surfaces without a lightmap yet that are in the plane of the seed, or mergable.
 std::vector<std::size_t> LightmapSetup::MergeCandidates(const Candidate &seed) {
     const auto isTaken = [&](std::size_t position) { return taken_[position]; };
     std::erase_if(mergable_, isTaken);
@@ -497,11 +505,11 @@ std::vector<std::size_t> LightmapSetup::MergeCandidates(const Candidate &seed) {
 }
 
 void LightmapSetup::MakeLightmap(std::size_t seedPosition) {
-    const Candidate &seed = order_[seedPosition];
+    const Candidate &seed = candidates_[seedPosition];
     taken_[seedPosition] = true;
     RawLightmap raw = Seed(seed);
     AddSurface(raw, seed);
-    const bool parametric = seed.patch && raw.axis == Vec3f{};
+    const bool parametric = seed.isPatch && raw.axis == Vec3f{};
     bool fits = true;
     if (parametric) {
         raw.planar = false;
@@ -512,9 +520,9 @@ void LightmapSetup::MakeLightmap(std::size_t seedPosition) {
         for (bool added = true; added;) {
             added = false;
             for (const std::size_t position : sharers) {
-                if (taken_[position] || !Fits(raw, seed, order_[position]))
+                if (taken_[position] || !Fits(raw, seed, candidates_[position]))
                     continue;
-                AddSurface(raw, order_[position]);
+                AddSurface(raw, candidates_[position]);
                 fits = Project(raw, seed);
                 taken_[position] = added = true;
             }
@@ -563,18 +571,18 @@ void LightmapSetup::Finish(RawLightmap &raw) {
 
 void LightmapSetup::Report() const {
     int lightmapped = 0, planar = 0, patches = 0, planarPatches = 0;
-    for (const Candidate &c : order_) {
+    for (const Candidate &c : candidates_) {
         if (out_.lightmapOf[std::size_t(c.number)] < 0)
             continue;
         ++lightmapped;
-        planar += c.planar && !c.patch ? 1 : 0;
-        patches += c.patch ? 1 : 0;
-        planarPatches += c.patch && c.planar ? 1 : 0;
+        planar += c.planar && !c.isPatch ? 1 : 0;
+        patches += c.isPatch ? 1 : 0;
+        planarPatches += c.isPatch && c.planar ? 1 : 0;
     }
     Log &log = in_.log;
-    log.Count(order_.size(), "surfaces");
+    log.Count(candidates_.size(), "surfaces");
     log.Count(out_.lightmaps.size(), "raw lightmaps");
-    log.Count(order_.size() - lightmapped, "surfaces vertex lit");
+    log.Count(candidates_.size() - lightmapped, "surfaces vertex lit");
     log.Count(lightmapped, "surfaces lightmapped");
     log.Count(planar, "planar surfaces lightmapped");
     log.Count(lightmapped - planar - patches, "non-planar surfaces lightmapped");

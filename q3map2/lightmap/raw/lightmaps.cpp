@@ -44,7 +44,7 @@ void StyleChoice::Choose() {
         dropped_.insert(order[i].second);
 }
 
-std::vector<std::string> StyleChoice::Names() const {
+std::vector<std::string> StyleChoice::DroppedLightNames() const {
     std::vector<std::string> names;
     for (const Light *light : lights_) {
         if (!Drops(light->style))
@@ -77,15 +77,13 @@ void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view light, s
              kStyles - 1, names);
 }
 
-// ---- Records of light on surfaces that the passes from luxel mapping to storing share ----
-
 // ---- Directional channels of luxels: L1 SH, and light on the RNM basis normals ----
 
 BasisNormals BasisNormalsOf(const Vec3f &normal, const LuxelTangent &tangent) {
-    constexpr float kLeastLength = 1e-4f;
+    constexpr float kLeastLength = 1e-4f; // sine of the angle from the normal; below, the tangent gives no axis
     Vec3f across = Cross(normal, tangent.s);
     if (Length(across) < kLeastLength)
-        across = Cross(normal, std::abs(normal.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1});
+        across = Cross(normal, std::abs(normal.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1}); // far from parallel
     across = Normalize(across);
     const Vec3f s = Cross(across, normal), t = across * tangent.side;
     BasisNormals normals;

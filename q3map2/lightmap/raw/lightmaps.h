@@ -60,7 +60,7 @@ class StyleChoice {
     void Choose();
     bool Drops(int style) const { return dropped_.contains(style); }
     /// Names of lights whose style is dropped, each once, in the order of Add.
-    std::vector<std::string> Names() const;
+    std::vector<std::string> DroppedLightNames() const;
 
   private:
     std::map<int, double> energies_; ///< by style
@@ -76,6 +76,10 @@ void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view light, s
 inline float DeluxeWeight(const Vec3f &color) {
     return std::max(0.0f, Luminance(color)) / 255;
 }
+
+/// Least weight of the normal in the direction of ambient light and floodlight, so that a luxel without other light has
+/// the direction of its normal.
+inline constexpr float kLeastDeluxeWeight = 1.0f / 256;
 
 /// Bounced light counts by this fraction of its weight: it comes from the whole hemisphere, so its mean direction
 /// says little.
@@ -100,7 +104,7 @@ struct DirectionalChannels {
 };
 inline constexpr std::size_t kMaxChannels = DirectionalChannels::kSH + DirectionalChannels::kBasis;
 
-/// Constants of the SH basis, k0 and k1.
+/// Constants of the SH basis: k0 = sqrt(1 / pi) / 2 and k1 = sqrt(3 / pi) / 2.
 inline constexpr float kSH0 = 0.28209479f, kSH1 = 0.48860251f;
 /// Channel values per unit of light: the two bands of directed light, and uniform light.
 inline constexpr float kDirectedSH0 = std::numbers::pi_v<float> * kSH0, kDirectedSH1 = std::numbers::pi_v<float> * kSH1,
@@ -206,7 +210,7 @@ struct RawLightmap {
     std::vector<LuxelTangent> tangents; ///< luxel_normal.cpp; empty unless channels.basis
     BasisNormals BasisOf(std::size_t luxel) const { return BasisNormalsOf(normals[luxel], tangents[luxel]); }
 
-    // Super grid, once: luxel_occlusion.cpp, luxel_occlusion.cpp. Empty when off.
+    // Super grid, once: luxel_occlusion.cpp. Empty when off.
     std::vector<float> dirt;       ///< factor of the light, 0 to 1
     std::vector<Vec3f> floodlight; ///< byte scale
     ChannelImages floodChannels;

@@ -31,8 +31,8 @@ struct MapCounts {
 
 /// Memory that a worker keeps from lightmap to lightmap, by luxel.
 struct MapScratch {
-    std::vector<int> hits;            // samples of surfaces in the luxel
-    std::vector<std::uint8_t> passes; // pass that mapped it: 1: a surface, 2 and more: a ring around surfaces
+    std::vector<int> normalCount;     // how many normals are summed up in it
+    std::vector<std::uint8_t> passOf; // pass that mapped it: 1: a surface, 2 and more: a ring around surfaces
 };
 
 /// The steps in which the triangles of surfaces are mapped. Triangles of a planar lightmap with one normal take Centers
@@ -55,8 +55,8 @@ class LuxelMapper {
         raw.positions.assign(count, {});
         raw.normals.assign(count, {});
         raw.luxelClusters.assign(count, kUnmapped);
-        scratch.hits.assign(count, 0);
-        scratch.passes.assign(count, 0);
+        scratch.normalCount.assign(count, 0);
+        scratch.passOf.assign(count, 0);
     }
 
     MapCounts Run() {
@@ -67,6 +67,7 @@ class LuxelMapper {
             MapSurface(number, {MapStep::ThinEdges, MapStep::Rest});
         if (anySums_)
             MakeUnitNormals();
+        // The border that bilinear filtering reads is half a luxel wide: super / 2 super luxels, at least one.
         if (raw_.planar)
             for (int pass = 2; pass <= std::max(1, raw_.super / 2) + 1; ++pass)
                 MapBorder(pass);
@@ -115,13 +116,13 @@ class LuxelMapper {
     int superWidth_ = 0, superHeight_ = 0;
     MapCounts counts_;
     bool anyOccluded_ = false, anySums_ = false; // some luxel is occluded, or has the sum of several normals
-    int lastMapped_ = -1;                        // the surface that was mapped last
+    int lastSurface_ = -1;                       // the surface that was mapped last
+    bool allOneNormal_ = false; // all vertices of all surfaces have the same normal: one sample a luxel is enough
 
     // Of the surface being mapped.
     float offset_ = kSampleOffset;
     VisibleClusters *filter_ = nullptr;
-    bool oneNormal_ = false;    // all its vertices have the same normal
-    bool allOneNormal_ = false; // so do all surfaces of the lightmap: one sample a luxel is enough
+    bool oneNormal_ = false; // all its vertices have the same normal
 };
 
 float SampleOffsetOf(const SurfaceEntry &entry) {
@@ -152,19 +153,20 @@ LuxelPlane LuxelMapper::PlaneOf(const SurfaceVertex &a, const SurfaceVertex &b, 
 
 /// Whether luxels can be projected onto the plane: it has a normal, and is not edge-on along the projection axis.
 bool LuxelMapper::Usable(const LuxelPlane &plane) const {
+    constexpr float kEdgeOnComponent = 1e-6f;
     return plane.normal != Vec3f{} && IsFinite(plane.normal) &&
-           (!raw_.hasVectors || std::abs(plane.normal[AxesOf(raw_.axis).along]) > 1e-6f);
+           (!raw_.hasVectors || std::abs(plane.normal[AxesOf(raw_.axis).along]) > kEdgeOnComponent);
 }
 
 /// Luxels that an earlier surface left in solids are tried again: this one may find an open position.
 void LuxelMapper::RetryOccluded(int surface) {
-    if (anyOccluded_ && lastMapped_ != surface) {
+    if (anyOccluded_ && lastSurface_ != surface) {
         std::replace_if(
             raw_.luxelClusters.begin(), raw_.luxelClusters.end(), [](int cluster) { return cluster < 0; },
             int(kUnmapped));
         anyOccluded_ = false;
     }
-    lastMapped_ = surface;
+    lastSurface_ = surface;
 }
 
 void LuxelMapper::MapSurface(int number, MapSteps steps) {
@@ -176,7 +178,7 @@ void LuxelMapper::MapSurface(int number, MapSteps steps) {
     offset_ = SampleOffsetOf(entry);
     const auto first = surfaces_.verts.begin() + surface.firstVert;
     // Vertices that a damaged map shares among surfaces may lie in another lightmap.
-    const auto inside = [&](const SurfaceVertex &v) {
+    const auto inside = [&](const SurfaceVertex &v) { // up to one luxel of rounding outside
         return v.luxel[0] > -1 && v.luxel[0] < float(raw_.SuperWidth() + 1) && v.luxel[1] > -1 &&
                v.luxel[1] < float(raw_.SuperHeight() + 1);
     };
@@ -285,7 +287,7 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
     const auto normal = [&] { return normals.Active() ? normals.Perturbed(v) : v.normal; };
     if (cluster >= 0) {
         raw_.normals[luxel] += normal();
-        ++scratch_.hits[luxel];
+        ++scratch_.normalCount[luxel];
         anySums_ = true;
         return;
     }
@@ -302,20 +304,20 @@ void LuxelMapper::SetLuxel(std::size_t luxel, const LuxelPosition &position, con
     raw_.luxelClusters[luxel] = position.cluster;
     raw_.positions[luxel] = position.xyz;
     raw_.normals[luxel] = normal;
-    scratch_.hits[luxel] = 1;
-    scratch_.passes[luxel] = std::uint8_t(pass);
+    scratch_.normalCount[luxel] = 1;
+    scratch_.passOf[luxel] = std::uint8_t(pass);
 }
 
 void LuxelMapper::MakeUnitNormals() {
     for (std::size_t i = 0; i < raw_.luxelClusters.size(); ++i)
-        if (raw_.Mapped(i) && scratch_.hits[i] > 1)
+        if (raw_.Mapped(i) && scratch_.normalCount[i] > 1)
             raw_.normals[i] = Normalize(raw_.normals[i]);
 }
 
 /// Calls luxel(index) for neighbors that a pass before `pass` mapped.
 template <typename Luxel> void LuxelMapper::ForEarlierAround(int x, int y, int pass, const Luxel &luxel) const {
     ForNeighborhood(x, y, superWidth_, superHeight_, [&](int nx, int ny) {
-        if (const std::size_t at = raw_.SuperIndex(nx, ny); raw_.Mapped(at) && scratch_.passes[at] < pass)
+        if (const std::size_t at = raw_.SuperIndex(nx, ny); raw_.Mapped(at) && scratch_.passOf[at] < pass)
             luxel(at);
     });
 }
@@ -342,7 +344,7 @@ void LuxelMapper::MapBorder(int pass) {
     std::vector<Vec3f> neighbors;
     LuxelMask earlier(raw_.luxelClusters.size());
     for (std::size_t i = 0; i < earlier.size(); ++i)
-        earlier[i] = raw_.Mapped(i) && scratch_.passes[i] < pass;
+        earlier[i] = raw_.Mapped(i) && scratch_.passOf[i] < pass;
     const LuxelMask touching = Dilate(earlier, superWidth_, superHeight_);
     for (int y = 0; y < superHeight_; ++y)
         for (int x = 0; x < superWidth_; ++x) {
@@ -367,7 +369,7 @@ void Report(const SurfaceLight &surfaces, const std::vector<MapCounts> &counts, 
         luxels += surfaces.lightmaps[i].luxelClusters.size();
         sum.mapped += counts[i].mapped;
         sum.occluded += counts[i].occluded;
-        sum.positions.atVertex += counts[i].positions.atVertex;
+        sum.positions.atSample += counts[i].positions.atSample;
         sum.positions.failed += counts[i].positions.failed;
         for (std::size_t k = 0; k < sum.positions.nudges.size(); ++k)
             sum.positions.nudges[k] += counts[i].positions.nudges[k];
@@ -378,7 +380,7 @@ void Report(const SurfaceLight &surfaces, const std::vector<MapCounts> &counts, 
     log.Verbose("{:9} luxels lit at their center, {} nudged, {} at a vertex; {} attempts failed\n",
                 sum.positions.nudges[0],
                 std::accumulate(sum.positions.nudges.begin() + 1, sum.positions.nudges.end(), std::uint64_t(0)),
-                sum.positions.atVertex, sum.positions.failed);
+                sum.positions.atSample, sum.positions.failed);
 }
 
 } // namespace

@@ -13,6 +13,7 @@ namespace q3 {
 
 namespace {
 
+/// Index of the texel that is nearest to a texture coordinate, if texel k is at k / size; the texture repeats.
 int NearestTexel(float coordinate, int size) {
     const float fraction = coordinate - std::floor(coordinate);
     return std::isfinite(fraction) ? int(float(size) * fraction + 0.5f) % size : 0;
@@ -30,17 +31,19 @@ NormalMap::NormalMap(const NormalImage &normals, const SurfaceVertex &a, const S
 
 Vec3f NormalMap::Perturbed(const SurfaceVertex &v) const {
     const auto texel = image_->Texel(NearestTexel(v.st[0], image_->width), NearestTexel(v.st[1], image_->height));
-    // As the established program decodes: byte 127 is zero, so components are -0.996 to 1.004.
-    const auto signedOf = [](std::uint8_t c) { return (float(c) - 127) / 127.5f; };
-    Vec3f bent = v.normal + s_ * signedOf(texel[0]) + t_ * signedOf(texel[1]) + v.normal * signedOf(texel[2]);
+    Vec3f perturbed;
     if (ssbump_) {
         Vec3f sum;
         for (std::size_t i = 0; i < kRnmBasis.size(); ++i)
             sum += kRnmBasis[i] * float(texel[i]);
-        bent = s_ * sum.x + t_ * sum.y + v.normal * sum.z;
+        perturbed = s_ * sum.x + t_ * sum.y + v.normal * sum.z;
+    } else {
+        // The established program decodes byte 127 as 0, so components are -127 / 127.5 to 128 / 127.5.
+        const auto component = [](std::uint8_t byte) { return (float(byte) - 127) / 127.5f; };
+        perturbed = v.normal + s_ * component(texel[0]) + t_ * component(texel[1]) + v.normal * component(texel[2]);
     }
-    bent = Normalize(bent);
-    return bent == Vec3f{} ? v.normal : bent;
+    perturbed = Normalize(perturbed);
+    return perturbed == Vec3f{} ? v.normal : perturbed;
 }
 
 // ---- Tangents of luxels from texture coordinates ----
@@ -81,7 +84,7 @@ class TangentFinder {
             ForTriangles(in_, surfaces_, number, [&](const auto &a, const auto &b, const auto &c) { Add(a, b, c); });
         for (std::size_t luxel = 0; luxel < known_.size(); ++luxel)
             known_[luxel] = s_[luxel] != Vec3f{};
-        while (Grow()) {
+        while (GrowByRing()) {
         }
         raw_.tangents.resize(known_.size());
         for (std::size_t luxel = 0; luxel < known_.size(); ++luxel)
@@ -101,7 +104,7 @@ class TangentFinder {
     }
 
     /// Gives mapped luxels next to known ones the mean tangent of these. False: no luxel was added.
-    bool Grow() {
+    bool GrowByRing() {
         std::vector<std::size_t> grown;
         for (int y = 0; y < raw_.SuperHeight(); ++y)
             for (int x = 0; x < raw_.SuperWidth(); ++x)
@@ -127,9 +130,9 @@ class TangentFinder {
     const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;
     RawLightmap &raw_;
-    std::vector<bool> known_; // by luxel
-    std::vector<Vec3f> s_;    // sum of TextureAxes::s of the triangles
-    std::vector<float> handedness_;
+    std::vector<bool> known_;       // by luxel
+    std::vector<Vec3f> s_;          // by luxel: sum of TextureAxes::s of the triangles
+    std::vector<float> handedness_; // by luxel: sum of LuxelTangent::side of the triangles
 };
 
 } // namespace

@@ -19,13 +19,14 @@ struct TextureAxes {
 /// The texture axes of a triangle; none if it has no area in texture space.
 inline std::optional<TextureAxes> TextureAxesOf(const SurfaceVertex &a, const SurfaceVertex &b,
                                                 const SurfaceVertex &c) {
-    constexpr float kLeastArea = 1e-8f; // in textures squared
+    constexpr float kLeastTwiceArea = 1e-8f; // in square textures
     const float s1 = b.st[0] - a.st[0], t1 = b.st[1] - a.st[1], s2 = c.st[0] - a.st[0], t2 = c.st[1] - a.st[1];
-    const float area = s1 * t2 - s2 * t1;
-    if (!(std::abs(area) >= kLeastArea))
+    const float twiceArea = s1 * t2 - s2 * t1;
+    if (!(std::abs(twiceArea) >= kLeastTwiceArea))
         return std::nullopt;
+    // Solves ab = s1 S + t1 T and ac = s2 S + t2 T for the axes S and T.
     const Vec3f ab = b.xyz - a.xyz, ac = c.xyz - a.xyz;
-    const TextureAxes axes{Normalize((ab * t2 - ac * t1) / area), Normalize((ac * s1 - ab * s2) / area)};
+    const TextureAxes axes{Normalize((ab * t2 - ac * t1) / twiceArea), Normalize((ac * s1 - ab * s2) / twiceArea)};
     if (!IsFinite(axes.s) || !IsFinite(axes.t))
         return std::nullopt;
     return axes;
@@ -52,9 +53,10 @@ class NormalMap {
     /// Not active without an image, or if the triangle has no area in texture space. Keeps a pointer to the image.
     NormalMap(const NormalImage &normals, const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c);
     bool Active() const { return image_ != nullptr; }
-    /// The vertex normal perturbed by the nearest texel; call only if active. q3map_normalImage: Normalize(N + S s + T
-    /// t + N n), components s, t, n in [-1, 1] from red, green, blue. q3map_ssbumpImage: Normalize(S x + T y + N z),
-    /// with (x, y, z) the sum of the basis vectors of libs/math/rnm_basis.h times the channels; N where all are black.
+    /// The vertex normal N perturbed by the nearest texel; call only if active. S and T are the texture axes.
+    /// q3map_normalImage: Normalize(N + r S + g T + b N), with r, g, b in [-1, 1] from red, green and blue.
+    /// q3map_ssbumpImage: Normalize(x S + y T + z N), with (x, y, z) the sum of the basis vectors of
+    /// libs/math/rnm_basis.h times the channels; N where all are black.
     Vec3f Perturbed(const SurfaceVertex &v) const;
 
   private:

@@ -18,16 +18,16 @@ namespace {
 
 /// Positions this near to an opaque brush count as inside it. Game units.
 constexpr float kBrushEpsilon = 0.125f;
-/// -trianglecheck: positions closer than this to an edge are moved to 1 unit inside of it. Game units.
-constexpr float kEdgeMargin = 0.125f;
-/// Triangles with less than half this area in the lightmap give no luxel steps. Square luxels.
+/// -trianglecheck: positions closer than kEdgeMargin to an edge are moved to kEdgeInset inside of it. Game units.
+constexpr float kEdgeMargin = 0.125f, kEdgeInset = 1;
+/// Triangles whose doubled area in the lightmap is smaller give no luxel steps. Square luxels.
 constexpr float kLeastTwiceArea = 1e-4f;
 /// Spacing of luxels on a curve, as a fraction of the nominal luxel size, below which a nudge of half a luxel leaves
 /// the curve.
-constexpr float kDense = 0.5f;
+constexpr float kDenseSpacing = 0.5f;
 /// Distance from an edge of a triangle, in game units, at which a point over it is certainly not on the face of the
 /// wall that the edge may run along.
-constexpr float kInward = 0.25f;
+constexpr float kAnchorInset = 0.25f;
 /// A position is moved off all edges of a triangle this often, since a move off one may cross another.
 constexpr int kTriangleRounds = 3;
 
@@ -81,6 +81,7 @@ LuxelTriangle LuxelsOf(const std::array<SurfaceVertex, 3> &triangle) {
 } // namespace
 
 LuxelSteps LuxelStepsOf(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) {
+    // Solves p = pu U + pv V and q = qu U + qv V for the steps U across and V down.
     const Vec3f p = b.xyz - a.xyz, q = c.xyz - a.xyz;
     const float pu = b.luxel[0] - a.luxel[0], pv = b.luxel[1] - a.luxel[1];
     const float qu = c.luxel[0] - a.luxel[0], qv = c.luxel[1] - a.luxel[1], twiceArea = pu * qv - qu * pv;
@@ -106,7 +107,7 @@ Vec3f LuxelPositionFinder::OnSurface(const Request &luxel) const {
     const LuxelPlane &plane = luxel.plane;
     Vec3f p = raw_.hasVectors ? OnPlane(float(luxel.x), float(luxel.y), plane) : luxel.sample->xyz;
     if (in_.lightmap.triangleCheck && plane.triangle)
-        p = MovedIntoTriangle(p, *plane.triangle, plane.normal, kEdgeMargin, 1);
+        p = MovedIntoTriangle(p, *plane.triangle, plane.normal, kEdgeMargin, kEdgeInset);
     return p;
 }
 
@@ -119,7 +120,7 @@ std::array<LuxelSteps, 2> LuxelPositionFinder::StepsOfNudges(const LuxelPlane &p
         step *= size;
     LuxelSteps luxelSteps = plane.steps;
     const float spacing = std::min(Length(luxelSteps[0]), Length(luxelSteps[1]));
-    if (spacing == 0 || spacing >= kDense * size)
+    if (spacing == 0 || spacing >= kDenseSpacing * size)
         return {whole};
     for (Vec3f &step : luxelSteps)
         if (const float length = Length(step); length > size)
@@ -157,10 +158,10 @@ Vec3f LuxelPositionFinder::Anchor(const Request &luxel) const {
     } else {
         p = luxel.sample->xyz + luxel.sample->normal * luxel.offset;
     }
-    return MovedIntoTriangle(p, triangle, luxel.plane.normal, kInward, kInward);
+    return MovedIntoTriangle(p, triangle, luxel.plane.normal, kAnchorInset, kAnchorInset);
 }
 
-bool LuxelPositionFinder::IsOnItsSide(const Request &luxel, const Vec3f &p) const {
+bool LuxelPositionFinder::IsOnSideOfSurface(const Request &luxel, const Vec3f &p) const {
     if (luxel.IsBeside())
         return std::any_of(luxel.neighbors.begin(), luxel.neighbors.end(),
                            [&](const Vec3f &from) { return StateOfSegment(in_.space, from, p) == SegmentState::Open; });
@@ -175,7 +176,7 @@ bool LuxelPositionFinder::IsOverTriangle(const LuxelPlane &plane, const Vec3f &p
 LuxelPosition LuxelPositionFinder::Centered(const Request &luxel, VisibleClusters &filter, PositionCounts &counts) {
     const Vec3f p = Lifted(OnSurface(luxel), luxel.plane, luxel.offset);
     int cluster = ClusterAt(p + ClusterLookupOffset(luxel.plane), filter);
-    if (cluster >= 0 && !CoversCenter(luxel) && !IsOnItsSide(luxel, p))
+    if (cluster >= 0 && !CoversCenter(luxel) && !IsOnSideOfSurface(luxel, p))
         cluster = kSolidCluster;
     counts.nudges[0] += cluster >= 0;
     return {p, cluster};
@@ -215,7 +216,7 @@ LuxelPosition LuxelPositionFinder::Nudged(const Request &luxel, const Vec3f &cen
         for (std::size_t i = 0; i < kNudges.size() && stepPair != LuxelSteps{}; ++i) {
             const Vec3f nudged = center + NudgeOf(i, stepPair);
             const int cluster = ClusterAt(nudged + lookupOffset, filter);
-            if (cluster >= 0 && IsOverTriangle(luxel.plane, nudged) && IsOnItsSide(luxel, nudged)) {
+            if (cluster >= 0 && IsOverTriangle(luxel.plane, nudged) && IsOnSideOfSurface(luxel, nudged)) {
                 ++counts.nudges[i + 1];
                 return {nudged, cluster};
             }
@@ -225,7 +226,7 @@ LuxelPosition LuxelPositionFinder::Nudged(const Request &luxel, const Vec3f &cen
         position.xyz = Fallback(luxel);
         position.cluster = ClusterAt(position.xyz, filter);
     }
-    ++(position.Occluded() ? counts.failed : counts.atVertex);
+    ++(position.Occluded() ? counts.failed : counts.atSample);
     return position;
 }
 
@@ -240,8 +241,6 @@ constexpr std::size_t kSelf = kRing.size();
 /// A side counts if the space this far from its luxel towards the luxel in the wall is open: there bilinear filtering
 /// gives the latter this weight. Luxels.
 constexpr float kLeastWeight = 1.0f / 8;
-/// Positions this near to an opaque brush count as inside it. Game units.
-constexpr float kSeenEpsilon = 0.125f;
 
 /// A luxel in a wall that is shown on several sides of it.
 struct WallLuxel {
@@ -251,7 +250,7 @@ struct WallLuxel {
 
 /// Luxels that are lit at their center.
 LuxelMask CenteredLuxels(const RawLightmap &raw) {
-    constexpr float kSame = 1.0f / 64; // luxels
+    constexpr float kRounding = 1.0f / 64; // luxels
     const LuxelAxes axes = AxesOf(raw.axis);
     LuxelMask centered(raw.luxelClusters.size());
     for (int y = 0; y < raw.SuperHeight(); ++y)
@@ -260,8 +259,8 @@ LuxelMask CenteredLuxels(const RawLightmap &raw) {
             if (!raw.Mapped(at))
                 continue;
             const Vec3f from = raw.positions[at] - raw.origin;
-            centered[at] = std::abs(from[axes.u] / raw.step[0][axes.u] - float(x)) < kSame &&
-                           std::abs(from[axes.v] / raw.step[1][axes.v] - float(y)) < kSame;
+            centered[at] = std::abs(from[axes.u] / raw.step[0][axes.u] - float(x)) < kRounding &&
+                           std::abs(from[axes.v] / raw.step[1][axes.v] - float(y)) < kRounding;
         }
     return centered;
 }
@@ -277,27 +276,27 @@ class SideFinder {
     std::optional<WallLuxel> Find(int x, int y) const {
         const std::size_t self = raw_.SuperIndex(x, y);
         std::array<std::size_t, kRing.size()> around{};
-        std::array<bool, kRing.size() + 1> counts{};
+        std::array<bool, kRing.size() + 1> counted{}; // whether the luxel counts in its side; the last: luxel (x, y)
         for (std::size_t k = 0; k < kRing.size(); ++k) {
             const int u = x + kRing[k][0], v = y + kRing[k][1];
             if (u < 0 || v < 0 || u >= raw_.SuperWidth() || v >= raw_.SuperHeight())
                 continue;
             around[k] = raw_.SuperIndex(u, v);
-            counts[k] = centered_[around[k]] != 0 && IsOnSurface(raw_.positions[around[k]]);
+            counted[k] = centered_[around[k]] != 0 && IsOnSurface(raw_.positions[around[k]]);
         }
-        if (!MayHaveTwoSides(counts))
+        if (!MayHaveTwoSides(counted))
             return std::nullopt;
         for (std::size_t k = 0; k < kRing.size(); ++k)
-            counts[k] = counts[k] && IsOpenTowards(around[k], k);
-        counts[kSelf] = raw_.Mapped(self);
+            counted[k] = counted[k] && IsOpenTowards(around[k], k);
+        counted[kSelf] = raw_.Mapped(self);
         const auto position = [&](std::size_t k) -> const Vec3f & {
             return raw_.positions[k == kSelf ? self : around[k]];
         };
-        std::array<std::uint8_t, kRing.size() + 1> side{};
+        std::array<std::uint8_t, kRing.size() + 1> side{}; // the first luxel of the side, as an index in the ring
         for (std::size_t k = 0; k <= kSelf; ++k)
             side[k] = std::uint8_t(k);
         const auto join = [&](std::size_t a, std::size_t b) {
-            if (counts[a] && counts[b] && side[a] != side[b] &&
+            if (counted[a] && counted[b] && side[a] != side[b] &&
                 StateOfSegment(space_, position(a), position(b)) == SegmentState::Open)
                 std::replace(side.begin(), side.end(), std::max(side[a], side[b]), std::min(side[a], side[b]));
         };
@@ -305,7 +304,7 @@ class SideFinder {
             join(k, (k + 1) % kRing.size());
         for (std::size_t k = 0; k < kRing.size(); ++k)
             join(kSelf, k);
-        return Sides(self, around, counts, side);
+        return Sides(self, around, counted, side);
     }
 
   private:
@@ -337,20 +336,20 @@ class SideFinder {
         const Vec3f back =
             raw_.step[0] * (float(-kRing[k][0]) * kLeastWeight) + raw_.step[1] * (float(-kRing[k][1]) * kLeastWeight);
         const Vec3f p = raw_.positions[neighbor] + back;
-        return space_.ClusterAt(p, kSeenEpsilon) >= 0;
+        return space_.ClusterAt(p, kBrushEpsilon) >= 0;
     }
 
     static std::optional<WallLuxel> Sides(std::size_t self, const std::array<std::size_t, kRing.size()> &around,
-                                          const std::array<bool, kRing.size() + 1> &counts,
+                                          const std::array<bool, kRing.size() + 1> &counted,
                                           const std::array<std::uint8_t, kRing.size() + 1> &side) {
         WallLuxel found{self, {}};
         for (std::size_t group = 0; group <= kSelf; ++group) {
             std::vector<std::size_t> luxels;
-            if (counts[kSelf] && side[kSelf] == group)
+            if (counted[kSelf] && side[kSelf] == group)
                 luxels.push_back(self); // lit on this side
             else
                 for (std::size_t k = 0; k < kRing.size(); ++k)
-                    if (counts[k] && side[k] == group)
+                    if (counted[k] && side[k] == group)
                         luxels.push_back(around[k]);
             if (!luxels.empty())
                 found.sides.push_back(std::move(luxels));

@@ -25,7 +25,8 @@ LuxelSteps LuxelStepsOf(const SurfaceVertex &a, const SurfaceVertex &b, const Su
 /// How often each kind of position was found. One luxel may have several failed attempts.
 struct PositionCounts {
     std::array<std::uint64_t, 9> nudges{}; ///< by nudge + 1; [0]: the center itself
-    std::uint64_t atVertex = 0, failed = 0;
+    std::uint64_t atSample = 0;            ///< above the sample, or above the part of the triangle in the luxel
+    std::uint64_t failed = 0;
 };
 
 /// The position that was found for a luxel.
@@ -83,7 +84,7 @@ class LuxelPositionFinder {
     /// A point of the surface, lifted: that of the triangle nearest to the center of the luxel, or the sample.
     Vec3f Anchor(const Request &luxel) const;
     /// Whether p is on the same side of walls as the surface, which may lie in a solid itself.
-    bool IsOnItsSide(const Request &luxel, const Vec3f &p) const;
+    bool IsOnSideOfSurface(const Request &luxel, const Vec3f &p) const;
     /// Whether p is over the triangle, if that matters: in lightmaps of surfaces in several planes.
     bool IsOverTriangle(const LuxelPlane &plane, const Vec3f &p) const;
     Vec3f Lifted(Vec3f p, const LuxelPlane &plane, float offset) const;

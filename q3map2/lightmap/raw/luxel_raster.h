@@ -17,8 +17,7 @@
 
 namespace q3 {
 
-// ---- Faces that a surface is drawn as, what is between two surfaces of one plane, and clusters that see
-// a surface.
+// ---- Faces that a surface is drawn as ----
 
 /// A corner of a triangle or quad of a draw surface.
 struct FaceCorner {
@@ -43,6 +42,8 @@ enum class SurfaceGap {
 SurfaceGap GapBetween(const SurfaceInputs &in, const SurfaceLight &surfaces, int a, int b, const Vec3f &normal,
                       float reach);
 
+// ---- Clusters that see a surface ----
+
 /// Filter for the positions from which a surface may be lit: their cluster must see a cluster of the surface. Caches
 /// PVS results, so it is not thread-safe: use one object per thread.
 class VisibleClusters {
@@ -59,6 +60,8 @@ class VisibleClusters {
     const std::vector<int> &clusters_;
     std::vector<IsVisible> isVisible_; ///< by cluster
 };
+
+// ---- Projection of luxels ----
 
 /// World axes (0 x, 1 y, 2 z) of a projected raw lightmap: u to the next column, v to the next row, `along` projection.
 struct LuxelAxes {
@@ -79,13 +82,13 @@ inline Vec3f OntoPlane(Vec3f p, std::size_t along, const Vec3f &normal, float di
     return p;
 }
 
-// ---- Luxels that a surface covers: by rows of a triangle, or by subdivision into samples at most a
-// threshold apart.
+// ---- Luxels that a surface covers: by subdivision into samples at most a threshold apart, or row by row ----
 
 /// Edges along an axis of the lightmap (ends differ by less on the other axis) are sampled too: subdividing the
 /// triangle may skip luxels along them. Luxels.
 inline constexpr float kAxisEdge = 0.01f;
 
+/// Squared distance of two vertices in the lightmap. Square luxels.
 inline float LuxelDistance2(const SurfaceVertex &a, const SurfaceVertex &b) {
     const float s = a.luxel[0] - b.luxel[0], t = a.luxel[1] - b.luxel[1];
     return s * s + t * t;
@@ -152,16 +155,16 @@ void SubdivideTriangle(const SurfaceVertex &a, const SurfaceVertex &b, const Sur
 template <bool kOneNormal, typename Sample>
 void SubdivideQuad(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c, const SurfaceVertex &d,
                    float threshold2, const Sample &sample) {
-    const float even = std::max(LuxelDistance2(a, b), LuxelDistance2(c, d));
-    const float odd = std::max(LuxelDistance2(b, c), LuxelDistance2(d, a));
-    if (!(std::max(even, odd) > threshold2))
+    const float abOrCd = std::max(LuxelDistance2(a, b), LuxelDistance2(c, d));
+    const float bcOrDa = std::max(LuxelDistance2(b, c), LuxelDistance2(d, a));
+    if (!(std::max(abOrCd, bcOrDa) > threshold2))
         return;
-    const bool first = even >= odd;
-    const SurfaceVertex m = first ? Midpoint<kOneNormal>(a, b) : Midpoint<kOneNormal>(b, c);
-    const SurfaceVertex n = first ? Midpoint<kOneNormal>(c, d) : Midpoint<kOneNormal>(d, a);
+    const bool halvesAb = abOrCd >= bcOrDa;
+    const SurfaceVertex m = halvesAb ? Midpoint<kOneNormal>(a, b) : Midpoint<kOneNormal>(b, c);
+    const SurfaceVertex n = halvesAb ? Midpoint<kOneNormal>(c, d) : Midpoint<kOneNormal>(d, a);
     sample(m);
     sample(n);
-    if (first) {
+    if (halvesAb) {
         SubdivideQuad<kOneNormal>(a, m, n, d, threshold2, sample);
         SubdivideQuad<kOneNormal>(m, b, c, n, threshold2, sample);
     } else {

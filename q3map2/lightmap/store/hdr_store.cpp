@@ -47,7 +47,7 @@ class PageLightWriter {
     void Write(const LightmapLayer &layer) {
         LightmapPage &page = pages_[std::size_t(layer.page)];
         const float scale = ToneMapper::FactorOf(layer.brightness, tone_) / 255;
-        const Vec3f least = layer.style == 0 ? in_.world.minLight : Vec3f{};
+        const Vec3f least = layer.slot == 0 ? in_.world.minLight : Vec3f{};
         if (layer.solid) {
             if (!page.light.empty())
                 page.light[page.Index(layer.x, layer.y)] = Max(layer.color, least) * scale;
@@ -95,21 +95,21 @@ Vec3f VertexLightOf(const SurfaceInputs &in, const ShaderInfo &shader, const Vec
     return Max(light, in.world.minVertex) * ((scale > 0 ? scale : 1) * ToneMapper::FactorOf(1, tone) / 255);
 }
 
-// ---- HDR light of lightmap pages as images beside the map ----
+// ---- HDR images of -export and -import ----
 
 namespace {
 
 using FileBytes = std::vector<std::byte>;
 
 /// A format of -hdrformat. Images in exr, pfm and hdr have the last row of the page on top, as in ExportLightmaps.
-struct HdrForm {
+struct HdrFormat {
     std::string_view name, prefix, extension;
     FileBytes (*encode)(const FloatImage &page);
     FloatImage (*decode)(std::span<const std::byte> file, std::string_view name);
     float fullVertexLight = 0; ///< full light in vertlight.raw; 0: the format has no such file
 };
 
-constexpr HdrForm kForms[] = {
+constexpr HdrFormat kHdrFormats[] = {
     {"exr", "lightmap", "exr", [](const FloatImage &page) { return EncodeExr(FlippedRows(page)); },
      [](std::span<const std::byte> file, std::string_view name) { return FlippedRows(DecodeExr(file, name)); }},
     {"pfm", "lightmap", "pfm", [](const FloatImage &page) { return EncodePfm(FlippedRows(page)); },
@@ -120,10 +120,10 @@ constexpr HdrForm kForms[] = {
     {"rend2", "lm", "hdr", EncodeRend2Hdr, DecodeRend2Hdr, kRend2VertexScale},
     {"ioquake3", "lm", "hdr", EncodeIoquake3Hdr, DecodeIoquake3Hdr, kIoquake3VertexScale}};
 /// Formats that -import looks for without -hdrformat. Their file names differ; rend2 and ioquake3 share theirs.
-constexpr std::span<const HdrForm> kFormsByFileName(kForms, 4);
+constexpr std::span<const HdrFormat> kFormatsByFileName(kHdrFormats, 4);
 
-const HdrForm &FormOf(std::string_view name) {
-    return *std::ranges::find(kForms, name, &HdrForm::name);
+const HdrFormat &FormatOf(std::string_view name) {
+    return *std::ranges::find(kHdrFormats, name, &HdrFormat::name);
 }
 
 /// The E5BGR9 codes of one image: a page, or the map of one basis normal.
@@ -149,8 +149,8 @@ std::vector<HdrPart> HdrParts(Bsp &bsp, int side) {
     return parts;
 }
 
-std::filesystem::path FileOfPart(const std::filesystem::path &folder, const HdrPart &part, const HdrForm &form) {
-    return folder / fmt::format("{}_{}.{}", form.prefix, part.name, form.extension);
+std::filesystem::path FileOfPart(const std::filesystem::path &folder, const HdrPart &part, const HdrFormat &format) {
+    return folder / fmt::format("{}_{}.{}", format.prefix, part.name, format.extension);
 }
 
 FloatImage ImageOf(const HdrPart &part) {
@@ -158,16 +158,17 @@ FloatImage ImageOf(const HdrPart &part) {
 }
 
 /// The first format whose file exists; null: none.
-const HdrForm *FirstExistingForm(const std::filesystem::path &folder, const HdrPart &part, const std::string &wanted,
-                                 Log &log) {
-    const HdrForm *found = nullptr;
+const HdrFormat *FirstExistingFormat(const std::filesystem::path &folder, const HdrPart &part,
+                                     const std::string &wanted, Log &log) {
+    const HdrFormat *found = nullptr;
     int count = 0;
     std::error_code ignored;
-    for (const HdrForm &form : wanted.empty() ? kFormsByFileName : std::span<const HdrForm>(&FormOf(wanted), 1))
-        if ((HasOpenExr() || form.extension != "exr" || !wanted.empty()) &&
-            std::filesystem::exists(FileOfPart(folder, part, form), ignored)) {
+    for (const HdrFormat &format :
+         wanted.empty() ? kFormatsByFileName : std::span<const HdrFormat>(&FormatOf(wanted), 1))
+        if ((HasOpenExr() || format.extension != "exr" || !wanted.empty()) &&
+            std::filesystem::exists(FileOfPart(folder, part, format), ignored)) {
             ++count;
-            found = found ? found : &form;
+            found = found ? found : &format;
         }
     if (count > 1)
         log.Warn("HDR lightmap images", "{} has images in {} formats: {} is taken; -hdrformat chooses", part.name,
@@ -186,32 +187,34 @@ void ImportVertexLight(const std::filesystem::path &path, float fullLight, Bsp &
 
 } // namespace
 
-void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &format,
+void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName,
                     Log &log) {
     Bsp light; // a copy: HdrParts returns mutable spans
     light.lightmapsE5bgr9 = bsp.lightmapsE5bgr9;
     light.rnm = bsp.rnm;
     const std::vector<HdrPart> parts = HdrParts(light, side);
-    const HdrForm &form = FormOf(!format.empty() ? std::string_view(format) : HasOpenExr() ? "exr" : "pfm");
+    const HdrFormat &format = FormatOf(!formatName.empty() ? std::string_view(formatName)
+                                       : HasOpenExr()      ? "exr"
+                                                           : "pfm");
     for (const HdrPart &part : parts)
-        ReplaceFile(FileOfPart(folder, part, form), form.encode(ImageOf(part)));
-    if (form.fullVertexLight > 0 && !bsp.vertexE5bgr9.empty()) {
+        ReplaceFile(FileOfPart(folder, part, format), format.encode(ImageOf(part)));
+    if (format.fullVertexLight > 0 && !bsp.vertexE5bgr9.empty()) {
         const std::vector<Vec3f> vertices = DecodeE5bgr9(bsp.vertexE5bgr9);
-        ReplaceFile(folder / kVertexLightFile, EncodeVertexLight(vertices, form.fullVertexLight));
+        ReplaceFile(folder / kVertexLightFile, EncodeVertexLight(vertices, format.fullVertexLight));
     }
     if (!parts.empty())
         log.Print("Wrote {} to {}\n", Counted(parts.size(), "HDR lightmaps"), folder.string());
 }
 
-void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &format, Log &log) {
+void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName, Log &log) {
     const std::vector<HdrPart> parts = HdrParts(bsp, side);
     std::size_t replaced = 0;
     for (const HdrPart &part : parts) {
-        const HdrForm *form = FirstExistingForm(folder, part, format, log);
-        if (!form)
+        const HdrFormat *format = FirstExistingFormat(folder, part, formatName, log);
+        if (!format)
             continue;
-        const auto path = FileOfPart(folder, part, *form);
-        const FloatImage image = form->decode(ReadFile(path), path.string());
+        const auto path = FileOfPart(folder, part, *format);
+        const FloatImage image = format->decode(ReadFile(path), path.string());
         if (image.width != part.side || image.height != part.side) {
             log.Warn("lightmap image size", "{}: {} x {}, expected {} x {}; this lightmap stays", path.string(),
                      image.width, image.height, part.side, part.side);
@@ -222,11 +225,11 @@ void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, con
     }
     if (!parts.empty())
         log.Print("Read {} of {} from {}\n", replaced, Counted(parts.size(), "HDR lightmaps"), folder.string());
-    if (const float full = format.empty() ? 0 : FormOf(format).fullVertexLight; full > 0)
+    if (const float full = formatName.empty() ? 0 : FormatOf(formatName).fullVertexLight; full > 0)
         ImportVertexLight(folder / kVertexLightFile, full, bsp, log);
 }
 
-// ---- HDR lightmaps and basis maps: BSPX lumps of the map and images beside it ----
+// ---- BSPX lumps, and the files of -hdrfiles ----
 
 namespace {
 
@@ -254,34 +257,49 @@ std::array<std::vector<std::uint8_t>, 3> BasisBytes(const LightmapPage &page, bo
     return bytes;
 }
 
+/// How -hdrfiles writes a page, row 0 on top.
+struct PageFormat {
+    std::string_view extension;
+    FileBytes (*encode)(const FloatImage &page);
+    float fullVertexLight = 0; ///< as in HdrFormat
+};
+
+/// Pages outside the .bsp are written without -hdrfiles too, as for rend2.
+PageFormat PageFormatOf(HdrFiles files) {
+    if (files == HdrFiles::OpenExr)
+        return {"exr", EncodeExr};
+    if (files == HdrFiles::Pfm)
+        return {"pfm", EncodePfm};
+    const HdrFormat &ofEngine = FormatOf(files == HdrFiles::Ioquake3 ? "ioquake3" : "rend2");
+    return {ofEngine.extension, ofEngine.encode, ofEngine.fullVertexLight};
+}
+
 /// Writes HDR pages and basis maps as files beside the map.
 class HdrFileWriter {
   public:
     HdrFileWriter(const std::filesystem::path &folder, const LightmapOptions &options, Log &log)
-        : folder_(folder), options_(options),
-          form_(options.hdrFiles == HdrFiles::None ? HdrFiles::Rend2 : options.hdrFiles), log_(log) {}
+        : folder_(folder), options_(options), format_(PageFormatOf(options.hdrFiles)), log_(log) {}
 
     void WritePage(const LightmapPage &page) {
         const bool wanted = page.needsImage || options_.hdrFiles != HdrFiles::None;
         if (wanted && !page.light.empty())
-            WriteHdr(page, fmt::format("lm_{:04}", page.file), page.light);
+            WriteHdr(page, PageImageName(page.file), page.light);
         if (!wanted || !page.HasBasis())
             return;
         for (std::size_t i = 0; i < page.basis.size(); ++i)
             if (!page.light.empty())
-                WriteHdr(page, BasisName(page, i), page.basis[i]);
+                WriteHdr(page, BasisImageName(page.file, i), page.basis[i]);
         if (!options_.ldr || !page.needsImage)
             return;
         const auto bytes = BasisBytes(page, options_.rnmRescaled);
         for (std::size_t i = 0; i < bytes.size(); ++i)
-            Write(BasisName(page, i) + ".tga", EncodeTga(bytes[i], page.width, page.height, 3, TgaRows::TopFirst));
+            Write(BasisImageName(page.file, i) + ".tga",
+                  EncodeTga(bytes[i], page.width, page.height, 3, TgaRows::TopFirst));
     }
 
     void WriteVertices(const std::vector<Vec3f> &light) {
-        if (options_.hdrFiles == HdrFiles::Rend2)
-            Write(std::string(kVertexLightFile), EncodeVertexLight(light, kRend2VertexScale));
-        if (options_.hdrFiles == HdrFiles::Ioquake3)
-            Write(std::string(kVertexLightFile), EncodeVertexLight(light, kIoquake3VertexScale));
+        if (options_.hdrFiles != HdrFiles::None && format_.fullVertexLight > 0)
+            Write(std::string(kVertexLightFile), EncodeVertexLight(light, format_.fullVertexLight));
     }
 
     void Report() const {
@@ -301,27 +319,12 @@ class HdrFileWriter {
     }
 
   private:
-    static std::string BasisName(const LightmapPage &page, std::size_t i) {
-        return fmt::format("lm_{:04}_b{}", page.file, i + 1);
-    }
-
     void WriteHdr(const LightmapPage &page, const std::string &name, const std::vector<Vec3f> &light) {
-        const FloatImage image{page.width, page.height, light};
-        switch (form_) {
-        case HdrFiles::OpenExr:
-            return Write(name + ".exr", EncodeExr(image));
-        case HdrFiles::Pfm:
-            return Write(name + ".pfm", EncodePfm(image));
-        case HdrFiles::Ioquake3:
-            if (page.width == kIoquake3PageSide && page.height == kIoquake3PageSide)
-                return Write(name + ".hdr", EncodeIoquake3Hdr(image));
-            log_.Warn("HDR page size", "{}: ioquake3 loads HDR pages of {} x {} only, not of {} x {}", name,
-                      kIoquake3PageSide, kIoquake3PageSide, page.width, page.height);
-            return;
-        case HdrFiles::None:
-        case HdrFiles::Rend2:
-            return Write(name + ".hdr", EncodeRend2Hdr(image));
-        }
+        if (options_.hdrFiles == HdrFiles::Ioquake3 &&
+            (page.width != kIoquake3PageSide || page.height != kIoquake3PageSide))
+            return log_.Warn("HDR page size", "{}: ioquake3 loads HDR pages of {} x {} only, not of {} x {}", name,
+                             kIoquake3PageSide, kIoquake3PageSide, page.width, page.height);
+        Write(fmt::format("{}.{}", name, format_.extension), format_.encode({page.width, page.height, light}));
     }
 
     void Write(const std::string &name, const std::vector<std::byte> &bytes) {
@@ -333,7 +336,7 @@ class HdrFileWriter {
 
     const std::filesystem::path &folder_;
     const LightmapOptions &options_;
-    const HdrFiles form_;
+    const PageFormat format_;
     Log &log_;
     std::set<std::string> written_; ///< names
 };

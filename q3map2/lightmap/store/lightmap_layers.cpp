@@ -21,8 +21,8 @@ namespace {
 constexpr float kSolidDifference = 0.0625f;
 /// Channel differences of texels that twins share are less than this. Byte scale.
 constexpr float kTwinDifference = 3;
-/// Bound of twins on the running mean over texels of (|dr| + |dg| + |db|) / 768.
-constexpr float kTwinMean = 0.0025f;
+/// Bound of twins on the running mean over texels of (|dr| + |dg| + |db|) / 768: three channels of 256 values.
+constexpr float kTwinMean = 0.0025f, kAllChannels = 3 * 256;
 /// Greatest difference of direction components within a solid lightmap: one step of their bytes.
 constexpr float kSolidDirection = 1.0f / 127;
 
@@ -124,6 +124,7 @@ TwinKey KeyOf(const LightmapLayer &layer) {
         key.texels.fill(layer.color);
         return key;
     }
+    // The middles of four equal parts of the rows.
     for (std::size_t i = 0; i < key.texels.size(); ++i)
         key.texels[i] = layer.texels[(2 * i + 1) * layer.texels.size() / (2 * key.texels.size())];
     return key;
@@ -140,7 +141,7 @@ bool Alike(const LightmapLayer &a, const LightmapLayer &b) {
         const Vec3f d = a.texels[i] - b.texels[i];
         if (MaxDifference(a.texels[i], b.texels[i]) >= kTwinDifference)
             return false;
-        sum += (std::abs(d.x) + std::abs(d.y) + std::abs(d.z)) / 768;
+        sum += (std::abs(d.x) + std::abs(d.y) + std::abs(d.z)) / kAllChannels;
         if (sum > kTwinMean * float(++count))
             return false;
     }
@@ -178,13 +179,13 @@ void JoinGroup(const std::vector<std::size_t> &group, std::vector<LightmapLayer>
 }
 
 /// Whether all bytes of a style would be 0 and nothing but bytes is stored. Engines would draw a stage for nothing.
-bool ShowsNothing(const SurfaceInputs &in, const RawLightmap &lightmap, std::size_t style) {
-    if (in.lightmap.hdr || in.lightmap.lightmass || !lightmap.resultChannels[style].empty())
+bool ShowsNothing(const SurfaceInputs &in, const RawLightmap &lightmap, std::size_t slot) {
+    if (in.lightmap.hdr || in.lightmap.lightmass || !lightmap.resultChannels[slot].empty())
         return false;
     const ToneOptions tone = StoredTone(in);
     const ToneMapper mapper(1, lightmap.brightness, tone);
     constexpr std::array<std::uint8_t, 3> kBlack{};
-    return std::all_of(lightmap.result[style].begin(), lightmap.result[style].end(),
+    return std::all_of(lightmap.result[slot].begin(), lightmap.result[slot].end(),
                        [&](const Vec3f &texel) { return texel.x < 0 || mapper.Bytes(texel) == kBlack; });
 }
 
@@ -194,15 +195,15 @@ LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces) {
     LightmapLayers stored;
     stored.layerOf.resize(surfaces.lightmaps.size());
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i)
-        for (std::size_t style = 0; style < kStyles; ++style) {
+        for (std::size_t slot = 0; slot < kStyles; ++slot) {
             const RawLightmap &lightmap = surfaces.lightmaps[i];
-            const bool used = lightmap.styles[style] != kNoStyle && !lightmap.result[style].empty() &&
-                              (style == 0 || (stored.layerOf[i][0] >= 0 && !ShowsNothing(in, lightmap, style)));
-            stored.layerOf[i][style] = used ? int(stored.layers.size()) : -1;
+            const bool used = lightmap.styles[slot] != kNoStyle && !lightmap.result[slot].empty() &&
+                              (slot == 0 || (stored.layerOf[i][0] >= 0 && !ShowsNothing(in, lightmap, slot)));
+            stored.layerOf[i][slot] = used ? int(stored.layers.size()) : -1;
             if (!used)
                 continue;
             LightmapLayer &layer = stored.layers.emplace_back();
-            layer.lightmap = int(i), layer.style = style;
+            layer.lightmap = int(i), layer.slot = slot;
             layer.width = lightmap.width, layer.height = lightmap.height, layer.pageSize = lightmap.pageSize;
             layer.brightness = lightmap.brightness;
             layer.kinds = lightmap.channels;
@@ -211,8 +212,8 @@ LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces) {
     in.jobs.For(std::int64_t(stored.layers.size()), [&](std::int64_t i, int) {
         LightmapLayer &layer = stored.layers[std::size_t(i)];
         RawLightmap &lightmap = surfaces.lightmaps[std::size_t(layer.lightmap)];
-        layer.texels = lightmap.result[layer.style];
-        layer.channels = std::move(lightmap.resultChannels[layer.style]);
+        layer.texels = lightmap.result[layer.slot];
+        layer.channels = std::move(lightmap.resultChannels[layer.slot]);
         layer.directions = lightmap.resultDirections;
         JoinSeams(lightmap, layer.texels, UnusedTexels::RedBelowZero);
         JoinSeams(lightmap, layer.directions, UnusedTexels::None);
@@ -232,9 +233,9 @@ void JoinTwins(std::vector<LightmapLayer> &layers) {
         if (layer.byVertex || !layer.channels.empty())
             continue;
         // Solid layers are compared only within a bucket of red, for speed: twins mostly have exactly equal colors.
-        const int step = layer.solid ? int(std::clamp(layer.color.x / kSolidDifference, 0.0f, 1e6f)) : 0;
+        const int redBucket = layer.solid ? int(std::clamp(layer.color.x / kSolidDifference, 0.0f, 1e6f)) : 0;
         const std::array<int, 2> size = layer.solid ? std::array{-1, -1} : std::array{layer.width, layer.height};
-        groups[{size[0], size[1], layer.pageSize, layer.brightness, step}].push_back(i);
+        groups[{size[0], size[1], layer.pageSize, layer.brightness, redBucket}].push_back(i);
     }
     for (const auto &[key, group] : groups)
         JoinGroup(group, layers);
@@ -250,8 +251,8 @@ std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLigh
         number = rank++;
     struct Key {
         std::vector<int> shaders; ///< ranks, each once
-        int styles = 0;           ///< minus the sum of styles, 255 for a free slot: few styles come first
-        int area = 0;             ///< negative: large ones come first
+        int minusStyles = 0;      ///< minus the sum of styles, 255 for a free slot: few styles come first
+        int minusArea = 0;        ///< large ones come first
     };
     std::vector<Key> keys(surfaces.lightmaps.size());
     for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -261,8 +262,8 @@ std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLigh
         std::sort(keys[i].shaders.begin(), keys[i].shaders.end());
         keys[i].shaders.erase(std::unique(keys[i].shaders.begin(), keys[i].shaders.end()), keys[i].shaders.end());
         for (const std::uint8_t style : lightmap.styles)
-            keys[i].styles -= style;
-        keys[i].area = -lightmap.width * lightmap.height;
+            keys[i].minusStyles -= style;
+        keys[i].minusArea = -lightmap.width * lightmap.height;
     }
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < stored.layers.size(); ++i)
@@ -270,7 +271,7 @@ std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLigh
             order.push_back(i);
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         const Key &x = keys[std::size_t(stored.layers[a].lightmap)], &y = keys[std::size_t(stored.layers[b].lightmap)];
-        return std::tie(x.shaders, x.styles, x.area) < std::tie(y.shaders, y.styles, y.area);
+        return std::tie(x.shaders, x.minusStyles, x.minusArea) < std::tie(y.shaders, y.minusStyles, y.minusArea);
     });
     return order;
 }
@@ -281,6 +282,8 @@ namespace {
 
 /// Surfaces with bounds up to this on each axis need no lightmap. Luxels.
 constexpr float kTinyLuxels = 2;
+/// Compared points are -thresh apart, but at least this. Luxels.
+constexpr float kLeastSpacing = 0.125f;
 /// Largest number of samples along a curve of a patch.
 constexpr int kMaxSteps = 64;
 /// Largest number of halvings of a triangle: bounds the recursion for any threshold.
@@ -318,7 +321,7 @@ class Approximation {
   public:
     Approximation(const SurfaceInputs &in, const SurfaceLight &surfaces, const RawLightmap &lightmap)
         : in_(in), surfaces_(surfaces), lightmap_(lightmap),
-          spacing_(std::max(std::abs(in.lightmap.threshold), 0.125f)), tone_(StoredTone(in)) {}
+          spacing_(std::max(std::abs(in.lightmap.threshold), kLeastSpacing)), tone_(StoredTone(in)) {}
 
     bool Matches(int surface) const {
         const bspDrawSurface_t &record = in_.bsp.drawSurfaces[std::size_t(surface)];
@@ -357,15 +360,15 @@ class Approximation {
         };
         const std::size_t at =
             lightmap_.Index(along(sample.luxel[0], lightmap_.width), along(sample.luxel[1], lightmap_.height));
-        for (std::size_t style = 0; style < kStyles; ++style) {
-            if (lightmap_.styles[style] == kNoStyle || lightmap_.result[style].empty())
+        for (std::size_t slot = 0; slot < kStyles; ++slot) {
+            if (lightmap_.styles[slot] == kNoStyle || lightmap_.result[slot].empty())
                 continue;
-            const Vec3f &luxel = lightmap_.result[style][at];
+            const Vec3f &luxel = lightmap_.result[slot][at];
             if (luxel.x < 0)
                 continue;
-            const Vec3f least = style == 0 ? in_.world.minLight : Vec3f{};
+            const Vec3f least = slot == 0 ? in_.world.minLight : Vec3f{};
             const auto wanted = ColorToBytes(Max(luxel, least), 1, lightmap_.brightness, tone_);
-            const Vec3f got = style == 0 ? sample.color : Vec3f{}; // vertices have no light of other styles
+            const Vec3f got = slot == 0 ? sample.color : Vec3f{}; // vertices have no light of other styles
             for (std::size_t i = 0; i < 3; ++i)
                 if (std::abs(float(wanted[i]) - got[i]) > in_.lightmap.approximate)
                     return false;

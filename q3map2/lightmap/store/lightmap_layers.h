@@ -13,17 +13,18 @@ namespace q3 {
 /// One style of one raw lightmap. Texels are width x height, row by row, byte scale; red below 0: not used.
 struct LightmapLayer {
     int lightmap = 0;
-    std::size_t style = 0; ///< style slot, 0 to 3
+    std::size_t slot = 0; ///< style slot, 0 to 3
     int width = 0, height = 0;
     std::array<int, 2> pageSize{128, 128};
     float brightness = 1;
-    std::vector<Vec3f> texels, directions; ///< directions: empty without deluxe
-    DirectionalChannels kinds;             ///< of `channels`
-    ChannelImages channels;                ///< directional light; layers with it are not solid and have no twins
-    bool solid = false;                    ///< one color: needs one texel
-    Vec3f color, direction;                ///< if solid
-    int twin = -1;                         ///< layer whose texels it shares
-    bool byVertex = false;                 ///< vertex colors replace it: needs no texel
+    std::vector<Vec3f> texels;
+    std::vector<Vec3f> directions; ///< unit vectors to the light; empty without deluxe
+    DirectionalChannels kinds;     ///< of `channels`
+    ChannelImages channels;        ///< directional light; layers with it are not solid and have no twins
+    bool solid = false;            ///< one color: needs one texel
+    Vec3f color, direction;        ///< if solid
+    int twin = -1;                 ///< layer whose texels it shares
+    bool byVertex = false;         ///< vertex colors replace it: needs no texel
 
     // Set by PackLayers.
     int page = -1, x = 0, y = 0;

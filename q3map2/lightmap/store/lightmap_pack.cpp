@@ -34,7 +34,7 @@ Stamp MakeStamp(const LightmapLayer &layer) {
         for (int x = 0; x < layer.width; ++x) {
             if (!layer.Used(std::size_t(y) * std::size_t(layer.width) + std::size_t(x)))
                 continue;
-            ++stamp.used;
+            ++stamp.texels;
             if (stamp.runs.empty() || stamp.runs.back().row != y ||
                 stamp.runs.back().start + stamp.runs.back().length != x)
                 stamp.runs.push_back({y, x, 0});
@@ -62,20 +62,21 @@ bool PageSpace::Fits(const Stamp &stamp, int x, int y) const {
     return true;
 }
 
-/// Clears the columns of `open` at which the run would cover a taken texel; false if none is left.
-bool PageSpace::ClearTaken(const Stamp::Run &run, int y, std::span<std::uint64_t> open) const {
+/// Clears the bits of columns at which the run would cover a taken texel, if the stamp were in row y; false if none is
+/// left. The run is covered by windows of 2^level texels, the last of which may overlap the one before.
+bool PageSpace::ClearTaken(const Stamp::Run &run, int y, std::span<std::uint64_t> columns) const {
     const int level = std::min(int(std::bit_width(unsigned(run.length))) - 1, kLevels - 1);
     const std::uint64_t *row = Row(y + run.row, level);
     std::uint64_t any = 0;
     const int window = 1 << level;
     const int last = run.start + run.length - window;
     for (std::size_t i = 0; i < words_; ++i) {
-        if (open[i] == 0)
+        if (columns[i] == 0)
             continue;
         std::uint64_t taken = Shifted(row, words_, i, last);
         for (int at = run.start; at < last; at += window)
             taken |= Shifted(row, words_, i, at);
-        any |= open[i] &= ~taken;
+        any |= columns[i] &= ~taken;
     }
     return any != 0;
 }
@@ -83,16 +84,16 @@ bool PageSpace::ClearTaken(const Stamp::Run &run, int y, std::span<std::uint64_t
 std::optional<std::array<int, 2>> PageSpace::Find(const Stamp &stamp, int stepX, int stepY) const {
     if (stamp.width > width_ || stamp.height > height_)
         return std::nullopt;
-    std::vector<std::uint64_t> columns(words_), open(words_);
+    std::vector<std::uint64_t> allColumns(words_), columns(words_);
     for (int x = 0; x + stamp.width <= width_; x += stepX)
-        columns[std::size_t(x / kWordBits)] |= std::uint64_t(1) << (x % kWordBits);
+        allColumns[std::size_t(x / kWordBits)] |= std::uint64_t(1) << (x % kWordBits);
     for (int y = 0; y + stamp.height <= height_; y += stepY) {
-        open = columns;
+        columns = allColumns;
         const bool found = std::all_of(stamp.runs.begin(), stamp.runs.end(),
-                                       [&](const Stamp::Run &run) { return ClearTaken(run, y, open); });
+                                       [&](const Stamp::Run &run) { return ClearTaken(run, y, columns); });
         for (std::size_t i = 0; i < words_ && found; ++i)
-            if (open[i] != 0)
-                return std::array{int(i) * kWordBits + std::countr_zero(open[i]), y};
+            if (columns[i] != 0)
+                return std::array{int(i) * kWordBits + std::countr_zero(columns[i]), y};
     }
     return std::nullopt;
 }
@@ -105,7 +106,7 @@ void PageSpace::Take(const Stamp &stamp, int x, int y) {
     }
     for (int row = y; row < y + stamp.height; ++row)
         RebuildLevels(row);
-    free_ -= stamp.used;
+    free_ -= stamp.texels;
 }
 
 void PageSpace::RebuildLevels(int row) {
@@ -124,13 +125,13 @@ class Packer {
 
     void Pack(LightmapLayer &layer) {
         const Stamp stamp = MakeStamp(layer);
-        const LightmapLayer *first = nullptr;
-        if (layer.style > 0)
-            first = &stored_.layers[std::size_t(stored_.layerOf[std::size_t(layer.lightmap)][0])];
-        if ((first && PackAlignedWithFirst(*first, stamp, layer)) || PackAnywhere(stamp, layer))
+        const LightmapLayer *firstStyle = nullptr;
+        if (layer.slot > 0)
+            firstStyle = &stored_.layers[std::size_t(stored_.layerOf[std::size_t(layer.lightmap)][0])];
+        if ((firstStyle && PackAlignedWithFirst(*firstStyle, stamp, layer)) || PackAnywhere(stamp, layer))
             return;
         AddPage(layer);
-        Put(pages_.size() - 1, stamp, first ? std::array{first->x, first->y} : std::array{0, 0}, layer);
+        Put(pages_.size() - 1, stamp, firstStyle ? std::array{firstStyle->x, firstStyle->y} : std::array{0, 0}, layer);
     }
 
     std::vector<std::array<int, 2>> Sizes() const {
@@ -143,20 +144,20 @@ class Packer {
   private:
     struct Page : PageSpace {
         using PageSpace::PageSpace;
-        bool basis = false; ///< its lightmaps have basis maps: other pages need none
+        bool hasBasis = false; ///< its lightmaps have basis maps: other pages need none
     };
 
     void AddPage(const LightmapLayer &layer) {
         Page &page = pages_.emplace_back(layer.pageSize[0], layer.pageSize[1]);
-        page.basis = layer.kinds.basis;
+        page.hasBasis = layer.kinds.basis;
         // The last texel is undefined in ioquake3's HDR pages (EncodeIoquake3Hdr).
         if (options_.hdrFiles == HdrFiles::Ioquake3)
             page.Take({.runs = {{0, 0, 1}}}, page.Width() - 1, page.Height() - 1);
     }
 
-    bool Possible(const Page &page, const Stamp &stamp, const LightmapLayer &layer) const {
-        return page.Free() >= stamp.used && page.Width() == layer.pageSize[0] && page.Height() == layer.pageSize[1] &&
-               page.basis == layer.kinds.basis;
+    bool MayHold(const Page &page, const Stamp &stamp, const LightmapLayer &layer) const {
+        return page.FreeTexels() >= stamp.texels && page.Width() == layer.pageSize[0] &&
+               page.Height() == layer.pageSize[1] && page.hasBasis == layer.kinds.basis;
     }
 
     void Put(std::size_t page, const Stamp &stamp, std::array<int, 2> at, LightmapLayer &layer) {
@@ -167,11 +168,10 @@ class Packer {
     /// Packs at the coordinates of the lightmap's first style, on any page, or half a page aside: surfaces that
     /// share a shader then share the offset of its stages, so few generated shaders are needed.
     bool PackAlignedWithFirst(const LightmapLayer &first, const Stamp &stamp, LightmapLayer &layer) {
-        for (const bool shifted : {false, true})
+        for (const int reach : {0, 1}) // half pages aside, on each axis
             for (std::size_t page = 0; page < pages_.size(); ++page) {
-                if (!Possible(pages_[page], stamp, layer))
+                if (!MayHold(pages_[page], stamp, layer))
                     continue;
-                const int reach = shifted ? 1 : 0;
                 for (int dy = -reach; dy <= reach; ++dy)
                     for (int dx = -reach; dx <= reach; ++dx) {
                         const std::array at{first.x + dx * pages_[page].Width() / 2,
@@ -192,8 +192,8 @@ class Packer {
         const bool fast = options_.fastAllocate;
         for (; page < pages_.size(); ++page) {
             const Page &space = pages_[page];
-            if (!Possible(space, stamp, layer) ||
-                (fast && double(space.Free()) * kFastFree < double(space.Width()) * space.Height()))
+            if (!MayHold(space, stamp, layer) ||
+                (fast && double(space.FreeTexels()) * kFastFree < double(space.Width()) * space.Height()))
                 continue;
             const auto at = space.Find(stamp, fast ? std::max(1, stamp.width / kFastSteps) : 1,
                                        fast ? std::max(1, stamp.height / kFastSteps) : 1);

@@ -17,7 +17,7 @@ struct Stamp {
         int row, start, length;
     };
     int width = 1, height = 1;
-    int used = 1; ///< number of texels in the runs
+    int texels = 1; ///< number of texels in the runs
     std::vector<Run> runs;
 };
 Stamp MakeStamp(const LightmapLayer &layer);
@@ -28,7 +28,7 @@ class PageSpace {
     PageSpace(int width, int height);
     int Width() const { return width_; }
     int Height() const { return height_; }
-    int Free() const { return free_; }
+    int FreeTexels() const { return free_; }
     /// Whether the stamp is inside the page at (x, y) and all its texels are free.
     bool Fits(const Stamp &stamp, int x, int y) const;
     /// The first (x, y) that fits, row by row, among multiples of the steps.
@@ -44,7 +44,7 @@ class PageSpace {
     const std::uint64_t *Row(int row, int level) const {
         return bits_.data() + (std::size_t(row) * kLevels + std::size_t(level)) * words_;
     }
-    bool ClearTaken(const Stamp::Run &run, int y, std::span<std::uint64_t> open) const;
+    bool ClearTaken(const Stamp::Run &run, int y, std::span<std::uint64_t> columns) const;
     void RebuildLevels(int row);
 
     int width_, height_, free_;

@@ -80,7 +80,7 @@ FloatImage DecodeExp32Json(std::span<const std::byte> file, std::string_view nam
     const json document = json::parse(AsText(file), nullptr, false);
     if (document.is_discarded())
         throw Error("{}: not valid JSON", name);
-    constexpr int kMaxSide = 16384;
+    constexpr int kMaxSide = 16384; // texels
     FloatImage image;
     image.width = IntegerOf(MemberOf(document, "width", name), 1, kMaxSide, "width", name);
     image.height = IntegerOf(MemberOf(document, "height", name), 1, kMaxSide, "height", name);
@@ -103,7 +103,7 @@ FloatImage DecodeExp32Json(std::span<const std::byte> file, std::string_view nam
 namespace {
 
 std::filesystem::path PageFile(const std::filesystem::path &folder, int number) {
-    return folder / fmt::format("lm_{:04}.tga", number);
+    return folder / (PageImageName(number) + ".tga");
 }
 
 std::filesystem::path ExportedFile(const std::filesystem::path &folder, std::size_t number) {

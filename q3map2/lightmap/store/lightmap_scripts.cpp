@@ -18,16 +18,19 @@ namespace {
 
 constexpr std::size_t kChecksumDigits = 32;
 /// Largest numbers of images in an animMap and of stages in a shader that engines take.
-constexpr std::size_t kFrames = 8, kStages = 8;
+constexpr std::size_t kMaxFrames = 8, kMaxStages = 8;
+/// rgbGen of styles that no key describes.
 constexpr std::string_view kDefaultWave = "wave noise 0.5 1 0 5.37";
 
 /// Offset of the first occurrence of `word` as a whole word, ignoring case; npos: none.
 std::size_t FindWord(std::string_view text, std::string_view word) {
-    const auto part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$'; };
+    const auto isWordPart = [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$';
+    };
     for (std::size_t at = 0; at + word.size() <= text.size(); ++at) {
         const std::size_t end = at + word.size();
-        if (EqualNoCase(text.substr(at, word.size()), word) && (at == 0 || !part(text[at - 1])) &&
-            (end == text.size() || !part(text[end])))
+        if (EqualNoCase(text.substr(at, word.size()), word) && (at == 0 || !isWordPart(text[at - 1])) &&
+            (end == text.size() || !isWordPart(text[end])))
             return at;
     }
     return std::string_view::npos;
@@ -83,18 +86,29 @@ std::string StageText(const StyleStage &stage, bool depthEqual, const Entity &wo
     if (world.Has(alphaKey))
         line(fmt::format("alphaGen {}", world.Value(alphaKey)));
     line("tcGen lightmap");
-    if (stage.move[0] != 0 || stage.move[1] != 0)
-        line(fmt::format("tcMod transform 1 0 0 1 {:.5f} {:.5f}", stage.move[0], stage.move[1]));
+    if (stage.offset[0] != 0 || stage.offset[1] != 0)
+        line(fmt::format("tcMod transform 1 0 0 1 {:.5f} {:.5f}", stage.offset[0], stage.offset[1]));
     return text + "\t}";
 }
 
-std::string HintName(std::string_view mapName, std::size_t number) {
-    return fmt::format("maps/{}/nomipmaps{}", mapName, number);
+/// Path of a file or shader of the map, as the game names it.
+std::string MapPath(std::string_view mapName, std::string_view name) {
+    return fmt::format("maps/{}/{}", mapName, name);
+}
+
+/// Shaders of mipmap hints are named by this and a number.
+std::string HintPrefix(std::string_view mapName) {
+    return MapPath(mapName, "nomipmaps");
+}
+
+/// Names of generated shaders begin with this; the checksum follows.
+std::string GeneratedPrefix(std::string_view mapName) {
+    return fmt::format("{}/", mapName.substr(0, kMaxShaderName - kChecksumDigits - 1));
 }
 
 /// Number of mipmap hints at the start of the draw surfaces.
 std::size_t CountHints(std::string_view mapName, const Bsp &bsp) {
-    const std::string prefix = fmt::format("maps/{}/nomipmaps", mapName);
+    const std::string prefix = HintPrefix(mapName);
     std::size_t count = 0;
     while (count < bsp.drawSurfaces.size()) {
         const bspDrawSurface_t &surface = bsp.drawSurfaces[count];
@@ -116,7 +130,7 @@ void MoveSurfaceNumbers(Bsp &bsp, int by) {
 } // namespace
 
 std::string PagePath(std::string_view mapName, int file) {
-    return fmt::format("maps/{}/lm_{:04}.tga", mapName, file);
+    return MapPath(mapName, PageImageName(file) + ".tga");
 }
 
 std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> stages, const Entity &world,
@@ -124,8 +138,8 @@ std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> sta
     const std::string text = TextOf(shader);
     std::string_view marker = "q3map_styleMarker2";
     std::size_t at = FindWord(text, marker);
-    const bool second = at != std::string::npos;
-    if (!second) {
+    const bool depthEqual = at != std::string::npos; // the marker of masked shaders
+    if (!depthEqual) {
         marker = "q3map_styleMarker";
         at = FindWord(text, marker);
     }
@@ -133,7 +147,7 @@ std::string StyledText(const ShaderInfo &shader, std::span<const StyleStage> sta
         return {};
     std::string stageTexts;
     for (const StyleStage &stage : stages)
-        stageTexts += (stageTexts.empty() ? "" : "\n\t") + StageText(stage, second, world, mapName);
+        stageTexts += (stageTexts.empty() ? "" : "\n\t") + StageText(stage, depthEqual, world, mapName);
     return Replaced(text, at, marker.size(), stageTexts);
 }
 
@@ -153,8 +167,8 @@ std::string ImageText(const ShaderInfo &shader, std::string text, int file, std:
 
 std::string WithBasisMaps(std::string text, std::string_view mapName, int file, bool rescaled) {
     std::string line = "\n\tq3map_rnmMaps";
-    for (int i = 1; i <= 3; ++i)
-        line += fmt::format(" maps/{}/lm_{:04}_b{}", mapName, file, i);
+    for (std::size_t basis = 0; basis < DirectionalChannels::kBasis; ++basis)
+        line += " " + MapPath(mapName, BasisImageName(file, basis));
     line += rescaled ? " rescaled" : " raw";
     return text.insert(text.find('{') + 1, line);
 }
@@ -165,11 +179,11 @@ std::string ShaderNameFor(std::string_view text, std::string_view mapName) {
     g_free(digits);
     for (char &c : checksum)
         c = char(std::toupper(static_cast<unsigned char>(c)));
-    return fmt::format("{}/{}", mapName.substr(0, kMaxShaderName - kChecksumDigits - 1), checksum);
+    return GeneratedPrefix(mapName) + checksum;
 }
 
 bool IsGeneratedName(std::string_view shader, std::string_view mapName) {
-    const std::string prefix = fmt::format("{}/", mapName.substr(0, kMaxShaderName - kChecksumDigits - 1));
+    const std::string prefix = GeneratedPrefix(mapName);
     return StartsWithNoCase(shader, prefix) && shader.size() == prefix.size() + kChecksumDigits &&
            std::all_of(shader.begin() + std::ptrdiff_t(prefix.size()), shader.end(),
                        [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; });
@@ -214,15 +228,16 @@ void AddMipmapHints(std::string_view mapName, StoredLightmaps &stored, Bsp &bsp)
             files.push_back(page.file);
     }
     std::vector<bspDrawSurface_t> hints;
-    for (std::size_t at = 0; at < files.size(); at += kFrames * kStages) {
+    constexpr std::string_view kStage = "\t{\n\t\tanimMap .0042"; // frames per second; the hint is never drawn
+    for (std::size_t at = 0; at < files.size(); at += kMaxFrames * kMaxStages) {
         std::string text = "{\n\tnomipmaps\n";
-        for (std::size_t i = at; i < std::min(files.size(), at + kFrames * kStages); ++i) {
-            if ((i - at) % kFrames == 0)
-                text += i == at ? "\t{\n\t\tanimMap .0042" : "\n\t}\n\t{\n\t\tanimMap .0042";
+        for (std::size_t i = at; i < std::min(files.size(), at + kMaxFrames * kMaxStages); ++i) {
+            if ((i - at) % kMaxFrames == 0)
+                text += fmt::format("{}{}", i == at ? "" : "\n\t}\n", kStage);
             text += " " + PagePath(mapName, files[i]);
         }
         text += "\n\t}\n}\n";
-        const std::string name = HintName(mapName, hints.size());
+        const std::string name = fmt::format("{}{}", HintPrefix(mapName), hints.size());
         stored.scripts.push_back({name, text});
         bspDrawSurface_t surface{};
         surface.shaderNum = ShaderNumber(bsp, name, 0, 0);

@@ -15,8 +15,8 @@ namespace q3 {
 /// A light style of a surface beyond its first, as a stage of a shader shows it.
 struct StyleStage {
     std::uint8_t style = 0;
-    int file = -1;               ///< number of the page's image; -1: the page of the first style, by $lightmap
-    std::array<float, 2> move{}; ///< from the lightmap coordinates of the first style to its own
+    int file = -1;                 ///< number of the page's image; -1: the page of the first style, by $lightmap
+    std::array<float, 2> offset{}; ///< from the lightmap coordinates of the first style to its own
 };
 
 /// Name of a page's image: the game's path to it.

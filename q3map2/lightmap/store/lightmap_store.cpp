@@ -29,9 +29,11 @@ void Put(std::vector<std::uint8_t> &pixels, std::size_t at, const ByteColor &col
     std::copy(color.begin(), color.end(), pixels.begin() + std::ptrdiff_t(3 * at));
 }
 
+/// What -fill knows of a texel.
+enum class TexelFill : std::uint8_t { Unused, Used, InNextRing };
+
 /// -fill: unused texels take the mean of their 4 neighbors, in rings growing from used ones; pages wrap around.
-/// written: by texel; 1: used, 2: in the next ring.
-void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
+void FillPage(LightmapPage &page, std::vector<TexelFill> texels) {
     const int w = page.width, h = page.height;
     const auto neighbors = [&](std::size_t at) {
         const int x = int(at) % w, y = int(at) / w;
@@ -40,14 +42,14 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
                           index(x, (y + h - 1) % h)};
     };
     std::vector<std::size_t> ring, next;
-    const auto reach = [&](std::size_t from) {
+    const auto addNeighbors = [&](std::size_t from) {
         for (const std::size_t at : neighbors(from))
-            if (written[at] == 0)
-                written[at] = 2, next.push_back(at);
+            if (texels[at] == TexelFill::Unused)
+                texels[at] = TexelFill::InNextRing, next.push_back(at);
     };
-    for (std::size_t at = 0; at < written.size(); ++at)
-        if (written[at] == 1)
-            reach(at);
+    for (std::size_t at = 0; at < texels.size(); ++at)
+        if (texels[at] == TexelFill::Used)
+            addNeighbors(at);
     std::vector<ByteColor> means;
     while (!next.empty()) {
         ring.swap(next), next.clear(), means.clear();
@@ -55,7 +57,7 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
             std::array<int, 3> sum{};
             int count = 0;
             for (const std::size_t other : neighbors(at))
-                if (written[other] == 1) {
+                if (texels[other] == TexelFill::Used) {
                     ++count;
                     for (std::size_t i = 0; i < 3; ++i)
                         sum[i] += page.colors[3 * other + i];
@@ -63,9 +65,9 @@ void FillPage(LightmapPage &page, std::vector<std::uint8_t> written) {
             means.push_back({std::uint8_t(sum[0] / count), std::uint8_t(sum[1] / count), std::uint8_t(sum[2] / count)});
         }
         for (std::size_t i = 0; i < ring.size(); ++i)
-            Put(page.colors, ring[i], means[i]), written[ring[i]] = 1;
+            Put(page.colors, ring[i], means[i]), texels[ring[i]] = TexelFill::Used;
         for (const std::size_t at : ring)
-            reach(at);
+            addNeighbors(at);
     }
 }
 
@@ -80,7 +82,7 @@ class Storer {
 
     StoredLightmaps Run() {
         stored_ = MakeLayers(in_, surfaces_);
-        CountUsed();
+        CountUsedLuxels();
         ApplyStandIns();
         if (in_.lightmap.collapse && !surfaces_.styled && !in_.lightmap.deluxe)
             JoinTwins(stored_.layers);
@@ -104,9 +106,10 @@ class Storer {
     }
 
   private:
-    void CountUsed() {
+    void CountUsedLuxels() {
         for (const LightmapLayer &layer : stored_.layers)
-            used_ += std::count_if(layer.texels.begin(), layer.texels.end(), [](const Vec3f &t) { return t.x >= 0; });
+            usedLuxels_ +=
+                std::count_if(layer.texels.begin(), layer.texels.end(), [](const Vec3f &t) { return t.x >= 0; });
     }
 
     void ApplyStandIns() {
@@ -115,7 +118,7 @@ class Storer {
             const VertexStandIn kind = standIns[std::size_t(layer.lightmap)];
             const bool tooLarge = layer.width > layer.pageSize[0] || layer.height > layer.pageSize[1];
             layer.byVertex = kind != VertexStandIn::No || tooLarge;
-            if (layer.style == 0) {
+            if (layer.slot == 0) {
                 forced_ += kind == VertexStandIn::Forced;
                 approximated_ += kind == VertexStandIn::Close;
             }
@@ -124,15 +127,15 @@ class Storer {
 
     void MakePages(const std::vector<std::array<int, 2>> &sizes) {
         int number = 0;
-        const int numbers = in_.lightmap.deluxe ? 2 : 1;
+        const int numbersPerPage = in_.lightmap.deluxe ? 2 : 1; // the second is that of the directions
         for (std::size_t i = 0; i < sizes.size(); ++i) {
             LightmapPage page;
             page.width = sizes[i][0], page.height = sizes[i][1];
-            page.file = int(i) * numbers;
+            page.file = int(i) * numbersPerPage;
             page.needsImage = in_.lightmap.external;
             if (page.needsImage || sizes[i] == in_.lightmap.gamePageSize) {
                 page.number = number;
-                number += numbers;
+                number += numbersPerPage;
             } else
                 page.needsImage = true;
             const std::size_t texels = page.Texels();
@@ -146,7 +149,7 @@ class Storer {
         }
         if (in_.lightmap.fill && in_.lightmap.ldr)
             for (const LightmapPage &page : result_.pages)
-                written_.emplace_back(page.Texels());
+                fills_.emplace_back(page.Texels());
     }
 
     void MakeLightmassPages() {
@@ -177,26 +180,27 @@ class Storer {
                         PutTexel(layer, x, y, layer.texels[at],
                                  layer.directions.empty() ? Vec3f{} : layer.directions[at], bytes);
         });
-        in_.jobs.For(std::int64_t(written_.size()),
-                     [&](std::int64_t i, int) { FillPage(result_.pages[std::size_t(i)], written_[std::size_t(i)]); });
+        in_.jobs.For(std::int64_t(fills_.size()),
+                     [&](std::int64_t i, int) { FillPage(result_.pages[std::size_t(i)], fills_[std::size_t(i)]); });
     }
 
     void PutTexel(const LightmapLayer &layer, int x, int y, const Vec3f &color, const Vec3f &direction,
                   const ToneMapper &bytes) {
         LightmapPage &page = result_.pages[std::size_t(layer.page)];
         const std::size_t at = page.Index(layer.x + x, layer.y + y);
-        const Vec3f least = layer.style == 0 ? in_.world.minLight : Vec3f{};
+        const Vec3f least = layer.slot == 0 ? in_.world.minLight : Vec3f{};
         if (!page.colors.empty())
             Put(page.colors, at, bytes.Bytes(Max(color, least)));
         if (!page.directions.empty())
             Put(page.directions, at, DirectionBytes(direction));
-        if (!written_.empty())
-            written_[std::size_t(layer.page)][at] = 1;
+        if (!fills_.empty())
+            fills_[std::size_t(layer.page)][at] = TexelFill::Used;
     }
 
-    const LightmapLayer *LayerOf(std::size_t surface, std::size_t style) const {
+    /// The packed layer of a surface; null: none, or it is lit at its vertices.
+    const LightmapLayer *LayerOf(std::size_t surface, std::size_t slot) const {
         const int lightmap = surfaces_.lightmapOf[surface];
-        const int layer = lightmap < 0 ? -1 : stored_.layerOf[std::size_t(lightmap)][style];
+        const int layer = lightmap < 0 ? -1 : stored_.layerOf[std::size_t(lightmap)][slot];
         return layer < 0 || stored_.layers[std::size_t(layer)].page < 0 ? nullptr : &stored_.layers[std::size_t(layer)];
     }
 
@@ -246,8 +250,8 @@ class Storer {
                              "{}: no q3map_styleMarker in its script, engines show no light of other styles than 0; it "
                              "belongs after the stage of $lightmap",
                              shader.name);
-            for (std::size_t style = 1; style < kStyles && !text.empty(); ++style)
-                if (const LightmapLayer *other = LayerOf(i, style); other && other->page != layer.page)
+            for (std::size_t slot = 1; slot < kStyles && !text.empty(); ++slot)
+                if (const LightmapLayer *other = LayerOf(i, slot); other && other->page != layer.page)
                     result_.pages[std::size_t(other->page)].needsImage = true;
         }
         if (page.number < 0)
@@ -257,7 +261,7 @@ class Storer {
         if (page.HasBasis() && (page.number < 0 || in_.lightmap.external))
             text = WithBasisMaps(std::move(text), mapName_, page.file, in_.lightmap.rnmRescaled);
         const std::string name = ShaderNameFor(text, mapName_);
-        if (made_.insert(name).second)
+        if (madeShaders_.insert(name).second)
             result_.scripts.push_back({name, text});
         const bspShader_t old = bsp_.shaders[std::size_t(surface.shaderNum)];
         surface.shaderNum = ShaderNumber(bsp_, name, old.surfaceFlags, old.contentFlags);
@@ -266,14 +270,14 @@ class Storer {
     std::vector<StyleStage> StagesOf(std::size_t i, const LightmapLayer &first) const {
         std::vector<StyleStage> stages;
         const auto vertex = std::size_t(bsp_.drawSurfaces[i].firstVert);
-        for (std::size_t style = 1; style < kStyles; ++style) {
-            const LightmapLayer *layer = LayerOf(i, style);
+        for (std::size_t slot = 1; slot < kStyles; ++slot) {
+            const LightmapLayer *layer = LayerOf(i, slot);
             if (!layer)
                 continue;
             const LightmapPage &page = result_.pages[std::size_t(layer->page)];
             const auto from = Coordinates(first, vertex), to = Coordinates(*layer, vertex);
             const bool samePage = layer->page == first.page && page.number >= 0;
-            stages.push_back({surfaces_.lightmaps[std::size_t(first.lightmap)].styles[style],
+            stages.push_back({surfaces_.lightmaps[std::size_t(first.lightmap)].styles[slot],
                               samePage ? -1 : page.file,
                               {to[0] - from[0], to[1] - from[1]}});
         }
@@ -348,9 +352,9 @@ class Storer {
         for (const LightmapPage &page : result_.pages)
             numbered += page.number < 0 ? 0 : page.directions.empty() ? 1 : 2;
         Log &log = in_.log;
-        log.Count(used_, "luxels used");
+        log.Count(usedLuxels_, "luxels used");
         log.Print("{:9} {} stored ({:.2f} percent efficiency)\n", stored, stored == 1 ? "luxel" : "luxels",
-                  stored > 0 ? 100 * double(used_) / double(stored) : 0);
+                  stored > 0 ? 100 * double(usedLuxels_) / double(stored) : 0);
         log.Count(solid, "solid surface lightmaps");
         log.Print("{:9} identical surface {}, using {}\n", twins, twins == 1 ? "lightmap" : "lightmaps",
                   Counted(twinLuxels, "luxels"));
@@ -369,11 +373,12 @@ class Storer {
     Entity world_;
     LightmapLayers stored_;
     StoredLightmaps result_;
-    std::vector<std::vector<std::uint8_t>> written_; ///< by page, texel; only with -fill
-    std::set<std::pair<int, int>> combinations_;     ///< of page and shader
-    std::set<std::string, std::less<>> unmarked_;    ///< shaders that styles do not show on
-    std::set<std::string> made_;
-    long long used_ = 0, forced_ = 0, approximated_ = 0;
+    std::vector<std::vector<TexelFill>> fills_;   ///< by page, texel; only with -fill
+    std::set<std::pair<int, int>> combinations_;  ///< of page and shader
+    std::set<std::string, std::less<>> unmarked_; ///< shaders that styles do not show on
+    std::set<std::string> madeShaders_;           ///< names of generated shaders
+    long long usedLuxels_ = 0;
+    long long forced_ = 0, approximated_ = 0; ///< lightmaps by VertexStandIn
 };
 
 } // namespace

@@ -42,6 +42,15 @@ inline std::array<std::uint8_t, 3> VertexBytes(const SurfaceInputs &in, const Sh
     return ColorToBytes(Max(light, in.world.minVertex), VertexScale(in, shader), 1, tone);
 }
 
+/// Name of the image of a page, without folder and extension.
+inline std::string PageImageName(int file) {
+    return fmt::format("lm_{:04}", file);
+}
+/// Name of the image of a page's light on a basis normal: lm_NNNN_b1 to lm_NNNN_b3 for `basis` from 0 to 2.
+inline std::string BasisImageName(int file, std::size_t basis) {
+    return fmt::format("{}_b{}", PageImageName(file), basis + 1);
+}
+
 /// A lightmap page: RGB rows.
 struct LightmapPage {
     int width = 128, height = 128;

@@ -41,7 +41,7 @@ class Encoder {
         for (std::size_t light = 0; light < raw.visibility.size(); ++light)
             PutShadows(raw.visibility[light], light, layer);
         return {.surfaces = raw.surfaces,
-                .style = raw.styles[layer.style],
+                .style = raw.styles[layer.slot],
                 .page = layer.page,
                 .x = layer.x,
                 .y = layer.y,
@@ -54,7 +54,7 @@ class Encoder {
   private:
     lightmass::GatheredLuxel Gathered(const LightmapLayer &layer, const RawLightmap &raw, int x, int y) const {
         const std::size_t at = raw.Index(x, y);
-        const Vec3f least = layer.style == 0 ? in_.world.minLight : Vec3f{};
+        const Vec3f least = layer.slot == 0 ? in_.world.minLight : Vec3f{};
         const float scale = ToneMapper::FactorOf(layer.brightness, tone_) / 255;
         lightmass::GatheredLuxel luxel;
         luxel.mapped = layer.Used(at);
@@ -107,7 +107,7 @@ class Encoder {
 };
 
 std::string ImageName(int page, std::string_view what) {
-    return fmt::format("lm_{:04}_{}.tga", page, what);
+    return fmt::format("{}_{}.tga", PageImageName(page), what);
 }
 
 /// Calls image(name, channels, bytes) for the images of a page.

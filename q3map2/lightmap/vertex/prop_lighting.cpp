@@ -22,10 +22,11 @@ namespace q3 {
 namespace {
 
 constexpr std::int32_t kVhvVersion = 2;
-constexpr std::int32_t kVhvColors = 4; ///< vertices have a color of that many bytes; the flag of that too
-constexpr std::size_t kVhvAlignment = 512;
-constexpr std::size_t kVhvHead = 40, kVhvMesh = 28;
-/// Light 1 is half of the range.
+constexpr std::int32_t kVhvColorFlag = 4;                           ///< the vertices hold a color
+constexpr std::int32_t kVhvVertexSize = 4;                          ///< bytes: blue, green, red, 255
+constexpr std::size_t kVhvAlignment = 512;                          ///< the colors begin at a multiple of this
+constexpr std::size_t kVhvHeaderSize = 40, kVhvMeshHeaderSize = 28; ///< bytes
+/// byte = kVhvFull * light^(1 / kVhvGamma): light 1 is half of the range.
 constexpr double kVhvGamma = 2.2, kVhvFull = 127.5;
 constexpr std::string_view kPropLightFile = "proplight.raw";
 
@@ -50,20 +51,21 @@ std::vector<std::byte> EncodeVhv(const PropVertexLight &light) {
         for (int i = 0; i < count; ++i)
             AppendInt(0, file);
     };
-    const std::size_t heads = kVhvHead + kVhvMesh * light.meshes.size();
-    std::size_t at = (heads + kVhvAlignment - 1) / kVhvAlignment * kVhvAlignment;
-    for (const std::int32_t value : {kVhvVersion, std::int32_t(light.modelCrc), kVhvColors, kVhvColors, vertices,
+    const std::size_t headers = kVhvHeaderSize + kVhvMeshHeaderSize * light.meshes.size();
+    std::size_t at = (headers + kVhvAlignment - 1) / kVhvAlignment * kVhvAlignment;
+    for (const std::int32_t value : {kVhvVersion, std::int32_t(light.modelCrc), kVhvColorFlag, kVhvVertexSize, vertices,
                                      std::int32_t(light.meshes.size())})
         AppendInt(value, file);
-    zeros(4);
-    const std::size_t data = at;
+    zeros(4); // not used
+    const std::size_t firstColor = at;
     for (const auto &mesh : light.meshes) {
+        // Level of detail, number of vertices, offset of their colors.
         for (const std::int32_t value : {0, std::int32_t(mesh.size()), std::int32_t(at)})
             AppendInt(value, file);
-        zeros(4);
-        at += 4 * mesh.size();
+        zeros(4); // not used
+        at += kVhvVertexSize * mesh.size();
     }
-    file.resize(data);
+    file.resize(firstColor);
     for (const auto &mesh : light.meshes)
         for (const Vec3f &color : mesh)
             for (const std::byte byte : {VhvByte(color.z), VhvByte(color.y), VhvByte(color.x), std::byte(255)})
@@ -120,9 +122,9 @@ struct PropJob {
 
 /// What is known of the points of a prop.
 struct PropPoints {
-    std::vector<Vec3f> light; ///< byte scale
-    std::vector<Vec3f> open;  ///< where a point is lit
-    std::vector<std::uint8_t> isOpen;
+    std::vector<Vec3f> light;         ///< byte scale
+    std::vector<Vec3f> litAt;         ///< where a point is lit: in the open
+    std::vector<std::uint8_t> isOpen; ///< or it needs no second pass, see FindOpenPlaces
 };
 
 class PropLighter {
@@ -153,7 +155,7 @@ class PropLighter {
     const StaticProps &props_;
     std::vector<Light> lights_; // of style 0
     const PropBounce &bounce_;
-    const AmbientOcclusion around_;
+    const AmbientOcclusion occlusion_;
     const FloodSource flood_;
     const bool direct_;              // false: bounced light alone
     std::vector<PropPoints> points_; // by prop
@@ -161,7 +163,7 @@ class PropLighter {
 
 PropLighter::PropLighter(const SurfaceInputs &in, const StaticProps &props, std::vector<Light> lights,
                          const PropBounce &bounce)
-    : in_(in), props_(props), lights_(std::move(lights)), bounce_(bounce), around_(in), flood_(WorldFlood(in)),
+    : in_(in), props_(props), lights_(std::move(lights)), bounce_(bounce), occlusion_(in), flood_(WorldFlood(in)),
       direct_(!(in.lightmap.bounceOnly && in.lightmap.bounces > 0)), points_(props.props.size()) {
     std::erase_if(lights_,
                   [](const Light &light) { return light.style != 0 || !light.lightsSurfaces || light.envelope <= 0; });
@@ -170,7 +172,7 @@ PropLighter::PropLighter(const SurfaceInputs &in, const StaticProps &props, std:
 std::vector<PropVertexLight> PropLighter::Run(ContributionCounts &counts) {
     for (std::size_t i = 0; i < props_.props.size(); ++i) {
         const std::size_t count = props_.props[i].vertexLight ? props_.props[i].model->points.size() : 0;
-        points_[i].light.resize(count), points_[i].open.resize(count), points_[i].isOpen.resize(count);
+        points_[i].light.resize(count), points_[i].litAt.resize(count), points_[i].isOpen.resize(count);
     }
     RunJobs(AllJobs(), PropPass::Open, counts);
     in_.jobs.For(std::int64_t(points_.size()), [&](std::int64_t prop, int) { FindOpenPlaces(std::size_t(prop)); });
@@ -244,7 +246,7 @@ std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, PropPass pa
         const std::size_t point = job.points[i];
         const PlacedPoint placed = sampler.Place(point);
         if (pass == PropPass::Buried)
-            samples.assign(1, {points.open[point], 1});
+            samples.assign(1, {points.litAt[point], 1});
         else
             sampler.Samples(point, samples);
         if (samples.empty())
@@ -255,7 +257,7 @@ std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, PropPass pa
         for (const PropSample &sample : samples)
             receivers.push_back({i, sample.position, placed.normal, sample.weight / total, TwoSided(prop, point)});
         if (pass == PropPass::Open) {
-            points.open[point] = sampler.IsOpen(placed.position) ? placed.position : samples.front().position;
+            points.litAt[point] = sampler.IsOpen(placed.position) ? placed.position : samples.front().position;
             points.isOpen[point] = 1;
         }
     }
@@ -292,7 +294,7 @@ void PropLighter::AddDirect(const PropJob &job, std::span<const PropReceiver> re
         if (i % kPacketSize == 0)
             batches.emplace_back();
         batches.back().twoSided = one.twoSided;
-        batches.back().Add(one.position, one.normal, in_.space.ClusterAt(one.position, -1.0f / 8));
+        batches.back().Add(one.position, one.normal, in_.space.ClusterAt(one.position, -kPropSolidDepth));
         bounds.Add(one.position);
     }
     if (batches.empty())
@@ -351,20 +353,20 @@ void PropLighter::AddOcclusion(const PropJob &job, std::vector<Vec3f> &light, Co
         receivers.vertices = true;
         const std::size_t end = std::min(first + kPacketSize, job.points.size());
         for (std::size_t i = first; i < end; ++i)
-            receivers.Add(points_[job.prop].open[job.points[i]],
+            receivers.Add(points_[job.prop].litAt[job.points[i]],
                           prop.ignoresNormals ? Vec3f{0, 0, 1} : sampler.Place(job.points[i]).normal,
                           std::uint32_t(job.points[i]));
         if (in_.lightmap.dirty) {
             std::vector<Lanes> dirt;
-            around_.Dirt({&receivers, 1}, dirt, counts);
+            occlusion_.Dirt({&receivers, 1}, dirt, counts);
             for (std::size_t i = first; i < end; ++i)
                 light[i] *= dirt[0][i - first];
         }
         if (flood_.light != Vec3f{}) {
-            Lanes open;
-            around_.SkyVisibility(receivers, flood_.distance, open, counts);
+            Lanes visibility;
+            occlusion_.SkyVisibility(receivers, flood_.distance, visibility, counts);
             for (std::size_t i = first; i < end; ++i)
-                light[i] += flood_.light * open[i - first];
+                light[i] += flood_.light * visibility[i - first];
         }
     }
 }
@@ -372,7 +374,7 @@ void PropLighter::AddOcclusion(const PropJob &job, std::vector<Vec3f> &light, Co
 Vec3f PropLighter::Bounced(const StaticProp &prop, std::size_t point) const {
     if (!bounce_.irradiance)
         return {};
-    const Vec3f &position = points_[std::size_t(&prop - props_.props.data())].open[point];
+    const Vec3f &position = points_[std::size_t(&prop - props_.props.data())].litAt[point];
     if (!prop.ignoresNormals)
         return bounce_.irradiance(position, PropSampler(prop, in_.space).Place(point).normal, TwoSided(prop, point));
     std::vector<IndirectRay> rays;
@@ -408,7 +410,8 @@ std::optional<Vec3f> PropLighter::OpenPlace(const StaticProp &prop, const PropSa
     return std::nullopt;
 }
 
-/// Sets from where buried points are lit; those that cannot be count as open.
+/// Sets from where buried points are lit. If there is no place for any, the points are marked as open: they keep the
+/// ambient light of the first pass.
 void PropLighter::FindOpenPlaces(std::size_t number) {
     PropPoints &points = points_[number];
     if (std::find(points.isOpen.begin(), points.isOpen.end(), 0) == points.isOpen.end())
@@ -418,7 +421,7 @@ void PropLighter::FindOpenPlaces(std::size_t number) {
     std::vector<NearestPoints::Entry> entries;
     for (std::size_t i = 0; i < points.light.size(); ++i)
         if (points.isOpen[i] != 0)
-            entries.push_back({points.open[i], sampler.Place(i).normal});
+            entries.push_back({points.litAt[i], sampler.Place(i).normal});
     const NearestPoints nearest(std::move(entries));
     const std::optional<Vec3f> place = nearest.Empty() ? OpenPlace(prop, sampler) : std::nullopt;
     for (std::size_t i = 0; i < points.light.size(); ++i) {
@@ -428,7 +431,7 @@ void PropLighter::FindOpenPlaces(std::size_t number) {
         if (nearest.Empty() && !place)
             points.isOpen[i] = 1;
         else
-            points.open[i] =
+            points.litAt[i] =
                 sampler.OpenPlaceToward(placed.position, place ? *place : nearest.Find(placed.position, placed.normal));
     }
 }

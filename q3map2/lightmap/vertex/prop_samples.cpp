@@ -13,15 +13,14 @@ namespace {
 
 /// Samples lie this far off the surface. Game units.
 constexpr float kPropLift = 1.0f / 8;
-/// Samples count as in a solid from this depth on. Game units.
-constexpr float kPropSolidDepth = 1.0f / 8;
 /// Samples are not farther than this from their vertex. Game units.
 constexpr float kPropSampleReach = 8;
-/// Samples of a vertex, if it has fewer triangles than that.
+/// A vertex has at least this many samples, the same number on each of its triangles.
 constexpr std::size_t kPropSamples = 6;
 /// Points that were buried are lit from this far into the open. Game units.
 constexpr float kPropWayOut = 1;
-constexpr int kBisections = 20;
+/// Bisections that find where a segment leaves a solid.
+constexpr int kPropBisections = 20;
 
 /// Samples on one triangle for a vertex with that many triangles, as a grid of columns and rows.
 std::array<int, 2> SampleGrid(std::size_t triangles) {
@@ -40,7 +39,7 @@ struct CornerArea {
         const float reach = std::max({Length(toB), Length(toC), Length(toCenter)});
         const float scale = reach > kPropSampleReach ? kPropSampleReach / reach : 1;
         toB *= scale, toC *= scale, toCenter *= scale;
-        area = Length(Cross(toB, toC)) * 2 / 3;
+        area = Length(Cross(toB, toC)) * 2 / 3; // unless shrunk, a third of the triangle's |AB x AC| / 2
     }
     /// Bilinear; u and v from 0 to 1.
     Vec3f At(float u, float v) const { return a + toB * (u * (1 - v)) + toC * (v * (1 - u)) + toCenter * (u * v); }
@@ -84,7 +83,7 @@ bool PropSampler::IsOpen(const Vec3f &p) const {
 
 Vec3f PropSampler::OpenPlaceToward(const Vec3f &buried, const Vec3f &open) const {
     Vec3f inside = buried, outside = open;
-    for (int step = 0; step < kBisections; ++step) {
+    for (int step = 0; step < kPropBisections; ++step) {
         const Vec3f middle = (inside + outside) * 0.5f;
         (IsOpen(middle) ? outside : inside) = middle;
     }

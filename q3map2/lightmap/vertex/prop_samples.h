@@ -21,6 +21,9 @@ struct PlacedPoint {
     Vec3f normal;   ///< unit
 };
 
+/// Samples count as in a solid from this depth on. Game units.
+inline constexpr float kPropSolidDepth = 1.0f / 8;
+
 /// Places the points and samples of one prop. Const after construction. Keeps references.
 class PropSampler {
   public:

@@ -24,7 +24,7 @@ namespace {
 /// Shadow rays start this far over the vertex and this far inside its surface. Game units.
 constexpr float kLift = 1.0f / 8, kInset = 1.0f / 4;
 /// A vertex counts as inside a solid from this depth on. Game units.
-constexpr float kSolidDepth = 0.125f;
+constexpr float kVertexSolidDepth = 0.125f;
 /// Bisections that find where a segment leaves a solid.
 constexpr int kPlaceBisections = 12;
 
@@ -72,7 +72,7 @@ void VertexPlaces::FindEdges(const bspDrawSurface_t &surface) {
 }
 
 int VertexPlaces::OpenCluster(const Vec3f &p) {
-    return clusters_.ClusterIfAllowed(in_.space.ClusterAt(p, -kSolidDepth));
+    return clusters_.ClusterIfAllowed(in_.space.ClusterAt(p, -kVertexSolidDepth));
 }
 
 int VertexPlaces::ClusterAt(std::size_t vertex, const Vec3f &offset) {
@@ -103,12 +103,14 @@ Vec3f VertexPlaces::OpenOrigin(std::size_t vertex) {
 
 namespace {
 
-/// Vertices in solids are lit from up to two such steps aside on each axis. Game units.
+/// Vertices in solids are lit from kNudgeSteps times this aside on each axis, whichever is in the open first. Game
+/// units.
 constexpr float kNudge = 4;
 constexpr std::array<int, 5> kNudgeSteps = {0, 1, -1, 2, -2};
-constexpr float kWhite = 255; ///< -cheap: vertices this bright in all channels get no more lights. Byte scale
+/// -cheap: vertices this bright in all channels get no more lights. Byte scale.
+constexpr float kWhite = 255;
 /// Constant vertex light (-novertex 1, shaders without vertex light). Byte scale.
-constexpr float kConstant = 127.5f;
+constexpr float kConstantLight = 127.5f;
 
 /// Light at the vertices of one surface.
 struct SurfaceVertexLight {
@@ -122,7 +124,7 @@ struct SurfaceVertexLight {
 class VertexLighter {
   public:
     VertexLighter(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
-                  const SurfaceLight &surfaces, std::size_t surface, const AmbientOcclusion &around,
+                  const SurfaceLight &surfaces, std::size_t surface, const AmbientOcclusion &occlusion,
                   ContributionCounts &counts);
     SurfaceVertexLight Run();
 
@@ -149,7 +151,7 @@ class VertexLighter {
     ContributionCounts &counts_;
     VertexPlaces places_;
     const std::vector<int> &surfaceClusters_;
-    int number_;
+    int surfaceNumber_;
     Vec3f ambient_;
     FloodSource flood_;
     SurfaceLightSettings settings_;
@@ -158,13 +160,13 @@ class VertexLighter {
 };
 
 VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
-                             const SurfaceLight &surfaces, std::size_t surface, const AmbientOcclusion &around,
+                             const SurfaceLight &surfaces, std::size_t surface, const AmbientOcclusion &occlusion,
                              ContributionCounts &counts)
     : in_(in), pass_(pass), entry_(in.table[surface]), surface_(in.bsp.drawSurfaces[surface]),
       bounds_(surfaces.bounds[surface]),
-      verts_(surfaces.verts.data() + surface_.firstVert, std::size_t(surface_.numVerts)), occlusion_(around),
+      verts_(surfaces.verts.data() + surface_.firstVert, std::size_t(surface_.numVerts)), occlusion_(occlusion),
       counts_(counts), places_(in, surface_, verts_, entry_.shader->twoSided, surfaces.clusters[surface]),
-      surfaceClusters_(surfaces.clusters[surface]), number_(int(surface)),
+      surfaceClusters_(surfaces.clusters[surface]), surfaceNumber_(int(surface)),
       ambient_(pass.bounce ? Vec3f{} : entry_.ambient), flood_(pass.bounce ? FloodSource{} : WorldFlood(in)) {
     settings_.sunOnly = in.options.sunOnly;
     settings_.pointAreas = in.options.faster;
@@ -252,7 +254,7 @@ void VertexLighter::ChooseStyles() {
         choice.Add(*light, energy);
     }
     choice.Choose();
-    result_.dropped = choice.Names();
+    result_.dropped = choice.DroppedLightNames();
     std::erase_if(lights_, [&](const Light *light) { return choice.Drops(light->style); });
 }
 
@@ -306,7 +308,7 @@ void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::
         return;
     OcclusionReceivers receivers;
     receivers.receiveShadows = entry_.receiveShadows;
-    receivers.surfaces = {&number_, 1};
+    receivers.surfaces = {&surfaceNumber_, 1};
     receivers.vertices = true;
     for (std::size_t i = 0; i < block.count; ++i)
         receivers.Add(block.position[i], block.normal[i],
@@ -323,10 +325,10 @@ void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::
                 values[vertices[i]] *= dirt[0][i];
     }
     if (flood_.light != Vec3f{}) {
-        Lanes open;
-        occlusion_.SkyVisibility(receivers, flood_.distance, open, counts_);
+        Lanes visibility;
+        occlusion_.SkyVisibility(receivers, flood_.distance, visibility, counts_);
         for (std::size_t i = 0; i < block.count; ++i)
-            result_.values[0][vertices[i]] += flood_.light * open[i];
+            result_.values[0][vertices[i]] += flood_.light * visibility[i];
     }
 }
 
@@ -364,7 +366,7 @@ void VertexLighter::FillOccluded(const std::vector<bool> &lit) {
     }
 }
 
-/// Values of surfaces whose vertices show a constant or a debug view; none for others.
+/// The light of surfaces whose vertices show a constant or a debug view; none for others.
 std::optional<SurfaceVertexLight> ConstantLight(const SurfaceInputs &in, const SurfaceLight &surfaces,
                                                 std::size_t surface) {
     const bspDrawSurface_t &record = in.bsp.drawSurfaces[surface];
@@ -375,19 +377,19 @@ std::optional<SurfaceVertexLight> ConstantLight(const SurfaceInputs &in, const S
     values.resize(verts.size());
     const auto fill = [&](float light) { std::fill(values.begin(), values.end(), Vec3f{light, light, light}); };
     const Boundsf &bounds = surfaces.bounds[surface];
-    const bool onItsOwn = surfaces.lightmapOf[surface] < 0 || in.lightmap.cpma;
+    const bool litAtVertices = surfaces.lightmapOf[surface] < 0 || in.lightmap.cpma;
     if (in.lightmap.show == DebugView::Surfaces)
         std::fill(values.begin(), values.end(), DebugColor(int(surface)));
-    else if (in.lightmap.show == DebugView::Origin && onItsOwn)
+    else if (in.lightmap.show == DebugView::Origin && litAtVertices)
         for (std::size_t v = 0; v < verts.size(); ++v)
             values[v] = PositionColor(verts[v].xyz, bounds);
     else if (in.lightmap.show == DebugView::NormalMap)
         for (std::size_t v = 0; v < verts.size(); ++v)
             values[v] = VectorColor(verts[v].normal);
     else if (in.table[surface].shader->lightmap.noVertexLight)
-        fill(kConstant);
+        fill(kConstantLight);
     else if (in.lightmap.noVertex)
-        fill(kConstant * *in.lightmap.noVertex);
+        fill(kConstantLight * *in.lightmap.noVertex);
     else
         return std::nullopt;
     return result;
@@ -439,11 +441,11 @@ SurfaceVertexLight FromLightmap(const SurfaceInputs &in, const SurfacePass &pass
 /// Adds the light at the vertices of a surface to `vertex`.
 void Store(const SurfaceInputs &in, const SurfacePass &pass, std::size_t surface, const SurfaceVertexLight &from,
            VertexLight &vertex) {
-    // kept: added to the result, except direct light under -bounceonly. sent: stored as radiosity, which bounces on.
-    // Constant light is added in the first pass only.
+    // -bounceonly keeps direct light out of the result, not out of the radiosity, which bounces on. Constant light
+    // counts in the first pass only.
     const bool direct = !pass.bounce;
-    const bool kept = from.constant ? direct : !(direct && in.lightmap.bounceOnly && in.lightmap.bounces > 0);
-    const bool sent = !from.constant || direct;
+    const bool addsToResult = from.constant ? direct : !(direct && in.lightmap.bounceOnly && in.lightmap.bounces > 0);
+    const bool setsRadiosity = !from.constant || direct;
     const auto first = std::size_t(in.bsp.drawSurfaces[surface].firstVert);
     Styles &styles = vertex.styles[surface];
     for (std::size_t slot = 0; slot < kStyles; ++slot) {
@@ -457,9 +459,9 @@ void Store(const SurfaceInputs &in, const SurfacePass &pass, std::size_t surface
             if (values->empty())
                 values->resize(in.bsp.drawVerts.size());
         for (std::size_t v = 0; v < from.values[slot].size(); ++v) {
-            if (kept)
+            if (addsToResult)
                 vertex.sum[to][first + v] += from.values[slot][v];
-            if (sent)
+            if (setsRadiosity)
                 vertex.radiosity[to][first + v] = from.values[slot][v];
         }
     }
@@ -477,7 +479,7 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
     for (std::vector<Vec3f> &values : vertex.radiosity)
         std::fill(values.begin(), values.end(), Vec3f{});
 
-    const AmbientOcclusion around(in);
+    const AmbientOcclusion occlusion(in);
     std::vector<SurfaceVertexLight> results(count);
     std::vector<ContributionCounts> work(std::size_t(in.jobs.Threads()));
     in.jobs.For(std::int64_t(count), [&](std::int64_t number, int worker) {
@@ -490,7 +492,7 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
             results[surface] = FromLightmap(in, pass, surfaces, surface);
         else
             results[surface] =
-                VertexLighter(in, lights, pass, surfaces, surface, around, work[std::size_t(worker)]).Run();
+                VertexLighter(in, lights, pass, surfaces, surface, occlusion, work[std::size_t(worker)]).Run();
     });
     long long vertices = 0;
     DroppedLights dropped(count);

@@ -114,7 +114,7 @@ TEST(LightmassCoefficients, DarkAndDamagedLight) {
     EXPECT_EQ(dark.coefficients[kHigh + 1], Vec3f{});
     GatheredLuxel damaged = Gathered({{{1, 1, 1}, kUp}});
     damaged.high.incident = {std::nanf(""), -1, 1};
-    damaged.high.correction = std::nanf("");
+    damaged.high.l1Luminance = std::nanf("");
     const LuxelLight luxel = ToCoefficients(damaged);
     EXPECT_NEAR(DecodedCoefficients(luxel, kUp).z, 1, 1e-6);
     EXPECT_EQ(luxel.coefficients[kHigh].x, 0);
@@ -130,7 +130,7 @@ TEST(LightmassCoefficients, GatheredLightIsAdditive) {
     sum += Gathered(b).high;
     GatheredLight expected = Gathered(both).high;
     sum *= 0.5f, expected *= 0.5f;
-    EXPECT_NEAR(sum.correction, expected.correction, 1e-5);
+    EXPECT_NEAR(sum.l1Luminance, expected.l1Luminance, 1e-5);
     for (std::size_t c = 0; c < 3; c++)
         EXPECT_NEAR(sum.incident[c], expected.incident[c], 1e-5);
     EXPECT_NEAR(sum.incident.x, Received(both, kUp).x / 2, 1e-5);

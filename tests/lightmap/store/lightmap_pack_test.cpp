@@ -65,11 +65,11 @@ void ExpectSamePlaces(int width, int height, int most, int unusedPercent) {
             ++refused;
             continue;
         }
-        const int before = space.Free();
+        const int before = space.FreeTexels();
         space.Take(stamp, (*at)[0], (*at)[1]);
         int used = 0;
         plain.ForUsed(layer, (*at)[0], (*at)[1], [&](std::size_t texel) { plain.taken[texel] = true, ++used; });
-        ASSERT_EQ(before - space.Free(), used);
+        ASSERT_EQ(before - space.FreeTexels(), used);
         ++placed;
     }
     EXPECT_GT(placed, 5);
@@ -95,7 +95,7 @@ TEST(Pack, FindsTheFirstFreePlaceForRunsOfManyWords) {
 
 LightmapLayer Rectangle(int lightmap, int width, int height, std::size_t style = 0) {
     LightmapLayer layer;
-    layer.lightmap = lightmap, layer.style = style;
+    layer.lightmap = lightmap, layer.slot = style;
     layer.width = width, layer.height = height;
     layer.texels.resize(std::size_t(width) * std::size_t(height));
     return layer;
@@ -106,7 +106,7 @@ std::size_t PackAll(std::vector<LightmapLayer> &layers, const LightmapOptions &o
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < layers.size(); ++i) {
         stored.layerOf.resize(std::max(stored.layerOf.size(), std::size_t(layers[i].lightmap) + 1), {-1, -1, -1, -1});
-        stored.layerOf[std::size_t(layers[i].lightmap)][layers[i].style] = int(i);
+        stored.layerOf[std::size_t(layers[i].lightmap)][layers[i].slot] = int(i);
         order.push_back(i);
     }
     stored.layers = layers;
