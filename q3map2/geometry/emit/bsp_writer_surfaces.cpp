@@ -102,8 +102,7 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
     record.shaderNum = SurfaceShader(surface);
     record.fogNum = surface.fogNum;
     record.surfaceType = RecordType(surface, context_.options);
-    constexpr std::int32_t kByVertex = -3;
-    record.lightmapNum = kByVertex;
+    record.lightmapNum = kLightmapByVertex;
     const bool isFlare = record.surfaceType == MST_FLARE;
     if (isFlare)
         record.lightmapOrigin = surface.lightmapOrigin.Array();

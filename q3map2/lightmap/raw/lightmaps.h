@@ -154,9 +154,6 @@ T NeighborMean(int x, int y, int width, int height, const LuxelMask &known, cons
     return sum / float(count);
 }
 
-/// lightmapNum of surfaces that are lit at their vertices.
-inline constexpr int kLightmapByVertex = -3;
-
 /// Values of RawLightmap::luxelClusters that are no cluster.
 enum NoCluster : int {
     kUnmapped = -2, ///< no surface passes through the luxel

@@ -27,7 +27,7 @@ class ExplainTest : public LightTest {
   protected:
     /// Compiles and lights the scene, and explains a point of it with the same options.
     Explanation Explained(const SceneBuilder &scene, const Vec3f &p, std::string_view options = "") {
-        QuietLog quiet;
+        KeptLog quiet;
         VirtualFileSystem vfs(quiet.log);
         vfs.Mount(folder.Root(), "pk3");
         vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");

@@ -20,11 +20,6 @@ namespace {
 const SceneShader kWall{"textures/test/wall"};
 const SceneShader kRed{"textures/test/red"};
 
-struct TestLog {
-    std::string text;
-    Log log{[this](LogLevel, std::string_view line) { text += line; }};
-};
-
 /// The leaf an engine finds at p.
 const bspLeaf_t &LeafOf(const Bsp &bsp, const Vec3f &p) {
     std::int32_t at = 0;
@@ -72,7 +67,7 @@ TEST(SceneBuilder, ValidatesWithoutAWarning) {
     for (unsigned seed = 0; seed < 20; seed++) {
         Boxes boxes(seed);
         boxes.builder.SetVisibility({.writeLump = true});
-        TestLog log;
+        test::KeptLog log;
         EXPECT_NO_THROW(ValidateBsp(boxes.builder.Build(), "scene", log.log));
         EXPECT_EQ(log.text, "");
     }
@@ -81,7 +76,7 @@ TEST(SceneBuilder, ValidatesWithoutAWarning) {
 TEST(SceneBuilder, SurvivesItsFile) {
     Boxes boxes(3);
     const Bsp bsp = boxes.builder.Build();
-    TestLog log;
+    test::KeptLog log;
     const Bsp back = ReadBsp(WriteBsp(bsp, {}), "scene", {}, log.log);
     EXPECT_EQ(back.nodes.size(), bsp.nodes.size());
     EXPECT_EQ(back.entities, bsp.entities);
@@ -299,7 +294,7 @@ TEST(SceneBuilder, RefusesWhatNoMapCanHold) {
 
 TEST(DemoScene, IsAValidMapWithItsLightsInTheSource) {
     const DemoMap demo = DemoScene();
-    TestLog log;
+    test::KeptLog log;
     EXPECT_NO_THROW(ValidateBsp(demo.bsp, "demo", log.log));
     EXPECT_EQ(log.text, "");
     const auto inBsp = ParseEntities(demo.bsp.entities, "demo");

@@ -261,7 +261,7 @@ TEST_F(RunTest, ThePlainGridIsMeasuredOnMapsThatHoldASparseOne) {
     const LightOptions options = LightOptionsFrom("-shadaptive", *FindGame("quake3"));
     const Baked lit = Bake(*map, options, BakedFormat::SparseGridSH, Library(), JobPool(1));
     ASSERT_TRUE(lit.bsp.sparseGridSH);
-    QuietLog log;
+    KeptLog log;
     const BenchMap again(lit.bsp, {"test", {}, {}}, options, Library(), log.log);
     const bspGridSHHeader_t layout{{-300, -300, -300}, {600, 600, 600}, {2, 2, 2}, 8};
     const Vec3f position{10, 20, 30};
