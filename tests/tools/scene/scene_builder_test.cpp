@@ -3,6 +3,7 @@
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
+#include "tests/support/kept_log.h"
 #include "tests/support/scene/demo_scene.h"
 #include "tests/support/scene/scene_builder.h"
 

@@ -163,7 +163,7 @@ TruthPoint TruthAt(const BenchMap &map, const Vec3f &position, std::uint64_t see
 }
 
 Truth MakeTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs) {
-    constexpr std::uint64_t kSeedStride = 0x9E3779B97F4A7C15u; // 2^64 over the golden ratio: positions never share one
+    constexpr std::uint64_t kSeedStride = 0x9E3779B97F4A7C15u; // 2^64 over the golden ratio
     const double start = CpuSeconds();
     const std::vector<Vec3f> positions = PlayerPositions(map, settings.positions, settings.seed);
     Truth truth;
