@@ -32,6 +32,8 @@ enum BspLump {
     kNumLumps
 };
 
+/// lightmapNum of surfaces that are lit at their vertices: LIGHTMAP_BY_VERTEX of engines.
+inline constexpr std::int32_t kLightmapByVertex = -3;
 /// Bytes of a lightmap page: 128 x 128 RGB texels.
 inline constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;
 

@@ -63,7 +63,7 @@ Bsp WithLump(const CubeBytes &lump) {
     return bsp;
 }
 
-Bsp ReadCubes(const Bsp &bsp, Listener &listener) {
+Bsp ReadCubes(const Bsp &bsp, KeptLog &listener) {
     return ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log);
 }
 
@@ -76,7 +76,7 @@ TEST(CubesLump, BytesAreThoseOfTheFormat) {
 
 TEST(CubesLump, RoundTrip) {
     const Bsp bsp = CubesBsp();
-    Listener listener;
+    KeptLog listener;
     const Bsp back = ReadCubes(bsp, listener);
     ASSERT_TRUE(back.ambientCubes);
     EXPECT_TRUE(back.bspx.empty());
@@ -89,7 +89,7 @@ TEST(CubesLump, RoundTrip) {
 TEST(CubesLump, MalformedLumpsAreErrors) {
     const std::size_t leafs = SampleBsp().leafs.size();
     const auto fault = [](const CubeBytes &lump) {
-        Listener listener;
+        KeptLog listener;
         return ErrorOf([&] { ReadCubes(WithLump(lump), listener); });
     };
     EXPECT_EQ(fault(CubesLump(leafs)), "no error");
@@ -118,7 +118,7 @@ TEST(CubesLump, MalformedLumpsAreErrors) {
 
 TEST(CubesLump, CubesOfOtherLeafsAreDropped) {
     const std::size_t leafs = SampleBsp().leafs.size();
-    Listener listener;
+    KeptLog listener;
     const Bsp back = ReadCubes(WithLump(CubesLump(leafs + 1)), listener);
     EXPECT_FALSE(back.ambientCubes);
     EXPECT_THAT(listener.text,
@@ -130,7 +130,7 @@ TEST(CubesLump, ProgramsErrorsAreFoundBeforeWriting) {
     bsp.ambientCubes->leafs.pop_back();
     EXPECT_THAT(ErrorOf([&] { WriteBsp(bsp, {}); }), HasSubstr("leafs, but the map has"));
     Bsp named = WithLump({});
-    Listener listener;
+    KeptLog listener;
     EXPECT_THAT(ErrorOf([&] { ValidateBsp(named, "x", listener.log); }), HasSubstr("belongs to ambient cubes"));
 }
 

@@ -66,7 +66,7 @@ TEST(Grid, TheLumpIsTheHeadThenThePoints) {
 TEST(Grid, SHLumpOfAnyOtherLengthIsRefused) {
     const auto lump = GridLump(SampleGridSH());
     Bsp bsp = SampleBsp();
-    Listener listener;
+    KeptLog listener;
     for (std::size_t length = 0; length < lump.size(); length++) {
         bsp.bspx = {{"LIGHTGRID_SH", {lump.begin(), lump.begin() + std::ptrdiff_t(length)}}};
         EXPECT_THAT(ErrorOf([&] { ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log); }),

@@ -66,7 +66,7 @@ FileBytes RnmLump(std::uint32_t version, std::uint32_t storage, std::uint32_t si
     return lump;
 }
 
-Bsp ReadBack(const Bsp &bsp, Listener &listener) {
+Bsp ReadBack(const Bsp &bsp, KeptLog &listener) {
     return ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log);
 }
 
@@ -93,7 +93,7 @@ TEST(HdrLumps, BytesAreThoseOfTheFormat) {
 
 TEST(HdrLumps, RoundTrip) {
     const Bsp bsp = HdrBsp();
-    Listener listener;
+    KeptLog listener;
     const Bsp back = ReadBack(bsp, listener);
     EXPECT_EQ(back.lightmapsE5bgr9, bsp.lightmapsE5bgr9);
     EXPECT_EQ(back.vertexE5bgr9, bsp.vertexE5bgr9);
@@ -110,7 +110,7 @@ TEST(HdrLumps, MalformedLumpsAreErrors) {
     const auto fault = [](std::string_view name, const FileBytes &data) {
         Bsp bsp = SampleBsp();
         bsp.bspx = {{std::string(name), data}};
-        Listener listener;
+        KeptLog listener;
         return ErrorOf([&] { ReadBack(bsp, listener); });
     };
     EXPECT_THAT(fault("LIGHTING_E5BGR9", FileBytes(6)), HasSubstr("LIGHTING_E5BGR9: length 6 is not a multiple of 4"));
@@ -139,7 +139,7 @@ TEST(HdrLumps, WhatDoesNotFitTheMapIsDroppedWithAWarning) {
         for (const std::string &name : order)
             bsp.bspx.push_back({name, lumps.at(name)});
         change(bsp);
-        Listener listener;
+        KeptLog listener;
         const Bsp back = ReadBack(bsp, listener);
         return fmt::format("{}{}{} {}", back.lightmapsE5bgr9.empty() ? "" : "L", back.vertexE5bgr9.empty() ? "" : "V",
                            back.rnm ? "R" : "", listener.text);
@@ -159,7 +159,7 @@ TEST(HdrLumps, ProgramsErrorsAreFoundBeforeWriting) {
     const auto fault = [](const std::function<void(Bsp &)> &change) {
         Bsp bsp = HdrBsp();
         change(bsp);
-        Listener listener;
+        KeptLog listener;
         const std::string text = ErrorOf([&] { WriteBsp(bsp, {}); });
         EXPECT_NE(ErrorOf([&] { ValidateBsp(bsp, "x", listener.log); }), "no error");
         return text;
@@ -180,7 +180,7 @@ TEST(HdrLumps, ProgramsErrorsAreFoundBeforeWriting) {
     EXPECT_THAT(fault([](Bsp &bsp) { bsp.rnm->pages.clear(), bsp.rnm->header.pageCount = 0; }), HasSubstr("no pages"));
     Bsp named = SampleBsp();
     named.bspx = {{"LIGHTING_RNM", {}}};
-    Listener listener;
+    KeptLog listener;
     EXPECT_THAT(ErrorOf([&] { ValidateBsp(named, "x", listener.log); }), HasSubstr("belongs to HDR light"));
 }
 

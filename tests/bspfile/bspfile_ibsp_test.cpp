@@ -25,7 +25,7 @@ Bytes Lump(const Bytes &file, std::size_t slot) {
 }
 
 Bsp Read(const Bytes &file, const BspFormat &format = kQuake3) {
-    Listener listener;
+    KeptLog listener;
     Bsp bsp = ReadBsp(file, "x.bsp", format, listener.log);
     EXPECT_EQ(listener.text, "");
     return bsp;
@@ -195,7 +195,7 @@ TEST(Layout, DamagedLump18IsAnErrorInOurOwnLayoutOnly) {
     lumps.emplace_back();
     lumps.push_back(GridLump(SampleGridSH()));
     lumps.back().resize(41); // not 40 + 108 n
-    Listener listener;
+    KeptLog listener;
     const Bsp bsp = ReadBsp(Relayout(lumps, 47, kText), "x.bsp", kQuake3, listener.log);
     EXPECT_FALSE(bsp.gridSH);
     EXPECT_THAT(listener.text, HasSubstr("slot 18"));
@@ -219,7 +219,7 @@ TEST(Layout, ForceTurnsMismatchesIntoWarnings) {
     const Bytes good = WriteBsp(SampleBsp(), kQuake3);
     const BspFormat forced{.force = true};
     const auto lenient = [&forced](const Bytes &file) {
-        Listener listener;
+        KeptLog listener;
         ReadBsp(file, "x.bsp", forced, listener.log);
         return listener.text;
     };
@@ -238,7 +238,7 @@ TEST(Layout, ForceTurnsMismatchesIntoWarnings) {
     EXPECT_THAT(lenient(ragged), HasSubstr("dropped"));
     Bsp pages = SampleBsp();
     pages.lightmaps.resize(49152 + 4); // one page and a bit
-    Listener listener;
+    KeptLog listener;
     EXPECT_THAT(ErrorOf([&] { ValidateBsp(pages, "x.bsp", listener.log); }), HasSubstr("lightmaps: 49156 bytes"));
     ragged = WriteBsp(pages, kQuake3);
     EXPECT_THAT(ErrorOf([&] { Read(ragged); }), HasSubstr("lump 14 (lightmaps): length 49156"));
@@ -270,7 +270,7 @@ TEST(Bspx, AMalformedDirectoryIsDroppedWithAWarning) {
     const auto damaged = [&](std::size_t at, std::int32_t value) {
         Bytes file = good;
         SetInt(file, start + at, value);
-        Listener listener;
+        KeptLog listener;
         EXPECT_EQ(ReadBsp(file, "x.bsp", kQuake3, listener.log).bspx.size(), 0u);
         return listener.text;
     };
@@ -286,7 +286,7 @@ TEST(Bspx, AMalformedDirectoryIsDroppedWithAWarning) {
 TEST(Bspx, OfTwoLumpsWithOneNameTheFirstIsKept) {
     Bsp bsp = SampleBsp();
     bsp.bspx = {{"SAME", Bytes(8, std::byte(1))}, {"SAME", Bytes(8, std::byte(2))}};
-    Listener listener;
+    KeptLog listener;
     const Bsp back = ReadBsp(WriteBsp(bsp, kQuake3), "x.bsp", kQuake3, listener.log);
     ASSERT_EQ(back.bspx.size(), 1u);
     EXPECT_EQ(back.bspx[0].data[0], std::byte(1));
@@ -307,7 +307,7 @@ TEST(Bspx, OfTwoSHGridsLump18Counts) {
     LightGridSH other = SampleGridSH();
     other.points[0].coeffs[0] = {99, 99, 99};
     bsp.bspx = {{"LIGHTGRID_SH", GridLump(other)}};
-    Listener listener;
+    KeptLog listener;
     const Bsp back = ReadBsp(WriteBsp(bsp, kQuake3), "x.bsp", kQuake3, listener.log);
     EXPECT_EQ(back.gridSH->points[0].coeffs, SampleGridSH().points[0].coeffs);
     EXPECT_EQ(back.bspx.size(), 0u);
@@ -321,7 +321,7 @@ TEST(Bspx, NamesOf24BytesSurviveAndLongerOnesAreRefused) {
     EXPECT_EQ(Read(WriteBsp(bsp, kQuake3)).bspx[0].name, std::string(24, 'n'));
     bsp.bspx[0].name += "n";
     EXPECT_THAT(ErrorOf([&] { WriteBsp(bsp, kQuake3); }), HasSubstr("24 bytes"));
-    Listener listener;
+    KeptLog listener;
     EXPECT_THAT(ErrorOf([&] { ValidateBsp(bsp, "x.bsp", listener.log); }), HasSubstr("BSPX lump 0: the name has 25"));
     bsp.bspx[0].name = "LIGHTGRID_SH";
     EXPECT_THAT(ErrorOf([&] { ValidateBsp(bsp, "x.bsp", listener.log); }), HasSubstr("BSPX lump 0: the name LIGHT"));

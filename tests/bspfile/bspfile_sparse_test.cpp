@@ -114,7 +114,7 @@ TEST(SparseGridLump, MapsKeepItBesideOtherLumps) {
         if (form > 0)
             bsp.gridSH = SampleGridSH();
         bsp.gridSHContainer = form == 1 ? GridSHContainer::Lump : GridSHContainer::Bspx;
-        Listener listener;
+        KeptLog listener;
         const Bsp back = ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log);
         EXPECT_EQ(back.sparseGridSH, bsp.sparseGridSH);
         EXPECT_EQ(back.gridSH.has_value(), form > 0);
@@ -130,7 +130,7 @@ TEST(SparseGridLump, BytesInAMapAreThoseOfTheLump) {
     plain.bspx = {{"LIGHTGRID_SH_SPARSE", SmallLump()}};
     EXPECT_EQ(IntAt(WriteBsp(bsp, {}), 4), 46) << "engines load it";
     EXPECT_EQ(WriteBsp(bsp, {}), WriteBsp(plain, {}));
-    Listener listener;
+    KeptLog listener;
     EXPECT_THAT(ErrorOf([&] { ValidateBsp(plain, "x", listener.log); }), HasSubstr("belongs to the sparse SH"));
 }
 
@@ -138,7 +138,7 @@ TEST(SparseGridLump, DamagedMapsNameTheLump) {
     Bsp bsp = SampleBsp();
     bsp.bspx = {{"LIGHTGRID_SH_SPARSE", SmallLump()}};
     bsp.bspx[0].data.pop_back();
-    Listener listener;
+    KeptLog listener;
     EXPECT_THAT(ErrorOf([&] { ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log); }),
                 HasSubstr("x.bsp: BSPX lump LIGHTGRID_SH_SPARSE: bytes is 240, but the length is 239"));
 }

@@ -104,7 +104,7 @@ std::string ErrorOnAFullDisk(std::size_t bytes, const std::function<void()> &act
 TEST_F(Files, BspFileRoundTripAnnouncesPathAndSize) {
     Bsp bsp = SampleBsp();
     bsp.gridSH = SampleGridSH();
-    Listener listener;
+    KeptLog listener;
     const fs::path path = folder_ / "map.bsp";
     WriteBspFile(path, bsp, {}, listener.log);
     const auto bytes = WriteBsp(bsp, {});
@@ -121,7 +121,7 @@ TEST_F(Files, ABadMapLeavesTheOldFile) {
     Bsp bsp = SampleBsp();
     bsp.gridSH = SampleGridSH();
     bsp.gridSH->header.numPoints = 5;
-    Listener listener;
+    KeptLog listener;
     EXPECT_THAT(ErrorOf([&] { WriteBspFile(path, bsp, {}, listener.log); }), HasSubstr("map.bsp: "));
     EXPECT_EQ(Text(path), "old");
 }
@@ -129,7 +129,7 @@ TEST_F(Files, ABadMapLeavesTheOldFile) {
 TEST_F(Files, AFullDiskLeavesTheOldFile) {
     const fs::path path = Old("old");
     const Bsp bsp = WithGrid(10, 1);
-    Listener listener;
+    KeptLog listener;
     const std::size_t size = WriteBsp(bsp, {}).size();
     for (const std::size_t room : {std::size_t(0), std::size_t(100), std::size_t(4096), size / 2, size - 1}) {
         EXPECT_THAT(ErrorOnAFullDisk(room, [&] { WriteBspFile(path, bsp, {}, listener.log); }),
@@ -167,7 +167,7 @@ TEST_F(Files, TheSameBytesReachMemoryAndDisk) {
     const fs::path path = folder_ / "map.bsp";
     Bsp bsp = SampleBsp();
     bsp.advertisements = {SampleAdvertisement()};
-    Listener listener;
+    KeptLog listener;
     for (const BspFormat &format : {BspFormat{}, BspFormat{.version = 47}, kQuakeLive})
         for (const int sh : {0, 1, 2})
             for (const std::size_t foreign : {0u, 1u, 2u}) {
@@ -188,7 +188,7 @@ TEST_F(Files, ACutFileIsRefusedAsInMemory) {
     bsp.gridSH = SampleGridSH();
     const auto bytes = WriteBsp(bsp, {});
     const fs::path path = folder_ / "map.bsp";
-    Listener listener;
+    KeptLog listener;
     for (std::size_t length = 0; length < bytes.size(); length += 37) {
         const auto cut = std::span(bytes).first(length);
         std::ofstream(path).write(reinterpret_cast<const char *>(cut.data()), std::streamsize(cut.size()));
@@ -236,7 +236,7 @@ TEST_F(Files, AtWhateverMomentAWriterIsKilledTheMapIsWhole) {
     const fs::path path = folder_ / "map.bsp";
     const std::array<Bsp, 2> maps = {WithGrid(40, 1), WithGrid(41, 2)};
     const std::array bytes = {WriteBsp(maps[0], {}), WriteBsp(maps[1], {})};
-    Listener listener;
+    KeptLog listener;
     WriteBspFile(path, maps[0], {}, listener.log);
     std::mt19937 random(7);
     std::size_t unfinished = 0;
@@ -262,7 +262,7 @@ TEST_F(Files, AtWhateverMomentAWriterIsKilledTheMapIsWhole) {
 TEST_F(Files, WritingTakesNoSecondCopyInMemory) {
     const Bsp bsp = WithGrid(80, 1);
     const std::size_t lump = bsp.gridSH->points.size() * sizeof(bspGridPointSH_t);
-    Listener listener;
+    KeptLog listener;
     for (const GridSHContainer container : {GridSHContainer::Lump, GridSHContainer::Bspx}) {
         const fs::path path = folder_ / "map.bsp";
         EXPECT_EXIT(

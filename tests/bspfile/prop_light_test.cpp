@@ -81,7 +81,7 @@ TEST(PropLight, LumpIsLaidOutAsDescribed) {
 
 TEST(PropLight, FileRoundTrip) {
     const Bsp bsp = LitBsp();
-    Listener listener;
+    KeptLog listener;
     const Bsp read = ReadBsp(WriteBsp(bsp, {}), "map.bsp", {}, listener.log);
     ASSERT_TRUE(read.propLight) << listener.text;
     EXPECT_EQ(EncodePropLight(*read.propLight), LumpBytes());
@@ -142,7 +142,7 @@ TEST(PropLight, LightOfOtherEntitiesIsDroppedOnReadingAndAnErrorOnWriting) {
                                     [](std::byte a, char b) { return char(a) == b; });
         ASSERT_NE(at, file.end());
         *(at + 16) = std::byte('T');
-        Listener listener;
+        KeptLog listener;
         const Bsp read = ReadBsp(file, "map.bsp", {}, listener.log);
         EXPECT_FALSE(read.propLight);
         EXPECT_THAT(listener.text,

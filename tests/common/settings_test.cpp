@@ -70,7 +70,7 @@ class SettingsTest : public testing::Test {
         }
         return {};
     }
-    QuietLog log;
+    KeptLog log;
     Arguments arguments{{}};
 };
 

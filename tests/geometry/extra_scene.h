@@ -91,7 +91,7 @@ class ExtraTest : public testing::Test {
         return bounds;
     }
 
-    QuietLog out;
+    KeptLog out;
     GameFolder folder;
     std::string scripts;
     BspOptions options;

@@ -38,7 +38,7 @@ std::vector<Bytes> AllLayouts() {
 
 /// True when the file was refused; what is accepted must survive a second pass.
 bool Refused(const Bytes &file, const BspFormat &format) {
-    Listener listener;
+    KeptLog listener;
     try {
         const Bsp bsp = ReadBsp(file, "x.bsp", format, listener.log);
         const Bytes again = WriteBsp(bsp, format);
@@ -99,7 +99,7 @@ TEST(Hostile, LumpsMayLieOnAnyByte) {
     file.insert(file.begin() + 144, std::byte(0));
     for (std::size_t slot = 0; slot < 17; slot++)
         SetInt(file, 8 + 8 * slot, IntAt(file, 8 + 8 * slot) + 1);
-    Listener listener;
+    KeptLog listener;
     EXPECT_EQ(WriteBsp(ReadBsp(file, "x.bsp", {}, listener.log), {}), good);
 }
 
@@ -108,7 +108,7 @@ TEST(Hostile, MessagesNameTheLump) {
     const auto message = [&good](std::size_t at, std::int32_t value) {
         Bytes file = good;
         SetInt(file, at, value);
-        Listener listener;
+        KeptLog listener;
         return ErrorOf([&] { ReadBsp(file, "x.bsp", {}, listener.log); });
     };
     EXPECT_EQ(message(8 + 8 * 2, -5), "x.bsp: lump 2 (planes): offset -5 is negative");
@@ -117,7 +117,7 @@ TEST(Hostile, MessagesNameTheLump) {
     EXPECT_THAT(message(12 + 8 * 8, INT32_MAX), HasSubstr("lump 8 (brushes): offset"));
     EXPECT_THAT(message(12 + 8 * 8, 23), HasSubstr("length 23 is not a multiple of the record size 12"));
     EXPECT_EQ(ErrorOf([] {
-                  Listener listener;
+                  KeptLog listener;
                   ReadBsp(Bytes(143), "x.bsp", {}, listener.log);
               }),
               "x.bsp: 143 bytes, but a BSP header has 144");
@@ -126,7 +126,7 @@ TEST(Hostile, MessagesNameTheLump) {
 TEST(Hostile, FilesOfOtherGamesAreNamed) {
     const auto message = [](std::string text, std::size_t size) {
         text.resize(std::max(size, text.size()), text.find('\0') == std::string::npos ? ' ' : '\0');
-        Listener listener;
+        KeptLog listener;
         return ErrorOf([&] { ReadBsp(std::as_bytes(std::span(text)), "x.bsp", {}, listener.log); });
     };
     const auto bytes = [](std::string_view mark, char version) {

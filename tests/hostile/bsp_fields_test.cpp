@@ -27,7 +27,7 @@ void ExpectErrors(const std::vector<Damage> &cases) {
     for (const Damage &damage : cases) {
         Bsp bsp = SampleBsp();
         damage.apply(bsp);
-        Listener listener;
+        KeptLog listener;
         const std::string expected = std::string("x.bsp: ") + damage.message;
         EXPECT_THAT(ErrorOf([&] { ValidateBsp(bsp, "x.bsp", listener.log); }), StartsWith(expected));
         const BspFormat format{.version = 47, .advertisements = true};
@@ -39,7 +39,7 @@ void ExpectErrors(const std::vector<Damage> &cases) {
 void ExpectWarning(void (*apply)(Bsp &), const char *message) {
     Bsp bsp = SampleBsp();
     apply(bsp);
-    Listener listener;
+    KeptLog listener;
     const auto file = WriteBsp(bsp, {});
     const Bsp back = ReadBsp(file, "x.bsp", {}, listener.log);
     EXPECT_THAT(listener.text, HasSubstr(message));
@@ -49,7 +49,7 @@ void ExpectWarning(void (*apply)(Bsp &), const char *message) {
 } // namespace
 
 TEST(Damage, TheSampleItselfIsClean) {
-    Listener listener;
+    KeptLog listener;
     ValidateBsp(SampleBsp(), "x.bsp", listener.log);
     EXPECT_EQ(listener.text, "");
 }
@@ -82,7 +82,7 @@ TEST(Damage, TreesMayBeDeepButNotDeeperThan4096) {
         bsp.nodes.assign(std::size_t(nodes), bsp.nodes[0]);
         for (int i = 0; i < nodes; i++)
             bsp.nodes[std::size_t(i)].children = {-2, i + 1 < nodes ? i + 1 : -3};
-        Listener listener;
+        KeptLog listener;
         return ErrorOf([&] { ValidateBsp(bsp, "x.bsp", listener.log); });
     };
     EXPECT_EQ(chain(4096), "no error");
@@ -182,7 +182,7 @@ TEST(Damage, LightGridSH) {
         Bsp bsp = SampleBsp();
         bsp.gridSH = SampleGridSH();
         apply(*bsp.gridSH);
-        Listener listener;
+        KeptLog listener;
         const std::string text = ErrorOf([&] { ValidateBsp(bsp, "x.bsp", listener.log); });
         EXPECT_NE(ErrorOf([&] { WriteBsp(bsp, {}); }), "no error");
         return text;
@@ -209,7 +209,7 @@ TEST(Damage, ASmallFileCannotStandForAHugeMap) {
     bspDrawSurface_t surface = bsp.drawSurfaces[0];
     surface.numIndexes = 300000;
     bsp.drawSurfaces.insert(bsp.drawSurfaces.end(), 1000, surface);
-    Listener listener;
+    KeptLog listener;
     EXPECT_THAT(ErrorOf([&] { ValidateBsp(bsp, "x.bsp", listener.log); }),
                 HasSubstr("surfaces: the sum of numIndexes is 300000009"));
     bsp = SampleBsp();
@@ -222,7 +222,7 @@ TEST(Damage, NumbersOfPagesBesideTheFileAreNone) {
     Bsp bsp = SampleBsp();
     bsp.lightmaps.clear();
     bsp.drawSurfaces[0].lightmapNum = 3;
-    Listener listener;
+    KeptLog listener;
     ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log);
     EXPECT_EQ(listener.text, "");
 }
@@ -253,7 +253,7 @@ TEST(Damage, OdditiesThatGoOnAreWarningsAndStay) {
 TEST(Damage, OverlappingLumpsAreReadWithAWarning) {
     auto file = WriteBsp(SampleBsp(), {});
     SetInt(file, 8 + 8 * LUMP_LIGHTGRID, IntAt(file, 8 + 8 * LUMP_SHADERS));
-    Listener listener;
+    KeptLog listener;
     EXPECT_EQ(ReadBsp(file, "x.bsp", {}, listener.log).gridPoints.size(), 18u);
     EXPECT_THAT(listener.text, HasSubstr("overlaps"));
 }

@@ -52,7 +52,7 @@ std::vector<Limit> Limits() {
 class LimitTest : public testing::TestWithParam<Limit> {
   protected:
     std::string WarningsOf(std::size_t count) {
-        QuietLog out;
+        KeptLog out;
         Bsp bsp;
         GetParam().fill(bsp, count);
         WarnOfLimits(bsp, out.log);

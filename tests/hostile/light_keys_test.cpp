@@ -48,7 +48,7 @@ class RobustTest : public LightTest {
         }
         return "no error";
     }
-    QuietLog quiet_;
+    KeptLog quiet_;
 };
 
 struct KeyCase {

@@ -96,7 +96,7 @@ class StylesBakeTest : public testing::Test {
         EXPECT_GT(whole, int(got.luxels.size() / 2));
     }
 
-    QuietLog quiet;
+    KeptLog quiet;
 };
 
 TEST_F(StylesBakeTest, DirectLightOfAllStylesIsThatOfOne) {

@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::FloatNear;
 
 std::vector<float> Leveled(int size, std::vector<float> values, MinimapOptions options) {
-    QuietLog quiet;
+    KeptLog quiet;
     MinimapValues image{size, std::move(values)};
     ApplyMinimapLevels(image, options, quiet.log);
     return image.values;
@@ -29,7 +29,7 @@ MinimapOptions Plain() {
 }
 
 MinimapOptions Parsed(std::vector<std::string> words) {
-    QuietLog quiet;
+    KeptLog quiet;
     Arguments arguments(std::move(words));
     return ParseMinimapOptions(arguments, quiet.log);
 }

@@ -49,7 +49,7 @@ class PackageTest : public testing::Test {
     }
 
     GameFolder folder_;
-    QuietLog log_;
+    KeptLog log_;
     std::unique_ptr<VirtualFileSystem> vfs_;
     std::unique_ptr<PackageSource> source_;
     EngineScripts scripts_;

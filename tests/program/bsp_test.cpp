@@ -45,7 +45,7 @@ class BspTest : public ProgramTest {
         return folder_.ReadBack(fs::relative(path, folder_.Root()).string());
     }
     Bsp ReadRoom() {
-        QuietLog quiet;
+        KeptLog quiet;
         return ReadBspFile(Room(".bsp"), {}, quiet.log);
     }
 };
@@ -169,7 +169,7 @@ TEST_F(BspTest, TheDemoArenaGoesThroughAllStages) {
 
 TEST_F(BspTest, InfoShowsASparseGridAndNewLightDropsIt) {
     RunWell("-light -onlygrid -gridsh 128 128 128 -sh MAP");
-    QuietLog quiet;
+    KeptLog quiet;
     Bsp bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
     SparseGridTree tree{{-64, 8, 0}, {16, 16, 32}, {1, 1, 1}, 1, {{0, 0, 0, 255, 0, 0}}, {}};
     tree.values.assign(8, bsp.gridSH->points.front());

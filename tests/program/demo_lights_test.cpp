@@ -106,7 +106,7 @@ class DemoLightsTest : public testing::Test {
         return outcome;
     }
     Bsp Load() const {
-        QuietLog quiet;
+        KeptLog quiet;
         return ReadBspFile(game_ / "maps/lights.bsp", {}, quiet.log);
     }
     /// Lights the map without the lights of even or odd bays, with all light in style 0.

@@ -201,7 +201,7 @@ TEST_F(FailureTest, TargetsAreLookedAtBeforeTheWork) {
 TEST(FileGuardTest, AnInputThatChangesMeanwhileIsAnError) {
     const GameFolder folder;
     folder.Write("x.bsp", "old");
-    QuietLog out;
+    KeptLog out;
     FileGuard guard(false, out.log), forced(true, out.log);
     for (FileGuard *each : {&guard, &forced}) {
         each->Needs(folder / "x.bsp");
@@ -223,7 +223,7 @@ TEST(FileGuardTest, AnInputThatChangesMeanwhileIsAnError) {
 TEST(FileGuardTest, AFileThatAppearsOrGoesCountsAsWell) {
     const GameFolder folder;
     folder.Write("x.map", "{}");
-    QuietLog out;
+    KeptLog out;
     FileGuard appears(false, out.log), goes(false, out.log);
     appears.Reads(folder / "x.srf");
     goes.Reads(folder / "x.map");
@@ -240,14 +240,14 @@ TEST(FileGuardTest, ANewerSourceIsFoundInAnyCase) {
     folder.Write("x.MAP", "{}");
     std::filesystem::last_write_time(folder / "x.bsp",
                                      std::filesystem::last_write_time(folder / "x.MAP") - std::chrono::hours(1));
-    QuietLog out;
+    KeptLog out;
     WarnIfSourceIsNewer(folder / "x.bsp", out.log);
     EXPECT_THAT(out.text, testing::HasSubstr("x.MAP is newer than x.bsp"));
 }
 
 TEST(FileGuardTest, NoDiskHasRoomForAnExabyte) {
     const GameFolder folder;
-    QuietLog out;
+    KeptLog out;
     constexpr std::uint64_t kExabyte = 1000000000000000000;
     EXPECT_THROW(FileGuard(false, out.log).Writes(folder / "x.bsp", kExabyte), Error);
     EXPECT_THROW(FileGuard(false, out.log).WritesInto(folder / "maps/x", kExabyte), Error);
@@ -257,7 +257,7 @@ TEST(FileGuardTest, NoDiskHasRoomForAnExabyte) {
 
 TEST(FileGuardTest, FoldersOfOneDiskShareItsSpace) {
     const GameFolder folder;
-    QuietLog out;
+    KeptLog out;
     std::filesystem::create_directories(folder / "a");
     std::filesystem::create_directories(folder / "b");
     const std::uint64_t most = std::filesystem::space(folder / "a").available / 8 * 5;
@@ -275,7 +275,7 @@ TEST(EngineMemoryTest, AMapBeyondTheDefaultOfItsEnginesSaysWhatToDo) {
     EXPECT_EQ(EngineMemoryFor(bsp, 40000000), EngineMemoryFor({}, 40000000) - 30000000) << "BSPX is not copied";
     const auto warning = [&](std::uint64_t bytes, std::string_view game) {
         std::filesystem::resize_file(folder / "x.bsp", bytes); // takes no room on the disk
-        QuietLog out;
+        KeptLog out;
         WarnOfEngineMemory(folder / "x.bsp", bsp, *FindGame(game), out.log);
         return out.text;
     };

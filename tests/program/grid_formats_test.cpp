@@ -24,7 +24,7 @@ class GridFormatsTest : public ProgramTest {
     static int Version(const std::vector<std::byte> &file) { return IntOf(file, 4); }
     std::filesystem::path Raw() const { return Map("") / "lightgrid.raw"; }
 
-    QuietLog quiet_;
+    KeptLog quiet_;
 };
 
 /// Mean of all ambient bytes of points that are not black.

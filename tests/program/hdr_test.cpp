@@ -27,12 +27,12 @@ class HdrProgramTest : public ProgramTest {
         bsp.rnm->pages.resize(1);
         for (auto &map : bsp.rnm->pages[0].maps)
             map.assign(128 * 128, EncodeE5bgr9({0, 0, 2}));
-        QuietLog quiet;
+        KeptLog quiet;
         WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
     }
 
     Bsp Load() const {
-        QuietLog quiet;
+        KeptLog quiet;
         return ReadBspFile(Map(".bsp"), {}, quiet.log);
     }
     std::filesystem::path Page(std::string_view name) const { return Map("") / name; }
@@ -111,7 +111,7 @@ TEST_F(HdrProgramTest, ToneMapNamesWhatIsWrong) {
     ExpectError("-tonemap -operator best MAP " + png, "best");
     Bsp bsp = Load();
     DropStaleLumps(bsp, BspxRelight::SurfaceBake);
-    QuietLog quiet;
+    KeptLog quiet;
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
     ExpectError("-tonemap MAP " + png, "the map has no HDR lightmaps");
     EXPECT_FALSE(std::filesystem::exists(png));

@@ -25,7 +25,7 @@ TEST_F(ProgramTest, MinimapGoesBesideTheMap) {
 }
 
 TEST_F(ProgramTest, ExportedEntitiesComeBack) {
-    QuietLog quiet;
+    KeptLog quiet;
     const std::string entities = ReadBspFile(Map(".bsp"), {}, quiet.log).entities;
     RunWell("-exportents MAP");
     const std::string text = folder_.ReadBack("base/baseq3/maps/demo.ent");
@@ -40,7 +40,7 @@ TEST_F(ProgramTest, ExportedEntitiesComeBack) {
 }
 
 TEST_F(ProgramTest, AMapWithoutEntitiesHasNoneToExport) {
-    QuietLog quiet;
+    KeptLog quiet;
     Bsp bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
     bsp.entities.clear();
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);

@@ -311,7 +311,7 @@ TEST_F(LightFilesTest, ThreadsDoNotMatter) {
         Light(words);
         Bsp bsp = Load();
         bsp.entities.clear(); // holds the command
-        QuietLog quiet;
+        KeptLog quiet;
         WriteBspFile(Beside("all.bsp"), bsp, {}, quiet.log);
         std::map<std::string, std::vector<std::byte>> files;
         for (const auto &[name, size] : Files())

@@ -165,7 +165,7 @@ Outcome LitRoomTest::Light(std::string_view options) {
 }
 
 Bsp LitRoomTest::Load() const {
-    QuietLog quiet;
+    KeptLog quiet;
     return ReadBspFile(maps_ / "room.bsp", {}, quiet.log);
 }
 

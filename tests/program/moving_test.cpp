@@ -148,7 +148,7 @@ TEST_F(MovingTest, EveryKeyIsKnownOrExcused) {
 int WarningsOf(const std::string &line) {
     const GameFolder folder;
     folder.Write("scripts/test.shader", "textures/test/wall\n{\n}\ntextures/test/s\n{\n\t" + line + "\n}\n");
-    QuietLog out;
+    KeptLog out;
     VirtualFileSystem vfs(out.log);
     vfs.Mount(folder.Root(), "pk3");
     // Materials are of one game alone.

@@ -19,7 +19,7 @@ class PackageProgramTest : public ProgramTest {
     }
     bool BotFileFits() const { return FindBotFiles(Map(".bsp")).at(0).checksum == MapChecksum(Map(".bsp")); }
     Bsp Read(std::string_view name) const {
-        QuietLog quiet;
+        KeptLog quiet;
         return ReadBspFile(maps_ / name, {}, quiet.log);
     }
 };
@@ -39,7 +39,7 @@ TEST_F(PackageProgramTest, AMissingSoundFailsThePackage) {
     const std::string key = "\"music\" \"music/none.wav\"\n";
     Bsp bsp = Read("demo.bsp");
     bsp.entities.insert(bsp.entities.find('}'), key);
-    QuietLog quiet;
+    KeptLog quiet;
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
     folder_.Write("base/demo_autopacked.pk3", "old");
     const Outcome outcome = Run("-pk3 -complevel -1 MAP");
@@ -54,7 +54,7 @@ TEST_F(PackageProgramTest, FilesBesideTheFolderOfTheMap) {
     std::filesystem::create_directories(folder_ / "work/maps");
     Bsp bsp = Read("demo.bsp");
     bsp.entities.insert(bsp.entities.find('}'), "\"music\" \"music/own.wav\"\n");
-    QuietLog quiet;
+    KeptLog quiet;
     WriteBspFile(folder_ / "work/maps/own.bsp", bsp, {}, quiet.log);
     for (const char *name : {"work/maps/own.bsp", "work/maps/./own.bsp"}) {
         const Outcome outcome = Run("-pk3 " + (folder_ / name).string());

@@ -105,7 +105,7 @@ TEST(GridSizeReport, SmallGridsNeedNoSmallerOne) {
         bsp.gridSH.emplace();
         bsp.gridSH->header.gridSize = {cell, cell, cell};
         bsp.gridSH->points.resize(20000);
-        QuietLog out;
+        KeptLog out;
         PrintGridSHSize(bsp, 3000000, out.log);
         return out.text;
     };

@@ -82,7 +82,7 @@ TEST_F(ProgramTest, RelightWithoutSHDropsTheGrid) {
 }
 
 TEST_F(ProgramTest, AMapWithoutEntitiesIsLitAllTheSame) {
-    QuietLog quiet;
+    KeptLog quiet;
     Bsp bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
     bsp.entities.clear();
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
@@ -94,7 +94,7 @@ TEST_F(ProgramTest, AMapWithoutEntitiesIsLitAllTheSame) {
 
 TEST_F(ProgramTest, EntitiesKeepTheirKeysAndRecordTheCommand) {
     RunWell(kLight + "-sh MAP");
-    QuietLog quiet;
+    KeptLog quiet;
     const Bsp bsp = ReadBspFile(Map(".bsp"), {}, quiet.log);
     const auto entities = ParseEntities(bsp.entities, "demo");
     EXPECT_EQ(entities.front().Value("message"), "Demo arena");

@@ -301,7 +301,7 @@ class VectorGame : public testing::Test {
   protected:
     VectorGame() { vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3"); }
 
-    test::QuietLog out;
+    test::KeptLog out;
     VirtualFileSystem vfs{out.log};
 };
 

@@ -50,7 +50,7 @@ class ReportPackageTest : public testing::Test {
     }
 
     GameFolder folder_;
-    QuietLog log_;
+    KeptLog log_;
     Bsp bsp_ = SmallBsp();
 };
 

@@ -139,7 +139,7 @@ class CompileTest : public testing::Test {
     }
 
     GameFolder folder;
-    QuietLog out;
+    KeptLog out;
     VirtualFileSystem vfs{out.log};
     const Game &game = *FindGame("quake3");
     BspOptions options;

@@ -31,7 +31,7 @@ Bsp Compiled(std::string_view text, const std::string &name, const Keys &keys, V
 } // namespace
 
 Bsp CompiledMapOf(std::string_view name, std::initializer_list<std::pair<std::string, std::string>> keys) {
-    QuietLog out;
+    KeptLog out;
     VirtualFileSystem vfs(out.log);
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
     const std::string file = fmt::format("{}/maps/{}.map", TEST_DATA, name);
@@ -39,7 +39,7 @@ Bsp CompiledMapOf(std::string_view name, std::initializer_list<std::pair<std::st
 }
 
 Bsp CompiledText(std::string_view text, VirtualFileSystem &vfs) {
-    QuietLog out;
+    KeptLog out;
     return Compiled(text, "text", {}, vfs, out.log);
 }
 

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. A game folder that lives as long as one test.
 #pragma once
 
-#include "common/log.h"
+#include "tests/support/kept_log.h"
 
 #include <minizip/zip.h>
 
@@ -70,12 +70,6 @@ class GameFolder {
 
   private:
     std::filesystem::path root_;
-};
-
-/// A log that keeps what it is told.
-struct QuietLog {
-    std::string text;
-    Log log{[this](LogLevel, std::string_view line) { text += line; }};
 };
 
 } // namespace q3::test

@@ -47,12 +47,12 @@ class LibraryTest : public testing::Test {
 
     /// A TGA file of width x 1 texels, given as r g b a.
     void WriteTga(std::string_view name, const std::vector<std::array<int, 4>> &texels) const {
-        std::string file(18, '\0');
-        file[2] = 2;
-        file[12] = char(texels.size());
-        file[14] = 1;
-        file[16] = 32;
-        file[17] = 0x28;
+        std::string file(18, '\0');     // header
+        file[2] = 2;                    // true color, not compressed
+        file[12] = char(texels.size()); // width
+        file[14] = 1;                   // height
+        file[16] = 32;                  // bits a texel
+        file[17] = 0x28;                // rows from the top, 8 bits of alpha
         for (const auto &t : texels)
             for (const int channel : {t[2], t[1], t[0], t[3]})
                 file += char(channel);
@@ -60,7 +60,7 @@ class LibraryTest : public testing::Test {
     }
 
     GameFolder folder;
-    QuietLog out;
+    KeptLog out;
     ShaderOptions options;
     std::unique_ptr<VirtualFileSystem> vfs;
     std::unique_ptr<ShaderLibrary> library;

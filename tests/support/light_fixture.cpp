@@ -62,6 +62,7 @@ Coefficients FromEverywhere(const Vec3d &color) {
 Coefficients FromPoint(const Vec3d &p, const Vec3d &light, double intensity, const Vec3d &color) {
     const Vec3d way = light - p;
     const double distance = Length(way), used = std::max(16.0, distance);
+    // Photons 7500 per unit of intensity over the squared distance, on the scale 1 = byte 255.
     const Vec3d arriving = color * (7500 * intensity / (used * used) / 255);
     if (distance > 0)
         return FromDirection(way / distance, arriving);
@@ -82,6 +83,7 @@ Coefficients FromRectangle(const Vec3d &p, const Vec3d &corner, const Vec3d &u, 
             c = c + FromRectangle(p, at, halveU ? half : u, halveU ? v : half, normal, add, color);
         return c;
     }
+    // Gauss-Legendre quadrature with five nodes on 0..1.
     static constexpr double kNodes[5] = {0.046910077030668, 0.2307653449471584, 0.5, 0.7692346550528416,
                                          0.953089922969332};
     static constexpr double kWeights[5] = {0.1184634425280945, 0.2393143352496832, 0.2844444444444444,
@@ -208,7 +210,7 @@ Bsp LightTest::Lit(Bsp bsp, std::string_view options, int threads) {
 }
 
 Bsp LightTest::Lit(const SceneBuilder &scene, std::string_view options, int threads) {
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem vfs(quiet.log);
     vfs.Mount(folder.Root(), "pk3");
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
@@ -259,8 +261,9 @@ bool Inside(const Vec3d &p, const Boundsf &box, double margin) {
 
 std::vector<Vec3d> Normals() {
     std::vector<Vec3d> normals;
+    constexpr int kCenter = 13; // of the 3 x 3 x 3 cells whose directions these are
     for (int i = 0; i < 27; i++)
-        if (i != 13)
+        if (i != kCenter)
             normals.push_back(Normalize(Vec3d{double(i % 3 - 1), double(i / 3 % 3 - 1), double(i / 9 - 1)}));
     return normals;
 }

@@ -17,7 +17,7 @@
 
 namespace q3::test {
 
-/// Nine coefficients of red, green and blue.
+/// Nine SH coefficients of red, green and blue.
 using Coefficients = std::array<Vec3d, 9>;
 
 /// Basis functions at a unit direction, by the formulas of the SH grid's format.
@@ -26,11 +26,11 @@ std::array<double, 9> BasisAt(const Vec3d &d);
 double Lobe(std::size_t k);
 Coefficients operator+(const Coefficients &a, const Coefficients &b);
 Coefficients operator*(const Coefficients &a, const Vec3d &s);
-/// Light of one direction (unit, to the light), or from everywhere alike when it is zero: convolved. 1 = byte 255.
+/// Light of one direction (unit, to the light), convolved with the clamped cosine. 1 = byte 255.
 Coefficients FromDirection(const Vec3d &d, const Vec3d &color);
-/// The same light from everywhere.
+/// Uniform light that gives every normal `color`.
 Coefficients FromEverywhere(const Vec3d &color);
-/// A point light by its photometric formula.
+/// A point light of that intensity, the key "light", at p: inverse square, from 16 units on.
 Coefficients FromPoint(const Vec3d &p, const Vec3d &light, double intensity, const Vec3d &color = {1, 1, 1});
 /// A rectangle corner + [0, 1] u + [0, 1] v that shines to the side of `normal`: by Gauss quadrature. `add` is the
 /// light of a hemisphere full of it, byte scale.
@@ -38,8 +38,9 @@ Coefficients FromRectangle(const Vec3d &p, const Vec3d &corner, const Vec3d &u, 
                            double add, const Vec3d &color);
 /// Light on a matte surface with that normal.
 Vec3d Evaluate(const Coefficients &c, const Vec3d &normal);
-/// Largest difference of two coefficients.
+/// Largest difference of two coefficients in a channel.
 double Difference(const Coefficients &a, const Coefficients &b);
+/// Largest absolute value of a coefficient in a channel.
 double Largest(const Coefficients &c);
 bool AllFinite(const Coefficients &c);
 

@@ -34,7 +34,7 @@ constexpr unsigned kMaxSeconds = 120;
     words.push_back(nullptr);
     alarm(kMaxSeconds);
     execv(PROGRAM, words.data());
-    _exit(127);
+    _exit(127); // as a shell does if there is no such program
 }
 
 /// Runs PROGRAM with its output into `to`, of which `from` is the other end.
@@ -60,7 +60,7 @@ Outcome RunInto(int from, int to, const std::vector<std::string> &arguments, con
 
 /// The demo's source after the bsp stage.
 Bsp CompiledDemo(const std::filesystem::path &game) {
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem vfs(quiet.log);
     vfs.Mount(game, "pk3");
     BspOptions options;
@@ -118,14 +118,14 @@ std::vector<std::byte> LumpOf(const std::vector<std::byte> &file, std::size_t lu
 }
 
 ProgramTest::ProgramTest() : game_(folder_ / "base/baseq3"), maps_(game_ / "maps") {
-    QuietLog quiet;
+    KeptLog quiet;
     std::filesystem::create_directories(folder_ / "base");
     std::filesystem::copy(DEMO_ARENA, game_, std::filesystem::copy_options::recursive);
     // Something in every lump that lighting must keep.
     Bsp bsp = CompiledDemo(game_);
-    bsp.lightmaps.resize(std::size_t(128 * 128 * 3));
+    bsp.lightmaps.resize(kLightmapPageBytes);
     for (std::size_t i = 0; i < bsp.lightmaps.size(); i++)
-        bsp.lightmaps[i] = std::uint8_t(i * 31 >> 3);
+        bsp.lightmaps[i] = std::uint8_t(i * 31 >> 3); // any pattern
     for (std::size_t i = 0; i < bsp.drawVerts.size(); i++)
         bsp.drawVerts[i].color = {std::uint8_t(i), std::uint8_t(3 * i), 7, 255};
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);

@@ -30,6 +30,7 @@ Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::file
 
 /// One lump of a .bsp file on disk.
 std::vector<std::byte> LumpOf(const std::vector<std::byte> &file, std::size_t lump);
+/// The 32-bit integer at an offset of the file; 0 beyond its end.
 std::int32_t IntOf(const std::vector<std::byte> &file, std::size_t at);
 
 /// A game folder with the demo map in it.

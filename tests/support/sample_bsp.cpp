@@ -27,7 +27,7 @@ bspDrawSurface_t Surface(BspSurfaceType type, std::int32_t firstVert, std::int32
     surface.numVerts = numVerts;
     surface.firstIndex = firstIndex;
     surface.numIndexes = numIndexes;
-    surface.lightmapNum = -3;
+    surface.lightmapNum = kLightmapByVertex;
     return surface;
 }
 
@@ -81,10 +81,12 @@ Bsp SampleBsp() {
     bsp.fogs = {{Name<64>("textures/fog"), 0, 5}};
     for (std::uint8_t i = 0; i < 18; i++)
         bsp.gridPoints.push_back({{i, 2, 3}, {4, 5, 6}, {7, 8}});
-    bsp.visibility.assign(8 + 2 * 8, 0);
-    bsp.visibility[0] = 2;
-    bsp.visibility[4] = 8;
-    bsp.visibility[8] = bsp.visibility[16] = 3;
+    // A header of two integers, then the rows: two clusters that see both.
+    constexpr std::uint8_t kClusters = 2, kRowBytes = 8;
+    bsp.visibility.assign(8 + kClusters * kRowBytes, 0);
+    bsp.visibility[0] = kClusters;
+    bsp.visibility[4] = kRowBytes;
+    bsp.visibility[8] = bsp.visibility[8 + kRowBytes] = 3;
     return bsp;
 }
 

@@ -1,9 +1,9 @@
-// GPL-2.0-or-later. A small valid map for the tests, and a log that can be read.
+// GPL-2.0-or-later. A small valid map for the tests.
 #pragma once
 
 #include "common/error.h"
-#include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
+#include "tests/support/kept_log.h"
 
 #include <cstring>
 #include <functional>
@@ -24,12 +24,6 @@ LightGridSH SampleGridSH();
 std::vector<std::byte> GridLump(const LightGridSH &grid);
 /// Advertisement with finite fields.
 bspAdvertisement_t SampleAdvertisement();
-
-/// Collects what is logged.
-struct Listener {
-    std::string text;
-    Log log{[this](LogLevel, std::string_view line) { text += line; }};
-};
 
 /// Text of the Error that `action` throws, or "no error".
 std::string ErrorOf(const std::function<void()> &action);

@@ -3,6 +3,7 @@
 
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/shader/games.h"
+#include "tests/support/kept_log.h"
 
 #include <gtest/gtest.h>
 
@@ -28,6 +29,7 @@ template <std::size_t N> std::array<char, N> Field(std::string_view text) {
 inline Bsp SmallBsp() {
     Bsp bsp;
     bsp.entities = "{\n\"classname\" \"worldspawn\"\n\"message\" \"a \\ b\"\n}\n{\n\"classname\" \"light\"\n}\n";
+    // Surface flags and contents; any will do. CONTENTS_SOLID is 1, CONTENTS_DETAIL 0x8000000.
     bsp.shaders = {{Field<64>("textures/base/wall"), 0x1C00, 1}, {Field<64>("noshader"), 0, 0x8000001}};
     for (std::size_t axis = 0; axis < 3; axis++)
         for (const float dist : {64.0f, 0.0f})
@@ -55,11 +57,11 @@ inline Bsp SmallBsp() {
     surface.fogNum = -1;
     surface.numVerts = 4;
     surface.numIndexes = 6;
-    surface.lightmapNum = -3;
+    surface.lightmapNum = kLightmapByVertex;
     surface.lightmapVecs[2] = {1, 0, 0};
     bsp.drawSurfaces = {surface};
     bsp.gridPoints = {{{1, 2, 3}, {4, 5, 6}, {7, 8}}, {{9, 10, 11}, {12, 13, 14}, {15, 16}}};
-    bsp.visibility = {1, 0, 0, 0, 8, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0};
+    bsp.visibility = {1, 0, 0, 0, 8, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0}; // 1 cluster, rows of 8 bytes, it sees itself
     return bsp;
 }
 
@@ -80,7 +82,7 @@ inline Bsp FullBsp(GridSHContainer container) {
     bsp.gridSH = SmallGridSH();
     bsp.gridSHContainer = container;
     bsp.bspx = {{"RGBLIGHTING", {std::byte(0), std::byte(0xAB)}}, {"EMPTY", {}}};
-    bsp.lightmaps.resize(128 * 128 * 3);
+    bsp.lightmaps.resize(kLightmapPageBytes);
     for (std::size_t i = 0; i < bsp.lightmaps.size(); i++)
         bsp.lightmaps[i] = std::uint8_t(i * 7);
     bsp.advertisements = {{7, {1, 0, 0}, {{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}}}, Field<64>("*0")}};
@@ -95,12 +97,6 @@ inline std::vector<std::byte> Bytes(const Bsp &bsp) {
 inline const Game &Quake3() {
     return *FindGame("quake3");
 }
-
-/// A log that keeps what is printed.
-struct KeptLog {
-    std::string text;
-    Log log{[this](LogLevel, std::string_view line) { text += line; }};
-};
 
 /// An empty folder that goes when the test ends.
 class TempFolder {

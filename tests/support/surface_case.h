@@ -65,7 +65,7 @@ class SurfaceCase {
     }
 
     CaseSettings settings;
-    QuietLog quiet;
+    KeptLog quiet;
     Bsp bsp;
     VirtualFileSystem vfs;
     ShaderLibrary library;
@@ -83,7 +83,7 @@ class SurfaceCase {
         return given;
     }
     static Bsp Compiled(const SceneBuilder &parts, const GameFolder &folder, const std::string &script) {
-        QuietLog log;
+        KeptLog log;
         folder.Write("scripts/shaderlist.txt", "test\n");
         folder.Write("scripts/test.shader", script);
         VirtualFileSystem files(log.log);

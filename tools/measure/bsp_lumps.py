@@ -10,7 +10,14 @@ from pathlib import Path
 
 ENTITIES, PLANES, NODES, LEAFS, MODELS, LIGHTGRID, LIGHTGRID_SH = 0, 2, 3, 4, 7, 15, 18
 BSPX_NAME = b"LIGHTGRID_SH"
-SH_HEADER, SH_POINT = struct.Struct("<3f3f3ii"), 108
+SH_HEADER, SH_POINT = struct.Struct("<3f3f3ii"), 108  # mins, cell, bounds, number of points; bytes of a point
+LUMPS, WIDE_LUMPS = 17, 19  # WIDE_LUMPS: version 47, with advertisements and the SH grid
+
+
+def header_size(lumps):
+    """Bytes before the lumps: magic, version, and offset and length of each."""
+    return 8 + 8 * lumps
+
 
 
 class BspError(Exception):
@@ -26,13 +33,14 @@ class BspFile:
             self.data = self.path.read_bytes()
         except OSError as error:
             raise BspError(f"{path}: {error.strerror}") from error
-        if len(self.data) < 144 or self.data[:4] != b"IBSP":
+        if len(self.data) < header_size(LUMPS) or self.data[:4] != b"IBSP":
             raise BspError(f"{path}: not an IBSP file")
-        self.slots = [self._slot(i) for i in range(17)]
+        self.slots = [self._slot(i) for i in range(LUMPS)]
         used = [offset for offset, length in self.slots if length > 0]
         version = struct.unpack_from("<i", self.data, 4)[0]
-        if version == 47 and len(self.data) >= 160 and min(used, default=160) >= 160:
-            self.slots += [self._slot(17), self._slot(18)]
+        wide = header_size(WIDE_LUMPS)
+        if version == 47 and len(self.data) >= wide and min(used, default=wide) >= wide:
+            self.slots += [self._slot(i) for i in range(LUMPS, WIDE_LUMPS)]
 
     def _slot(self, index):
         offset, length = struct.unpack_from("<ii", self.data, 8 + 8 * index)
@@ -56,7 +64,7 @@ class BspFile:
     def _bspx(self):
         """The SH grid of a BSPX directory, empty without one."""
         end = max(offset + length for offset, length in self.slots)
-        at = (end + 3) // 4 * 4
+        at = (end + 3) // 4 * 4  # the directory is aligned to 4 bytes: "BSPX", a count, 32 bytes for each lump
         if self.data[at:at + 4] != b"BSPX" or at + 8 > len(self.data):
             return b""
         count = struct.unpack_from("<I", self.data, at + 4)[0]

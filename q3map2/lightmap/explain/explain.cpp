@@ -9,7 +9,7 @@ namespace q3 {
 Explainer::Explainer(const Bsp &bsp, const LightInputs &inputs, const std::string &mapText, const std::string &mapName,
                      const LightOptions &options, const LightmapOptions &lightmap, ShaderLibrary &library,
                      const Game &game, const JobPool &jobs, Log &log)
-    : quiet_([](LogLevel, std::string_view) {}),
+    : quiet_(Log::Nowhere()),
       setup_(bsp, inputs, options, SurfaceDefaultsOf(lightmap), library, log), lightmap_(lightmap),
       source_(inputs.mapEntities.value_or(setup_.stored),
               inputs.mapEntities && keys::kKeepLights.Flag(setup_.stored.front())

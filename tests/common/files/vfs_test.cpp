@@ -35,7 +35,7 @@ class Vfs : public testing::Test {
     }
 
     GameFolder folder;
-    test::QuietLog out;
+    test::KeptLog out;
     VirtualFileSystem vfs{out.log};
 };
 

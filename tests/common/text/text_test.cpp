@@ -30,7 +30,7 @@ TEST(CountedTest, OneThingIsSingular) {
 }
 
 TEST(CountedTest, LinesOfTheLogFollow) {
-    QuietLog out;
+    KeptLog out;
     out.log.Count(1, "threads");
     out.log.Count(12, "entities");
     out.log.Warn("odd", "first");

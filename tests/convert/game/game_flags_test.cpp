@@ -15,7 +15,7 @@ class GameConvertTest : public testing::Test {
         ConvertToGame(bsp, *FindGame(from), *FindGame(to), out.log);
         return bsp.shaders[0];
     }
-    QuietLog out;
+    KeptLog out;
 };
 
 TEST_F(GameConvertTest, SurfaceparmsKeepTheirMeaning) {

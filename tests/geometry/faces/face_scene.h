@@ -66,7 +66,7 @@ class FaceTest : public testing::Test {
         return sum;
     }
 
-    QuietLog out;
+    KeptLog out;
     GameFolder folder;
     const Game &game = *FindGame("quake3");
     VirtualFileSystem vfs{out.log};

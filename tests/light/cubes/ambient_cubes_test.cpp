@@ -252,7 +252,7 @@ TEST_F(CubesTest, SidesOfTheGrid) {
             return Max(Evaluate(c, normal), Vec3d{});
         });
     }
-    QuietLog quiet;
+    KeptLog quiet;
     Arguments arguments({"-ambientcubesfrom", "sh"});
     EXPECT_THROW(ParseLightOptions(arguments, *FindGame("quake3"), quiet.log), Error);
 }
@@ -340,7 +340,7 @@ TEST(CubePlaces, KeepOutOfOpaqueBrushes) {
     SceneBuilder scene;
     scene.SetInterior({0, 0, 0}, {256, 256, 128}, TestShader("textures/test/wall"));
     scene.AddBox({16, 16, 0}, {256, 256, 128}, TestShader("textures/test/wall"), BoxKind::Detail);
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem vfs(quiet.log);
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
     const Bsp bsp = CompiledScene(scene, vfs);

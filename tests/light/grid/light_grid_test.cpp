@@ -128,7 +128,7 @@ class GridVectorTest : public testing::TestWithParam<std::string> {
     }
 
     nlohmann::json expected_;
-    QuietLog out_;
+    KeptLog out_;
     Bsp bsp_;
     GridLayout layout_;
     long areaLights_ = 0;

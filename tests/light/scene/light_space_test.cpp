@@ -32,7 +32,7 @@ class SpaceTest : public ::testing::Test {
         return CompiledScene(scene, vfs);
     }
 
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem vfs;
     Bsp bsp;
 };
@@ -112,7 +112,7 @@ TEST_F(SpaceTest, WaysAreAsOpenAsTheirPoints) {
 }
 
 TEST(Ways, ThinWallsBlockAndFacesDoNot) {
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem vfs(quiet.log);
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
     for (const BoxKind kind : {BoxKind::Structural, BoxKind::Detail}) {
@@ -133,7 +133,7 @@ TEST(Ways, ThinWallsBlockAndFacesDoNot) {
 }
 
 TEST(Ways, AWallOfTwoBrushesIsOne) {
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem vfs(quiet.log);
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
     SceneBuilder scene = Room({-128, -128, 0}, {128, 128, 128});
@@ -147,7 +147,7 @@ TEST(Ways, AWallOfTwoBrushesIsOne) {
 }
 
 TEST(Ways, APillarInWaterBlocks) {
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem vfs(quiet.log);
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
     SceneBuilder scene = Room({-128, -128, 0}, {128, 128, 128});

@@ -38,7 +38,7 @@ class CurvesTest : public LightTest {
         return {};
     }
     bool Said(std::string_view text) const { return log.text.find(text) != std::string::npos; }
-    QuietLog log;
+    KeptLog log;
 };
 
 struct FiftyPercentRow {
@@ -362,7 +362,7 @@ TEST_F(CurvesTest, SpheresThatACommonPointMakesAreNotMissed) {
 
 TEST_F(CurvesTest, BadKeysAreNamedWhereTheyAreRead) {
     const auto warning = [](std::string_view className, std::string_view key, std::string_view value) {
-        QuietLog quiet;
+        KeptLog quiet;
         Entity entity = MakeEntity(className, {});
         entity.Set(key, value);
         WarnOfBadLightKeys(entity, 7, quiet.log);

@@ -29,7 +29,7 @@ class LightStylesTest : public testing::Test {
     std::string StyleOf(std::size_t light) const { return std::string(numbered.at(light).Value({"_style", "style"})); }
     std::string World(std::string_view key) const { return std::string(world.Value(key)); }
 
-    QuietLog quiet;
+    KeptLog quiet;
     Entity world = MakeEntity("worldspawn", {});
     LightStyles styles;
     std::vector<Entity> numbered;

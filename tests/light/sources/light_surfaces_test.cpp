@@ -137,7 +137,7 @@ TEST_F(RadFileTest, Shadows) {
 class TexLightTest : public LightTest {
   protected:
     void Rad(std::string_view text) {
-        QuietLog quiet;
+        KeptLog quiet;
         texLights = {};
         texLights.Read(text, "test.rad", false, quiet.log);
     }

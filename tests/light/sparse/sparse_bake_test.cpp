@@ -196,7 +196,7 @@ TEST_F(SparseBakeTest, AGridOfJoinedCellsSaysWhyItIsNotFiner) {
     const SparseGoal goal{.error = 0.05f, .budget = {}};
     SparseStats stats;
     SparseFromUniform(space, *bsp.gridSH, false, goal, jobs, stats);
-    QuietLog quiet;
+    KeptLog quiet;
     PrintSparseStats(stats, goal, quiet.log);
     EXPECT_NE(quiet.text.find("asked for: no cell is smaller than those of the uniform grid"), std::string::npos)
         << quiet.text;

@@ -391,7 +391,7 @@ TEST_P(LuxelVectorTest, GivesTheSameBytes) {
     std::istringstream in(vector.options);
     std::vector<std::string> words{std::istream_iterator<std::string>(in), {}};
     Arguments arguments(words);
-    QuietLog quiet;
+    KeptLog quiet;
     const Game &game = *FindGame("quake3");
     const LightOptions options = ParseLightOptions(arguments, game, quiet.log);
     const LightmapOptions lightmap = ParseLightmapOptions(arguments, options, game, quiet.log);

@@ -144,7 +144,7 @@ TEST_F(WallTest, ADiagonalWallPartsLightFromDark) {
     text += "}\n}\n{\n\"classname\" \"info_null\"\n\"origin\" \"200 200 32\"\n}\n";
     folder.Write("scripts/shaderlist.txt", "test\n");
     folder.Write("scripts/test.shader", "");
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem files(quiet.log);
     files.Mount(folder.Root(), "pk3");
     LightCase(std::make_unique<SurfaceCase>(CompiledText(text, files), folder));

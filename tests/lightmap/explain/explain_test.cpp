@@ -32,7 +32,7 @@ class ExplainTest : public LightTest {
     /// Compiles and lights the scene, and sets it up to be explained with the same options.
     void Explain(const SceneBuilder &scene, std::string_view options,
                  const std::function<void(const Explainer &, const JobPool &)> &use) {
-        QuietLog quiet;
+        KeptLog quiet;
         VirtualFileSystem vfs(quiet.log);
         vfs.Mount(folder.Root(), "pk3");
         vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");

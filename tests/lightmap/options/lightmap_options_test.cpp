@@ -22,7 +22,7 @@ class LightmapOptionsTest : public testing::Test {
         return options;
     }
 
-    QuietLog log;
+    KeptLog log;
     LightOptions light;
     std::vector<std::string> rest;
 };

@@ -240,7 +240,7 @@ TEST_F(LuxelTest, PlacesOnTerrainStayOverIt) {
     settings.script = "textures/test/a\n{\nq3map_nonplanar\nq3map_lightmapAxis z\nq3map_lightmapMergable\n}\n";
     folder.Write("scripts/shaderlist.txt", "test\n");
     folder.Write("scripts/test.shader", settings.script);
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem files(quiet.log);
     files.Mount(folder.Root(), "pk3");
     SurfaceCase c(CompiledText(text, files), folder, settings);

@@ -64,7 +64,7 @@ TEST(HdrPagesTest, ExportThenImportKeepsTheLight) {
     const Bsp before = HdrPages();
     for (const std::string &format : FormatsHere()) {
         const GameFolder game;
-        QuietLog log;
+        KeptLog log;
         ExportLightmaps(before, kPageSide, game / "room", log.log, {format});
         for (const bool named : {true, false}) {
             Bsp after = Darkened(before);
@@ -93,7 +93,7 @@ TEST(HdrPagesTest, EngineFilesAreExportedAndImported) {
     before.vertexE5bgr9 = {EncodeE5bgr9({4, 2, 1}), EncodeE5bgr9({0, 0, 0}), EncodeE5bgr9({0.5f, 16, 1})};
     for (const std::string format : {"rend2", "ioquake3"}) {
         const GameFolder game;
-        QuietLog log;
+        KeptLog log;
         ExportLightmaps(before, 128, game / "room", log.log, {format});
         const std::string vertices = game.ReadBack("room/vertlight.raw");
         ASSERT_EQ(vertices.size(), 36u);
@@ -141,7 +141,7 @@ TEST(HdrPagesTest, PagesWithAnImageStayInTheFile) {
 
 TEST(HdrPagesTest, PicturesHaveTheFirstRowBelowAndListsAbove) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     const Bsp bsp = HdrPages();
     for (const char *format : {"pfm", "exp32"})
         ExportLightmaps(bsp, kPageSide, game / "room", log.log, {format});
@@ -162,7 +162,7 @@ TEST(HdrPagesTest, PicturesHaveTheFirstRowBelowAndListsAbove) {
 
 TEST(HdrPagesTest, OnlyImagesThatAreThereAndFitAreTaken) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     const Bsp before = HdrPages();
     ExportLightmaps(before, kPageSide, game / "room", log.log, {"pfm"});
     std::filesystem::remove(game / "room/lightmap_0000.pfm");
@@ -181,7 +181,7 @@ TEST(HdrPagesTest, OnlyImagesThatAreThereAndFitAreTaken) {
 
 TEST(HdrPagesTest, LightmapsBesideTheMapCountToo) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     Bsp bsp = HdrPages();
     bsp.lightmaps.clear();
     ExportLightmaps(bsp, kPageSide, game / "room", log.log, {"hdr"});

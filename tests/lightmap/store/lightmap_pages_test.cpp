@@ -34,7 +34,7 @@ std::vector<std::uint8_t> ReadPage(const std::filesystem::path &path, int &width
 
 TEST(Pages, ImagesShowThePageAndOlderOnesGo) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     for (const auto *stale : {"room/lm_0004.tga", "room/lm_0005.tga", "room/lm_0007.tga"})
         game.Write(stale, "old");
     StoredLightmaps stored;
@@ -54,7 +54,7 @@ TEST(Pages, ImagesShowThePageAndOlderOnesGo) {
 
 TEST(Pages, PagesOfTheFileAreNoImages) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     game.Write("room/lm_0000.tga", "mine");
     StoredLightmaps stored;
     stored.pages = {Page(0, 128, 128, false, false)};
@@ -66,7 +66,7 @@ TEST(Pages, PagesOfTheFileAreNoImages) {
 
 TEST(Pages, ScriptIsBesideTheMapAndGoesWhenNotNeeded) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     const auto path = ScriptPath(game / "maps/room.bsp", *FindGame("quake3"));
     EXPECT_EQ(path, game / "scripts/q3map2_room.shader");
     StoredLightmaps stored;
@@ -89,7 +89,7 @@ Bsp WithPages(std::size_t bytes) {
 
 TEST(Pages, ExportThenImportChangesNothing) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     const Bsp before = WithPages(3 * 128 * 128 * 3);
     ExportLightmaps(before, 128, game / "room", log.log);
     Bsp after = before;
@@ -104,7 +104,7 @@ TEST(Pages, ExportThenImportChangesNothing) {
 
 TEST(Pages, ImportKeepsWhatHasNoFittingImage) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     Bsp bsp = WithPages(3 * 16 * 16 * 3);
     const Bsp before = bsp;
     ExportLightmaps(WithPages(3 * 32 * 32), 32, game / "room", log.log); // lightmap_0000 of another size
@@ -122,7 +122,7 @@ TEST(Pages, ImportKeepsWhatHasNoFittingImage) {
 
 TEST(Pages, NothingToExportWarnsAndNothingToReplaceFails) {
     const GameFolder game;
-    QuietLog log;
+    KeptLog log;
     Bsp bsp;
     ExportLightmaps(bsp, 128, game / "room", log.log);
     EXPECT_EQ(log.log.WarningCount("no lightmaps"), 1);

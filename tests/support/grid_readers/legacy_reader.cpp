@@ -11,9 +11,11 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kPointBytes = 8, kRawBytes = 24;
+constexpr std::size_t kPointBytes = 8; ///< ambient and directed color, two angles
+/// A point of lightgrid.raw: ambient color, then directed color, three floats each.
+constexpr std::size_t kRawBytes = 24, kRawDirected = 12;
 
-/// The direction of two angle bytes.
+/// The unit vector of two angles, in steps of 360 / `steps` degrees: from +z, and around it from +x.
 Vec3f DecodeAngles(float polar, float around, int steps) {
     const float unit = 2 * std::numbers::pi_v<float> / float(steps);
     return {std::cos(around * unit) * std::sin(polar * unit), std::sin(around * unit) * std::sin(polar * unit),
@@ -71,7 +73,7 @@ std::optional<LegacyGridReader> LegacyGridReader::LoadRaw(std::span<const std::b
     for (std::size_t i = 0; i < reader->points_.size(); ++i) {
         Point &point = reader->points_[i];
         const Vec3f ambient = Stored16(RawColor(raw, kRawBytes * i), shift / 255);
-        const Vec3f directed = Stored16(RawColor(raw, kRawBytes * i + 12), shift / 255);
+        const Vec3f directed = Stored16(RawColor(raw, kRawBytes * i + kRawDirected), shift / 255);
         point.inWall = engine.skipsBlack && ambient == Vec3f{} && directed == Vec3f{};
         point.ambient = ambient * (255 / shift);
         point.directed = directed * (255 / shift);
@@ -88,7 +90,7 @@ std::optional<LegacyGridReader> LegacyGridReader::LoadRend2(std::span<const std:
     for (std::size_t i = 0; i < reader->points_.size(); ++i) {
         constexpr float kScale = 255 / std::numbers::pi_v<float>;
         reader->points_[i].ambient = RawColor(raw, kRawBytes * i) * kScale;
-        reader->points_[i].directed = RawColor(raw, kRawBytes * i + 12) * kScale;
+        reader->points_[i].directed = RawColor(raw, kRawBytes * i + kRawDirected) * kScale;
     }
     return reader;
 }
@@ -121,7 +123,8 @@ LegacyLight LegacyGridReader::At(const Vec3f &position) const {
         sum.directed += points_[index].directed * weight;
         sum.direction += points_[index].direction * weight;
     }
-    if (total > 0 && total < 0.99f) {
+    constexpr float kWholeWeight = 0.99f; // as in engines: from here on the sum is taken as complete
+    if (total > 0 && total < kWholeWeight) {
         sum.ambient = sum.ambient / total;
         sum.directed = sum.directed / total;
     }

@@ -19,13 +19,15 @@ struct LegacyEngine {
     bool skipsBlack = false;                   ///< leaves points without ambient light out: they are in walls
     bool keepsDirected = false;                ///< of them, keeps those with directed light
 };
-inline constexpr LegacyEngine kIoquake3Engine{0.6f, 1, 8, 256, true};
-inline constexpr LegacyEngine kPlainEngine{1, 1, 0, 255, false};
+/// ioquake3 with default settings.
+inline constexpr LegacyEngine kIoquake3Engine{.ambientScale = 0.6f, .ambientAdded = 8, .skipsBlack = true};
+/// No factors, all points count.
+inline constexpr LegacyEngine kPlainEngine{.angleSteps = 255};
 
 /// Where an engine expects the points, from the bounds of the world and gridsize.
 struct LegacyPlaces {
-    Vec3f origin, cell;
-    std::array<int, 3> count{};
+    Vec3f origin, cell;         ///< first point; distance of points on each axis, game units
+    std::array<int, 3> count{}; ///< points on each axis
     LegacyPlaces(const Vec3f &worldMins, const Vec3f &worldMaxs, const Vec3f &gridSize);
     std::size_t Points() const { return std::size_t(count[0]) * std::size_t(count[1]) * std::size_t(count[2]); }
 };
@@ -33,7 +35,8 @@ struct LegacyPlaces {
 /// What an engine computes for one model.
 struct LegacyLight {
     Vec3f ambient, directed; ///< byte scale
-    Vec3f direction;
+    Vec3f direction;         ///< to the directed light, unit
+    /// Light on a surface with that normal.
     Vec3f On(const Vec3f &normal) const { return ambient + directed * std::max(0.0f, Dot(normal, direction)); }
 };
 

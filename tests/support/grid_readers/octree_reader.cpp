@@ -11,6 +11,9 @@ namespace q3 {
 namespace {
 
 constexpr std::uint32_t kIsLeaf = 0x80000000, kIsOccluded = 0x40000000; ///< bits of references
+/// Split and eight references of a node; mins and size of a leaf, before its samples.
+constexpr std::size_t kNodeBytes = 44, kLeafBytes = 24;
+constexpr int kOccludedSample = 255; ///< in place of a sample's number of styles
 
 } // namespace
 
@@ -23,20 +26,20 @@ class OctreeParser {
         if (sixSides_ && Take<std::uint32_t>() != bytes_.size() - 4)
             throw std::runtime_error("length of the subgrid");
         OctreeReader grid;
-        grid.step_ = Vector();
+        grid.step_ = TakeVector();
         grid.size_ = {Take<int>(), Take<int>(), Take<int>()};
-        grid.mins_ = Vector();
+        grid.mins_ = TakeVector();
         styles_ = Take<std::uint8_t>();
         if (styles_ < 1 || styles_ > 4)
             throw std::runtime_error("number of styles");
         grid.root_ = Take<std::uint32_t>();
-        grid.nodes_.resize(Counted(44));
+        grid.nodes_.resize(TakeCount(kNodeBytes));
         for (auto &node : grid.nodes_) {
             node.split = {Take<int>(), Take<int>(), Take<int>()};
             for (std::uint32_t &child : node.children)
                 child = Take<std::uint32_t>();
         }
-        const std::size_t leafs = Counted(24);
+        const std::size_t leafs = TakeCount(kLeafBytes);
         if (leafs == 0)
             throw std::runtime_error("no leafs");
         for (std::size_t i = 0; i < leafs; ++i)
@@ -61,11 +64,12 @@ class OctreeParser {
         at_ += sizeof value;
         return value;
     }
-    Vec3f Vector() {
+    Vec3f TakeVector() {
         const float x = Take<float>(), y = Take<float>(), z = Take<float>();
         return {x, y, z};
     }
-    std::size_t Counted(std::size_t bytes) {
+    /// A number of records that have at least so many bytes each.
+    std::size_t TakeCount(std::size_t bytes) {
         const auto count = Take<std::uint32_t>();
         if (count > (bytes_.size() - at_) / bytes)
             throw std::runtime_error("count");
@@ -86,7 +90,7 @@ class OctreeParser {
 
     std::optional<OctreeReader::Sides> TakeSample() {
         const int count = Take<std::uint8_t>();
-        if (count == 255)
+        if (count == kOccludedSample)
             return std::nullopt;
         if (count > styles_)
             throw std::runtime_error("styles of a sample");
@@ -106,6 +110,7 @@ class OctreeParser {
         return sides;
     }
 
+    /// Checks what a reference to that part of the grid leads to, and counts its uses.
     void Check(const OctreeReader &grid, std::uint32_t reference, const std::array<int, 3> &mins,
                const std::array<int, 3> &size) {
         if ((reference & kIsOccluded) != 0)
@@ -123,7 +128,7 @@ class OctreeParser {
         for (unsigned child = 0; child < 8; ++child) {
             std::array<int, 3> childMins = mins, childSize{};
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                const bool upper = (child & (4u >> axis)) != 0;
+                const bool upper = (child & (4u >> axis)) != 0; // bits of a child's number: 4 x, 2 y, 1 z
                 childMins[axis] = upper ? node.split[axis] : mins[axis];
                 childSize[axis] = upper ? mins[axis] + size[axis] - node.split[axis] : node.split[axis] - mins[axis];
             }

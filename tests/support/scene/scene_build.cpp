@@ -15,7 +15,7 @@ namespace {
 using Box = SceneBuilder::Box;
 using Surface = SceneBuilder::Surface;
 
-constexpr std::uint32_t kSurfNoDraw = 0x80;
+constexpr std::uint32_t kSurfNoDraw = 0x80; ///< surface flag
 
 Int3 RoundDown(const Vec3f &v) {
     return {int(std::floor(v.x)), int(std::floor(v.y)), int(std::floor(v.z))};
@@ -166,7 +166,7 @@ class BspBuilder {
         surface.numVerts = std::int32_t(source.verts.size());
         surface.firstIndex = std::int32_t(bsp_.drawIndexes.size());
         surface.numIndexes = std::int32_t(source.indexes.size());
-        surface.lightmapNum = -3;
+        surface.lightmapNum = kLightmapByVertex;
         surface.patchWidth = source.patchWidth;
         surface.patchHeight = source.patchHeight;
         if (source.type == MST_PATCH) // the level-of-detail group
@@ -235,6 +235,7 @@ class BspBuilder {
     }
 
     void AddVisibility() {
+        // Two integers, then a row for each cluster: a bit per cluster, rounded up to 64.
         const std::size_t count = clusters_.size(), row = ((count + 63) & ~std::size_t(63)) / 8;
         bsp_.visibility.assign(8 + count * row, 0);
         for (std::size_t byte = 0; byte < 4; byte++) {

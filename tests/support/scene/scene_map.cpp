@@ -14,7 +14,9 @@ namespace {
 
 using Box = SceneBuilder::Box;
 
-constexpr int kDetailFlag = 1 << 27;
+constexpr int kDetailFlag = 1 << 27;              ///< contents flag of a side: its brush is detail
+constexpr float kStepsPerUnit = 8;                ///< of coordinates that the bsp stage keeps exactly
+constexpr float kMaxCoordinate = 60000;           ///< chosen: within the world of 65536 units, with room for walls
 constexpr std::string_view kFolder = "textures/"; ///< prefix of all shaders, omitted in map sources
 
 bool IsPlain(const SceneShader &shader) {
@@ -24,7 +26,7 @@ bool IsPlain(const SceneShader &shader) {
 /// Whether the bsp stage keeps the coordinates exactly: it rounds vertices.
 bool IsOnGrid(const Vec3f &p) {
     for (std::size_t axis = 0; axis < 3; axis++)
-        if (p[axis] * 8 != std::nearbyint(p[axis] * 8) || std::abs(p[axis]) > 60000)
+        if (p[axis] * kStepsPerUnit != std::nearbyint(p[axis] * kStepsPerUnit) || std::abs(p[axis]) > kMaxCoordinate)
             return false;
     return true;
 }
@@ -38,7 +40,7 @@ bool IsPlain(const Box &box) {
 std::string PointsText(std::size_t side, float at) {
     std::array<Vec3f, 3> points;
     const std::size_t axis = side / 2, u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-    points[1][u] = points[2][v] = 64;
+    points[1][u] = points[2][v] = 64; // any size: the points define the plane
     if ((side % 2 != 0) != (axis == 1))
         std::swap(points[1], points[2]);
     std::string text;

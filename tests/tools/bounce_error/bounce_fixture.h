@@ -28,7 +28,7 @@ class TracedScene {
         return tracer->OnSurface({&position, 1}, normal, paths, seed);
     }
 
-    QuietLog log;
+    KeptLog log;
     const Bsp bsp;
     const LightmapOptions lightmap;
     const LightSetup setup;
@@ -64,7 +64,7 @@ class PathTest : public testing::Test {
   private:
     std::string script_;
     std::uint8_t gray_ = 255;
-    QuietLog log_;
+    KeptLog log_;
     std::unique_ptr<VirtualFileSystem> vfs_;
     std::unique_ptr<ShaderLibrary> library_;
 };

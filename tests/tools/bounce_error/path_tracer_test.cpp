@@ -11,8 +11,8 @@ namespace {
 
 using bounce::Estimate;
 using bounce::kAllBounces;
-using bounce::kLimits;
-using bounce::LimitOf;
+using bounce::kBounceLimits;
+using bounce::LimitIndexOf;
 
 constexpr std::size_t kOneBounce = 0;
 constexpr const char *kWall = "textures/test/wall", *kBright = "textures/test/bright";
@@ -30,8 +30,8 @@ TEST_F(PathTest, AFurnaceFollowsTheGeometricSeries) {
         scene->Shine(kWall, 40);
         scene->Prepare();
         const Estimate found = scene->At({0, 0, -kHalf + 0.01f}, {0, 0, 1}, 1 << 16);
-        for (std::size_t limit = 0; limit < kLimits.size(); ++limit) {
-            const double rest = limit == kAllBounces ? 0 : std::pow(double(reflectance), kLimits[limit] + 1);
+        for (std::size_t limit = 0; limit < kBounceLimits.size(); ++limit) {
+            const double rest = limit == kAllBounces ? 0 : std::pow(double(reflectance), kBounceLimits[limit] + 1);
             const double expected = 40 * (double(reflectance) - rest) / (1 - double(reflectance));
             EXPECT_NEAR(found.light[limit].x, expected, 0.01 * expected) << reflectance << " " << limit;
             EXPECT_NEAR(found.light[limit].z, expected, 4 * double(found.error[limit].z) + 1e-4 * expected);
@@ -76,7 +76,7 @@ TEST_F(PathTest, NoLightIsLostBetweenWalls) {
     const auto scene = Make(room, 0.6f);
     scene->Shine(kBright, 600);
     scene->Prepare();
-    std::array<double, kLimits.size()> mean{};
+    std::array<double, kBounceLimits.size()> mean{};
     for (int wall = 0; wall < 6; ++wall) {
         const auto places = PlacesOn(BoxFace(wall), 24);
         for (std::size_t i = 0; i < places.size(); ++i) {
@@ -87,7 +87,7 @@ TEST_F(PathTest, NoLightIsLostBetweenWalls) {
     }
     // All walls reflect alike, so bounce k has 0.6^k of the 100 that the mean wall gets.
     for (const int bounces : {1, 2, 4, 8})
-        EXPECT_NEAR(mean[LimitOf(bounces)], 100 * 0.6 * (1 - std::pow(0.6, bounces)) / 0.4, 1) << bounces;
+        EXPECT_NEAR(mean[LimitIndexOf(bounces)], 100 * 0.6 * (1 - std::pow(0.6, bounces)) / 0.4, 1) << bounces;
     EXPECT_NEAR(mean[kAllBounces], 150, 1.5);
 }
 

@@ -81,7 +81,7 @@ SceneBuilder WhiteFurnace() {
 TEST_F(PathTest, BakesOfAFurnaceAreRight) {
     options.bounceScale = 0.5f / (187.5f * 3 / 255);
     const VirtualFileSystem &files = Files();
-    QuietLog log;
+    KeptLog log;
     const MapFiles map{files, *FindGame("quake3"), WhiteFurnace().Build(), {"test", {}, {}}, log.log};
     const MapSetup setup(map, {{}, options});
     const JobPool jobs(1);
@@ -96,7 +96,7 @@ TEST_F(PathTest, BakesOfAFurnaceAreRight) {
     const Reference reference = MakeReference(in, tracer, lights, receivers, 1024, {});
     const BakedGrid directGrid = BakeGrid(map, setup.settings, 0, jobs);
     for (const int bounces : {1, 3}) {
-        const std::size_t limit = LimitOf(bounces);
+        const std::size_t limit = LimitIndexOf(bounces);
         const auto luxels =
             CompareLuxels(receivers, reference, limit, direct, BakeLuxels(setup, bounces, jobs, log.log));
         ASSERT_EQ(luxels.size(), 50u);
@@ -111,7 +111,7 @@ TEST_F(PathTest, BakesOfAFurnaceAreRight) {
         EXPECT_NEAR(ErrorsOf(positions).energy, 1, 0.01);
     }
     // What the bake does not do shows as an error.
-    EXPECT_NEAR(ErrorsOf(CompareLuxels(receivers, reference, LimitOf(1), direct, direct)).rmse, 20, 0.2);
+    EXPECT_NEAR(ErrorsOf(CompareLuxels(receivers, reference, LimitIndexOf(1), direct, direct)).rmse, 20, 0.2);
     const CauseInputs causes{in, surfaces, tracer, lights, receivers, direct};
     for (const BounceSteps &step : StepsOfFirstBounce(causes, 1024)) {
         EXPECT_NEAR(step.atTexels.x, 20, 0.05);
@@ -144,7 +144,7 @@ TEST_F(PathTest, LitFilesOfAFurnaceAreRight) {
     ASSERT_EQ(points.size(), 60u);
     const Receivers receivers = ReceiversOf(points);
     const Reference reference = MakeReference(scene->in, *scene->tracer, *scene->lights, receivers, 512, {});
-    const auto light = CompareLit(points, reference, LimitOf(1), files);
+    const auto light = CompareLit(points, reference, LimitIndexOf(1), files);
     ASSERT_EQ(light.size(), 60u);
     EXPECT_NEAR(light[0].direct.x, 40, 1);
     EXPECT_LT(ErrorsOf(light).rmse, 1);
@@ -166,11 +166,17 @@ TEST(BounceErrorsTest, LightIsCutAsOnAScreen) {
     EXPECT_NEAR(SquaredError(light[0]), 20, 1e-6);
 }
 
+TEST(BounceErrorsTest, OptionsAreComparedWordByWord) {
+    EXPECT_EQ(OptionsWithoutBounces(" -bounce 4"), "");
+    EXPECT_EQ(OptionsWithoutBounces("-fast  -bounce 4 -gamma 2"), OptionsWithoutBounces("-fast -gamma 2 -Bounce inf"));
+    EXPECT_NE(OptionsWithoutBounces("-sky 1 2"), OptionsWithoutBounces("-sky 12"));
+}
+
 TEST(BounceErrorsTest, LimitsAreNumbersOfBounces) {
-    EXPECT_EQ(kLimits[LimitOf(1)], 1);
-    EXPECT_EQ(kLimits[LimitOf(8)], 8);
-    EXPECT_EQ(LimitOf(100), kAllBounces);
-    EXPECT_THROW(LimitOf(7), std::exception);
+    EXPECT_EQ(kBounceLimits[LimitIndexOf(1)], 1);
+    EXPECT_EQ(kBounceLimits[LimitIndexOf(8)], 8);
+    EXPECT_EQ(LimitIndexOf(100), kAllBounces);
+    EXPECT_THROW(LimitIndexOf(7), std::exception);
 }
 
 } // namespace

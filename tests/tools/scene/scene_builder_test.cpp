@@ -3,6 +3,7 @@
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
+#include "tests/support/kept_log.h"
 #include "tests/support/scene/demo_scene.h"
 #include "tests/support/scene/scene_builder.h"
 
@@ -19,11 +20,6 @@ namespace {
 
 const SceneShader kWall{"textures/test/wall"};
 const SceneShader kRed{"textures/test/red"};
-
-struct TestLog {
-    std::string text;
-    Log log{[this](LogLevel, std::string_view line) { text += line; }};
-};
 
 /// The leaf an engine finds at p.
 const bspLeaf_t &LeafOf(const Bsp &bsp, const Vec3f &p) {
@@ -72,7 +68,7 @@ TEST(SceneBuilder, ValidatesWithoutAWarning) {
     for (unsigned seed = 0; seed < 20; seed++) {
         Boxes boxes(seed);
         boxes.builder.SetVisibility({.writeLump = true});
-        TestLog log;
+        test::KeptLog log;
         EXPECT_NO_THROW(ValidateBsp(boxes.builder.Build(), "scene", log.log));
         EXPECT_EQ(log.text, "");
     }
@@ -81,7 +77,7 @@ TEST(SceneBuilder, ValidatesWithoutAWarning) {
 TEST(SceneBuilder, SurvivesItsFile) {
     Boxes boxes(3);
     const Bsp bsp = boxes.builder.Build();
-    TestLog log;
+    test::KeptLog log;
     const Bsp back = ReadBsp(WriteBsp(bsp, {}), "scene", {}, log.log);
     EXPECT_EQ(back.nodes.size(), bsp.nodes.size());
     EXPECT_EQ(back.entities, bsp.entities);
@@ -299,7 +295,7 @@ TEST(SceneBuilder, RefusesWhatNoMapCanHold) {
 
 TEST(DemoScene, IsAValidMapWithItsLightsInTheSource) {
     const DemoMap demo = DemoScene();
-    TestLog log;
+    test::KeptLog log;
     EXPECT_NO_THROW(ValidateBsp(demo.bsp, "demo", log.log));
     EXPECT_EQ(log.text, "");
     const auto inBsp = ParseEntities(demo.bsp.entities, "demo");

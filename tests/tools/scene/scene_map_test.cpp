@@ -25,7 +25,7 @@ int ClusterAt(const Bsp &bsp, const Vec3d &p) {
 }
 
 Bsp Compiled(const SceneBuilder &scene) {
-    QuietLog quiet;
+    KeptLog quiet;
     VirtualFileSystem vfs(quiet.log);
     vfs.Mount(TEST_DATA "/vectors/baseq3", "pk3");
     return CompiledScene(scene, vfs);

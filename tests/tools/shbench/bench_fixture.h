@@ -28,7 +28,7 @@ class BenchTest : public testing::Test {
     GameFolder folder;
 
   private:
-    QuietLog log_;
+    KeptLog log_;
     std::unique_ptr<VirtualFileSystem> vfs_;
     std::unique_ptr<ShaderLibrary> library_;
 };

@@ -106,8 +106,8 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     BenchSettings settings;
     settings.truth.positions = 200;
     settings.rawSeconds = 0.02;
-    settings.worst = 3;
-    settings.plan = true;
+    settings.worstCount = 3;
+    settings.drawWorst = true;
     settings.bakes = {{"default", ""}, {"coarse", "-gridsh 128 128 128"}};
     Log silent(Log::Nowhere());
     const BenchResult result = RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent);
@@ -116,7 +116,7 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     const BenchLine *fine = report.Line("default"), *coarse = report.Line("coarse"), *plain = report.Line("plain"),
                     *legacy = report.Line("legacy grid"), *cubes = report.Line("ambient cubes");
     ASSERT_TRUE(fine && coarse && plain && legacy && cubes);
-    EXPECT_EQ(report.raw.size(), 6u);
+    EXPECT_EQ(report.rawRates.size(), 6u);
     EXPECT_EQ(fine->sharesOfRaw.size(), 1u);
     EXPECT_GT(fine->ShareOfRaw(), 0);
     EXPECT_GT(report.floor, 0);
@@ -134,9 +134,9 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     EXPECT_GT(fine->cost.rays, 0u);
     EXPECT_THAT(result.worst, testing::HasSubstr("worst positions of default"));
     EXPECT_THAT(result.worst, testing::HasSubstr("squared grid error %"));
-    ASSERT_TRUE(result.plan);
-    EXPECT_EQ(result.plan->dots.size(), 200u);
-    EXPECT_EQ(result.plan->rings.size(), 3u);
+    ASSERT_TRUE(result.worstView);
+    EXPECT_EQ(result.worstView->dots.size(), 200u);
+    EXPECT_EQ(result.worstView->rings.size(), 3u);
 
     const auto json = nlohmann::json::parse(JsonText(report));
     EXPECT_EQ(json["settings"].size(), 5u);
@@ -154,7 +154,7 @@ TEST_F(RunTest, MeasuresSparseGridsByTheirOwnPointsAndBytes) {
     const auto map = Map(scene);
     BenchSettings settings;
     settings.truth.positions = 200;
-    settings.raw = settings.baselines = false;
+    settings.measureRaw = settings.measureBaselines = false;
     settings.bakes = {{"default", ""}, {"rough", "-sherrortarget 4"}, {"fine", "-sherrortarget 1"}};
     Log silent(Log::Nowhere());
     const BenchReport report = RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent).report;
@@ -168,7 +168,7 @@ TEST_F(RunTest, MeasuresSparseGridsByTheirOwnPointsAndBytes) {
     EXPECT_GT(rough->errors.grid, fine->errors.grid);
     EXPECT_LT(fine->errors.relative, 0.5);
 
-    settings.worst = 1;
+    settings.worstCount = 1;
     settings.worstOf = "fine"; // its cells have several sizes
     EXPECT_THROW(RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent), std::exception);
 }
@@ -228,8 +228,8 @@ TEST(SizeChart, JoinsFamiliesBySize) {
 TEST_F(RunTest, WorstPositionsOfAnUnknownSettingAreRefused) {
     BenchSettings settings;
     settings.truth.positions = 1;
-    settings.raw = false;
-    settings.worst = 1;
+    settings.measureRaw = false;
+    settings.worstCount = 1;
     settings.worstOf = "fastt";
     Log silent(Log::Nowhere());
     const auto map = Map(Room()); // makes the library
@@ -261,7 +261,7 @@ TEST_F(RunTest, ThePlainGridIsMeasuredOnMapsThatHoldASparseOne) {
     const LightOptions options = LightOptionsFrom("-shadaptive", *FindGame("quake3"));
     const Baked lit = Bake(*map, options, BakedFormat::SparseGridSH, Library(), JobPool(1));
     ASSERT_TRUE(lit.bsp.sparseGridSH);
-    QuietLog log;
+    KeptLog log;
     const BenchMap again(lit.bsp, {"test", {}, {}}, options, Library(), log.log);
     const bspGridSHHeader_t layout{{-300, -300, -300}, {600, 600, 600}, {2, 2, 2}, 8};
     const Vec3f position{10, 20, 30};

@@ -41,8 +41,8 @@ class ErrorListTest : public BenchTest {
         scene.AddEntity(PointLight({40, 20, 100}, 300));
         map_ = Map(scene);
         settings_.truth.positions = 150;
-        settings_.raw = false;
-        settings_.errorList = true;
+        settings_.measureRaw = false;
+        settings_.listErrors = true;
         settings_.bakes = {{"rough", "-gridsh 256 256 256"}, {"sparse", " -sherrortarget  2"}};
     }
     BenchResult Run() {
@@ -76,7 +76,7 @@ TEST_F(ErrorListTest, ItsRmsIsThatOfTheTable) {
     EXPECT_NEAR(Rms(json, 4), result.report.Line("legacy grid")->errors.rmse, 0.01);
 
     settings_.errorsOf = "sparse";
-    settings_.baselines = false;
+    settings_.measureBaselines = false;
     result = Run();
     json = nlohmann::json::parse(result.errors);
     EXPECT_EQ(json["options"], "-sherrortarget 2");
@@ -89,7 +89,7 @@ TEST_F(ErrorListTest, IsOfASettingWithAnSHGrid) {
         settings_.errorsOf = name;
         EXPECT_THROW(Run(), std::exception) << name;
     }
-    settings_.errorList = false;
+    settings_.listErrors = false;
     EXPECT_TRUE(Run().errors.empty());
 }
 

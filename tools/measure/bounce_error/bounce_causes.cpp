@@ -10,11 +10,13 @@ namespace q3::bounce {
 
 namespace {
 
-constexpr float kFar = 1e6f; ///< longer than any map, game units
+/// Texels on a side of the image that the bake averages a texture down to.
 constexpr int kCoarseSide = 16;
-/// Length of the ray from a luxel's position down to its surface. Game units.
-constexpr float kCheckHeight = 4;
-constexpr int kCheckSamples = 64;
+/// Length of the rays from luxels down to their surfaces, which are 1 unit away unless a shader says otherwise. Game
+/// units.
+constexpr float kSurfaceRayLength = 4;
+/// Lights that DirectCheckText samples at each point.
+constexpr int kLightSamples = 64;
 
 std::size_t LuxelAt(const RawLightmap &raw, const PathHit &hit) {
     const int x = std::clamp(int(hit.luxel[0]), 0, raw.SuperWidth() - 1);
@@ -43,26 +45,23 @@ Vec3f ReflectanceOfLuxel(const CauseInputs &inputs, const HitLuxel &at, const Pa
     if (!at.raw->Mapped(at.luxel))
         return inputs.tracer.Scene().MeanReflectanceAt(std::size_t(hit.surface), hit.st, kCoarseSide);
     RayPacket rays;
-    rays.Set(0, at.raw->positions[at.luxel], -at.raw->normals[at.luxel], kCheckHeight);
+    rays.Set(0, at.raw->positions[at.luxel], -at.raw->normals[at.luxel], kSurfaceRayLength);
     PathScene::Hits hits;
     inputs.tracer.Scene().FirstHits(rays, hits);
     const PathHit &center = hits[0] ? *hits[0] : hit;
     return inputs.tracer.Scene().MeanReflectanceAt(std::size_t(center.surface), center.st, kCoarseSide);
 }
 
-struct VectorSum {
-    Vec3d sum;
-    void Add(const Vec3f &value) { sum += Vec3d(value); }
-};
-
+/// Sets BounceSteps::atTexels and coarse for a surface with that normal: means over rays, which start at each of
+/// `places` in turn.
 BounceSteps StepsAt(const CauseInputs &inputs, std::span<const Vec3f> places, const Vec3f &normal, int rayCount,
                     std::uint64_t seed) {
-    VectorSum atTexels, coarse;
+    Vec3d atTexels, coarse;
     for (int first = 0; first < rayCount; first += int(kPacketSize)) {
         RayPacket rays;
         for (std::size_t i = 0; i < kPacketSize; ++i)
             rays.Set(i, places[(std::size_t(first) + i) % places.size()],
-                     CosineDirection(normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), seed)), kFar);
+                     CosineDirection(normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), seed)), kRayLength);
         PathScene::Hits hits;
         inputs.tracer.Scene().FirstHits(rays, hits);
         for (const auto &hit : hits) {
@@ -76,12 +75,12 @@ BounceSteps StepsAt(const CauseInputs &inputs, std::span<const Vec3f> places, co
                     light = mean = inputs.lights.At(inputs.tracer.ReceiverAt(*hit), counts) * hit->reflectance;
                 }
             }
-            atTexels.Add(light), coarse.Add(mean);
+            atTexels += Vec3d(light), coarse += Vec3d(mean);
         }
     }
     const double count = double((rayCount + int(kPacketSize) - 1) / int(kPacketSize)) * double(kPacketSize);
     BounceSteps steps;
-    steps.atTexels = Vec3f(atTexels.sum / count), steps.coarse = Vec3f(coarse.sum / count);
+    steps.atTexels = Vec3f(atTexels / count), steps.coarse = Vec3f(coarse / count);
     return steps;
 }
 
@@ -101,8 +100,8 @@ struct DifferenceSum {
 /// Sets `window` to the mean of `coarse` over the window of the bake's filter, if it is complete.
 void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, int rays, std::uint64_t seed,
                     BounceSteps &step) {
-    constexpr int kReach = 2;
-    constexpr float kMinCosine = 0.9f;
+    constexpr int kReach = 2;          // luxels on each side of the center, as in the bake's filter
+    constexpr float kMinCosine = 0.9f; // between normals of the window, chosen: 26 degrees
     const RawLightmap &raw = inputs.surfaces.lightmaps[receiver.lightmap];
     const int x = int(receiver.luxel) % raw.SuperWidth(), y = int(receiver.luxel) / raw.SuperWidth();
     if (x < kReach || y < kReach || x + kReach >= raw.SuperWidth() || y + kReach >= raw.SuperHeight())
@@ -119,8 +118,8 @@ void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, in
         const std::vector<Vec3f> places = PlacesOf(inputs.in, inputs.tracer.Scene(), raw, luxel);
         if (places.empty())
             return;
-        const BounceSteps near = StepsAt(inputs, places, raw.normals[luxel], rays, HashIndex(seed) + luxel);
-        step.window += near.coarse / float(luxels.size());
+        const BounceSteps neighbor = StepsAt(inputs, places, raw.normals[luxel], rays, HashIndex(seed) + luxel);
+        step.window += neighbor.coarse / float(luxels.size());
     }
     step.complete = true;
 }
@@ -128,13 +127,13 @@ void StepOverWindow(const CauseInputs &inputs, const LuxelReceiver &receiver, in
 } // namespace
 
 std::vector<BounceSteps> StepsOfFirstBounce(const CauseInputs &inputs, int rays) {
-    constexpr int kWindowShare = 8; // neighbors in the window get 1 / this of the rays
+    constexpr int kWindowRayDivisor = 8; // each of the 25 luxels of a window gets an eighth of the rays
     std::vector<BounceSteps> steps(inputs.receivers.luxels.size());
     inputs.in.jobs.For(std::int64_t(steps.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
         const LuxelReceiver &luxel = inputs.receivers.luxels[i];
         steps[i] = StepsAt(inputs, luxel.places, luxel.normal, rays, i);
-        StepOverWindow(inputs, luxel, rays / kWindowShare, i, steps[i]);
+        StepOverWindow(inputs, luxel, rays / kWindowRayDivisor, i, steps[i]);
     });
     return steps;
 }
@@ -169,7 +168,7 @@ std::string CausesText(const CauseInputs &inputs, std::span<const ComparedLight>
 }
 
 std::string SurroundingsText(const CauseInputs &inputs, const LuxelReceiver &luxel) {
-    constexpr float kMargin = 0.25f;
+    constexpr float kMargin = 0.25f; // game units
     const Vec3f margin{kMargin, kMargin, kMargin};
     const bool solid = inputs.in.space.AnySolid(luxel.position - margin, luxel.position + margin);
     std::string text = solid ? "in a solid or beside it" : "clear of solids";
@@ -196,9 +195,12 @@ std::string SurroundingsText(const CauseInputs &inputs, const LuxelReceiver &lux
 
 std::string DirectCheckText(const CauseInputs &inputs) {
     const std::size_t count = inputs.receivers.luxels.size();
+    /// Direct light of the reference for one luxel.
     struct Found {
-        Vec3f own, atHit, sampled;
-        bool hit = false;
+        Vec3f own;        ///< at the luxel's position
+        bool hit = false; ///< whether a ray from there down meets the luxel's surface
+        Vec3f atHit;      ///< at that hit
+        Vec3f sampled;    ///< at that hit, from sampled lights
     };
     std::vector<Found> found(count);
     inputs.in.jobs.For(std::int64_t(count), [&](std::int64_t number, int) {
@@ -210,7 +212,7 @@ std::string DirectCheckText(const CauseInputs &inputs) {
                                raw.receiveShadows};
         found[i].own = inputs.lights.At(own, counts) + raw.ambient;
         RayPacket rays;
-        rays.Set(0, luxel.position, -luxel.normal, kCheckHeight);
+        rays.Set(0, luxel.position, -luxel.normal, kSurfaceRayLength);
         PathScene::Hits hits;
         inputs.tracer.Scene().FirstHits(rays, hits);
         found[i].hit = hits[0] && inputs.surfaces.lightmapOf[std::size_t(hits[0]->surface)] == int(luxel.lightmap);
@@ -220,7 +222,7 @@ std::string DirectCheckText(const CauseInputs &inputs) {
         found[i].atHit = inputs.lights.At(at, counts) + raw.ambient;
         PathRandom random(i);
         Vec3f sum;
-        for (int k = 0; k < kCheckSamples; ++k)
+        for (int sample = 0; sample < kLightSamples; ++sample)
             if (const UnshadowedLight one = inputs.lights.Sample(at, random); one.light) {
                 RayPacket ray;
                 ray.Set(0, at.position, one.direction, one.distance);
@@ -231,7 +233,7 @@ std::string DirectCheckText(const CauseInputs &inputs) {
                 if (ray.live[0] != 0)
                     sum += ray.tinted ? one.color * ray.tint[0] : one.color;
             }
-        found[i].sampled = sum / float(kCheckSamples) + raw.ambient;
+        found[i].sampled = sum / float(kLightSamples) + raw.ambient;
     });
     DifferenceSum own, atHit, sampled, light;
     for (std::size_t i = 0; i < count; ++i) {
@@ -241,10 +243,11 @@ std::string DirectCheckText(const CauseInputs &inputs) {
         if (found[i].hit)
             atHit.Add(found[i].atHit - baked), sampled.Add(found[i].sampled - found[i].atHit);
     }
+    constexpr int kChannels = 3; // DifferenceSum::count counts each of them
     return fmt::format(
         "direct light of {} luxels, bytes, not cut: {}\n  evaluated at their positions - baked: {}\n"
         "  evaluated at {:.0f} hits beneath them - baked: {}\n  {} sampled lights - all lights there: {}\n",
-        count, light.Text(), own.Text(), atHit.count / 3, atHit.Text(), kCheckSamples, sampled.Text());
+        count, light.Text(), own.Text(), atHit.count / kChannels, atHit.Text(), kLightSamples, sampled.Text());
 }
 
 } // namespace q3::bounce

@@ -10,11 +10,11 @@ namespace q3::bounce {
 /// Inputs of the measurements below. Keeps references.
 struct CauseInputs {
     const SurfaceInputs &in;
-    const SurfaceLight &surfaces;
+    const SurfaceLight &surfaces; ///< of the bake without bounces
     const PathTracer &tracer;
     const DirectLights &lights;
     const Receivers &receivers;
-    const BakedLuxels &direct;
+    const BakedLuxels &direct; ///< of the same
 };
 
 /// Light of one bounce at a receiver, each step one approximation nearer to the bake. Byte scale, not clamped.

@@ -11,6 +11,7 @@
 #include "q3map2/stages/light_files.h"
 #include "tools/measure/bounce_error/bounce_causes.h"
 #include "tools/measure/bounce_error/lit_files.h"
+#include "tools/measure/shbench/bakes.h"
 #include "tools/measure/shbench/truth.h"
 
 #include <cmath>
@@ -48,20 +49,16 @@ signed. energy: sum of baked over sum of traced bounces. noise: standard error o
 /// Rays per luxel of --causes.
 constexpr int kCauseRays = 1024;
 
-struct BakeText {
-    std::string name, options;
-};
-
 struct BounceCommand {
     GlobalOptions game;
-    std::vector<BakeText> bakes;
-    std::string options;
+    std::vector<bench::BakeSetting> bakes;
+    std::string options; ///< light options of the reference and of all bakes
     int luxels = 2000, points = 500, paths = 4096, worst = 0;
     std::uint64_t seed = 1;
     bool allBounces = false, causes = false, check = false;
     std::filesystem::path cache;
     std::string litDirect, litBounced;
-    int litLimit = 0;
+    int litBounces = 0; ///< of litBounced; 0: all
     std::vector<std::string> maps;
 };
 
@@ -72,7 +69,7 @@ void AddBounces(std::string_view list, BounceCommand &command) {
         if (number != "inf" && IntegerFromText(number) < 1)
             throw Error("--bounce {}: expected whole numbers of at least 1, or inf", number);
         if (number != "inf" && !command.allBounces)
-            LimitOf(IntegerFromText(number));
+            LimitIndexOf(IntegerFromText(number)); // throws if the reference has no result for this number
         command.bakes.push_back({fmt::format("-bounce {}", number), fmt::format("-bounce {}", number)});
         list.remove_prefix(std::min(comma + 1, list.size()));
     }
@@ -81,16 +78,12 @@ void AddBounces(std::string_view list, BounceCommand &command) {
 BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
     BounceCommand command;
     command.allBounces = arguments.TakeFlag("--all-bounces");
-    bool any = false;
+    bool hasBakes = false;
     while (const auto text = arguments.TakeValue("--bounce"))
-        AddBounces(*text, command), any = true;
-    while (const auto text = arguments.TakeValue("--bake")) {
-        const std::size_t colon = text->find(':');
-        if (colon == 0 || colon == std::string::npos)
-            throw Error("--bake \"{}\": expected a name, a colon and light options", *text);
-        command.bakes.push_back({text->substr(0, colon), text->substr(colon + 1)}), any = true;
-    }
-    if (!any)
+        AddBounces(*text, command), hasBakes = true;
+    while (const auto text = arguments.TakeValue("--bake"))
+        command.bakes.push_back(bench::ParseBakeSetting(*text)), hasBakes = true;
+    if (!hasBakes)
         AddBounces("1,4", command);
     while (const auto text = arguments.TakeValue("--options"))
         command.options = *text;
@@ -105,7 +98,7 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
         command.litDirect = *text;
     while (const auto text = arguments.TakeValue("--lit-bounced"))
         command.litBounced = *text;
-    command.litLimit = arguments.TakeWhole("--lit-limit", 0, 0);
+    command.litBounces = arguments.TakeWhole("--lit-limit", 0, 0);
     if (command.litDirect.empty() != command.litBounced.empty())
         throw Error("--lit-direct, --lit-bounced: expected both");
     command.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "bounce_error";
@@ -118,15 +111,6 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
     if (command.maps.empty())
         throw Error("expected a .bsp");
     return command;
-}
-
-/// Options of a bake without its -bounce: bakes with the same options share direct light.
-std::string WithoutBounces(const std::string &text) {
-    std::string rest = text;
-    if (const std::size_t at = rest.find("-bounce "); at != std::string::npos)
-        rest.erase(at, rest.find(' ', at + std::string_view("-bounce ").size()) - at);
-    rest.erase(std::remove(rest.begin(), rest.end(), ' '), rest.end());
-    return rest;
 }
 
 void PrintErrors(const std::string &map, std::string_view where, const std::string &name, double seconds,
@@ -184,7 +168,7 @@ class MapMeasure {
         const auto points = LitPoints(in_, tracer_.Scene(), files, command_.luxels, command_.seed);
         receivers_ = ReceiversOf(points);
         Trace();
-        const auto light = CompareLit(points, reference_, LimitOf(command_.litLimit), files);
+        const auto light = CompareLit(points, reference_, LimitIndexOf(command_.litBounces), files);
         PrintErrors(map_.inputs.name, "lightmap points", command_.litBounced, 0, ErrorsOf(light));
         fmt::print(stderr, "{} points are not too bright\n", light.size());
     }
@@ -199,9 +183,9 @@ class MapMeasure {
         const CauseInputs causes{in_, surfaces_, tracer_, lights_, receivers_, direct_};
         if (command_.check)
             fmt::print("{}", DirectCheckText(causes));
-        for (const BakeText &bake : command_.bakes) {
+        for (const bench::BakeSetting &bake : command_.bakes) {
             const bench::LightmapSettings settings = SettingsOf(bake.options);
-            const std::size_t limit = command_.allBounces ? kAllBounces : LimitOf(settings.lightmap.bounces);
+            const std::size_t limit = command_.allBounces ? kAllBounces : LimitIndexOf(settings.lightmap.bounces);
             const auto light = MeasureLuxels(bake, settings, limit);
             PrintWorst(causes, light, command_.worst);
             if (command_.causes && settings.lightmap.bounces == 1)
@@ -228,27 +212,27 @@ class MapMeasure {
                               setup_.light.skySeenFrom, culled, setup_.settings.lightmap.fastPoint);
     }
 
-    std::vector<ComparedLight> MeasureLuxels(const BakeText &bake, const bench::LightmapSettings &settings,
+    std::vector<ComparedLight> MeasureLuxels(const bench::BakeSetting &bake, const bench::LightmapSettings &settings,
                                              std::size_t limit) {
-        const std::string key = WithoutBounces(bake.options);
+        const std::string key = OptionsWithoutBounces(bake.options);
         std::unique_ptr<MapSetup> own;
         if (!key.empty())
             own = std::make_unique<MapSetup>(map_, settings);
         const MapSetup &setup = own ? *own : setup_;
-        if (own && !otherDirect_.contains(key))
-            otherDirect_.emplace(key, BakeLuxels(setup, 0, jobs_, map_.log));
-        const BakedLuxels &direct = own ? otherDirect_.at(key) : direct_;
+        if (own && !directLuxels_.contains(key))
+            directLuxels_.emplace(key, BakeLuxels(setup, 0, jobs_, map_.log));
+        const BakedLuxels &direct = own ? directLuxels_.at(key) : direct_;
         const BakedLuxels baked = BakeLuxels(setup, settings.lightmap.bounces, jobs_, map_.log);
         auto light = CompareLuxels(receivers_, reference_, limit, direct, baked);
         PrintErrors(map_.inputs.name, "luxels", bake.name, baked.cpuSeconds - direct.cpuSeconds, ErrorsOf(light));
         return light;
     }
 
-    void MeasureGrid(const BakeText &bake, const bench::LightmapSettings &settings, std::size_t limit) {
-        const std::string key = WithoutBounces(bake.options);
-        if (!grids_.contains(key))
-            grids_.emplace(key, BakeGrid(map_, settings, 0, jobs_));
-        const BakedGrid &direct = grids_.at(key);
+    void MeasureGrid(const bench::BakeSetting &bake, const bench::LightmapSettings &settings, std::size_t limit) {
+        const std::string key = OptionsWithoutBounces(bake.options);
+        if (!directGrids_.contains(key))
+            directGrids_.emplace(key, BakeGrid(map_, settings, 0, jobs_));
+        const BakedGrid &direct = directGrids_.at(key);
         const BakedGrid baked = BakeGrid(map_, settings, settings.lightmap.bounces, jobs_);
         const auto light = ComparePositions(receivers_, reference_, limit, direct.bsp, baked.bsp);
         PrintErrors(map_.inputs.name, "SH grid", bake.name, baked.cpuSeconds - direct.cpuSeconds, ErrorsOf(light));
@@ -257,16 +241,17 @@ class MapMeasure {
     const BounceCommand &command_;
     const MapFiles &map_;
     const JobPool &jobs_;
-    const MapSetup setup_;
+    const MapSetup setup_; // for the options of the reference
     const SurfaceInputs in_;
-    SurfaceLight surfaces_;
-    const BakedLuxels direct_;
+    SurfaceLight surfaces_;    // of the bake direct_
+    const BakedLuxels direct_; // without bounces
     const DirectLights lights_;
     const PathTracer tracer_;
     Receivers receivers_;
     Reference reference_;
-    std::map<std::string, BakedLuxels> otherDirect_;
-    std::map<std::string, BakedGrid> grids_;
+    // Bakes without bounces, by OptionsWithoutBounces. Luxels without other options are in direct_.
+    std::map<std::string, BakedLuxels> directLuxels_;
+    std::map<std::string, BakedGrid> directGrids_;
 };
 
 int Run(const std::vector<std::string> &words) {

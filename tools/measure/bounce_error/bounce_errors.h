@@ -28,7 +28,7 @@ BounceErrors ErrorsOf(std::span<const ComparedLight> light);
 /// Displayed squared error, summed over channels.
 double SquaredError(const ComparedLight &light);
 
-/// Baked and reference light of the receivers' luxels, for kLimits[limit] bounces.
+/// Baked and reference light of the receivers' luxels, for kBounceLimits[limit] bounces.
 std::vector<ComparedLight> CompareLuxels(const Receivers &receivers, const Reference &reference, std::size_t limit,
                                          const BakedLuxels &direct, const BakedLuxels &baked);
 /// The same for the SH grids at the receivers' positions, on each of bench::Normals().

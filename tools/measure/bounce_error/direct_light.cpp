@@ -16,9 +16,13 @@ namespace q3::bounce {
 namespace {
 
 /// Receivers within kOwnSide (game units) of an area light's plane are taken to lie on the light's own surface if the
-/// cosine between the normals is above kOwnCosine.
+/// cosine between the normals is above kOwnCosine. The same values as in light/transfer/light_sample.cpp.
 constexpr float kOwnSide = 3, kOwnCosine = 0.9f;
+/// Shadow rays to the back of a two-sided area light end this far behind its origin, which is 1 unit in front of it: 1
+/// unit behind the polygon. Game units.
+constexpr float kOriginToBack = 2;
 
+/// Light `add` along the way to `target`, times the light's color; none if it is too faint.
 UnshadowedLight Colored(const Light &light, const SurfacePoint &at, float add, const Vec3f &target) {
     const float least = light.endsAtTolerance && light.type != LightType::Sun ? light.tolerance : 0;
     if (!(add > least))
@@ -46,7 +50,7 @@ UnshadowedLight AreaAt(const Light &light, const SurfacePoint &at) {
         return Colored(light, at, float(factor) * light.radiosity, light.origin);
     if (!at.twoSided && !light.twoSided)
         return {};
-    UnshadowedLight back = Colored(light, at, float(-factor) * light.radiosity, light.origin - light.normal * 2);
+    UnshadowedLight back = Colored(light, at, float(-factor) * light.radiosity, light.origin - light.normal * kOriginToBack);
     return back.distance < light.envelope ? back : UnshadowedLight{};
 }
 
@@ -75,15 +79,16 @@ UnshadowedLight LightWithoutShadow(const Light &light, const SurfacePoint &at) {
 namespace {
 
 /// Side of the cells that share a list of lights. Game units.
-constexpr float kCell = 32;
-/// Radius of a cell's bounding sphere: half its diagonal.
-constexpr float kCellRadius = 0.87f * kCell;
+constexpr float kCellSide = 32;
+/// Radius of a cell's bounding sphere, half its diagonal: sqrt(3) / 2 times the side, rounded up.
+constexpr float kCellRadius = 0.87f * kCellSide;
 /// Facings of receivers, which have lists of their own: by the axis nearest to the normal and its sign, or two-sided.
 constexpr int kFacings = 7, kTwoSidedFacing = 6;
 /// The largest angle between a normal and the nearest axis: acos(1 / sqrt(3)).
 constexpr float kFacingAngle = 0.9553166f;
 /// Share of the uniform density in the density of candidates.
 constexpr double kUniformShare = 0.05;
+/// Candidates of a sample.
 constexpr int kCandidates = 12;
 
 int FacingOf(const SurfacePoint &at) {
@@ -103,7 +108,8 @@ float BoundOfCosine(int facing, const Vec3f &u, float spread) {
         return 1;
     const float cosine = u[std::size_t(facing / 2)] * (facing % 2 == 0 ? 1.0f : -1.0f);
     const float angle = std::acos(std::clamp(cosine, -1.0f, 1.0f)) - kFacingAngle - spread;
-    return angle <= 0 ? 1 : std::max(0.0f, std::cos(std::min(angle, 1.5707964f)));
+    constexpr float kRightAngle = 1.5707964f; // pi / 2
+    return angle <= 0 ? 1 : std::max(0.0f, std::cos(std::min(angle, kRightAngle)));
 }
 
 /// Approximate upper bound of the light that receivers in the cell around `center` get, summed over channels. Byte
@@ -113,13 +119,15 @@ double BoundAt(const Light &light, const Vec3f &center, int facing) {
         double(std::abs(light.color.x)) + double(std::abs(light.color.y)) + double(std::abs(light.color.z));
     if (light.type == LightType::Sun)
         return color * double(light.photons * BoundOfCosine(facing, -light.normal, 0));
+    constexpr float kLeastDistance = 0.3f * kCellRadius; // chosen: keeps the bound finite for lights within the cell
+    constexpr float kAllDirections = 1.6f;               // radians, over pi / 2: the light may lie on any side
     const bool area = light.type == LightType::Area;
     const float reach = kCellRadius + (area ? light.shape.radius : 0);
     const Vec3f way = light.origin - center;
-    const float distance = Length(way), near = std::max(distance - kCellRadius, 0.3f * kCellRadius);
+    const float distance = Length(way), near = std::max(distance - kCellRadius, kLeastDistance);
     if (distance - kCellRadius > light.envelope)
         return 0;
-    const float spread = distance > reach ? std::asin(reach / distance) : 1.6f;
+    const float spread = distance > reach ? std::asin(reach / distance) : kAllDirections;
     const float cosine = distance > 0 ? BoundOfCosine(facing, way / distance, spread) : 1;
     if (!area)
         return color * double(std::max(0.0f, Falloff(light).At(
@@ -127,6 +135,7 @@ double BoundAt(const Light &light, const Vec3f &center, int facing) {
     const float height = Dot(center, light.normal) - light.dist;
     if (!light.twoSided && height < -kCellRadius)
         return 0;
+    // Form factor of a small light: area times its own cosine over pi r^2, with the cosine height / r.
     const float facingLight = std::min(1.0f, (std::max(std::abs(height), kAreaPush) + kCellRadius) / near);
     const float share = std::min(1.0f, light.shape.area * facingLight / (std::numbers::pi_v<float> * near * near));
     return color * double(light.radiosity * share * cosine);
@@ -138,15 +147,18 @@ struct LightList {
     std::vector<double> cumulative;
 };
 
+/// Key of the list of a cell, and the cell's coordinates in steps of kCellSide; 14 bits of each are in the key.
 std::uint64_t CellKey(const SurfacePoint &at, std::array<int, 3> &cell, int facing) {
+    constexpr int kCoordinateBits = 14;
     std::uint64_t key = std::uint64_t(at.cluster + 1) * kFacings + std::uint64_t(facing);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        cell[axis] = int(std::floor(at.position[axis] / kCell));
-        key = key << 14 | std::uint64_t(cell[axis] & 0x3fff);
+        cell[axis] = int(std::floor(at.position[axis] / kCellSide));
+        key = key << kCoordinateBits | std::uint64_t(cell[axis] & ((1 << kCoordinateBits) - 1));
     }
     return key;
 }
 
+/// Sum of the absolute channels.
 double Amount(const UnshadowedLight &one) {
     return double(std::abs(one.color.x)) + double(std::abs(one.color.y)) + double(std::abs(one.color.z));
 }
@@ -155,7 +167,7 @@ double Amount(const UnshadowedLight &one) {
 
 /// Lists by cell, cluster and facing, made on first use.
 struct DirectLights::Cells {
-    static constexpr std::size_t kShards = 64;
+    static constexpr std::size_t kShards = 64; // with locks of their own, so that threads rarely wait
     struct Shard {
         std::shared_mutex lock;
         std::unordered_map<std::uint64_t, std::unique_ptr<LightList>> lists;
@@ -193,8 +205,8 @@ const LightList &DirectLights::Cells::ListAt(const std::vector<Light> &lights, c
         if (const auto found = shard.lists.find(key); found != shard.lists.end())
             return *found->second;
     }
-    const Vec3f center{(float(cell[0]) + 0.5f) * kCell, (float(cell[1]) + 0.5f) * kCell,
-                       (float(cell[2]) + 0.5f) * kCell};
+    const Vec3f center{(float(cell[0]) + 0.5f) * kCellSide, (float(cell[1]) + 0.5f) * kCellSide,
+                       (float(cell[2]) + 0.5f) * kCellSide};
     auto list = MakeList(lights, at.cluster, center, facing);
     const std::unique_lock writing(shard.lock);
     return *shard.lists.try_emplace(key, std::move(list)).first->second;
@@ -242,8 +254,8 @@ UnshadowedLight DirectLights::Sample(const SurfacePoint &at, PathRandom &random)
         double weight = 1;
         if (!all) {
             // Stratified over the cumulative distribution.
-            const double at1 = (double(i) + random.Unit()) / kCandidates;
-            index = std::size_t(std::upper_bound(list.cumulative.begin(), list.cumulative.end(), at1) -
+            const double quantile = (double(i) + random.Unit()) / kCandidates;
+            index = std::size_t(std::upper_bound(list.cumulative.begin(), list.cumulative.end(), quantile) -
                                 list.cumulative.begin());
             index = std::min(index, count - 1);
             weight = 1 / (kCandidates * (list.cumulative[index] - (index > 0 ? list.cumulative[index - 1] : 0)));
@@ -252,7 +264,7 @@ UnshadowedLight DirectLights::Sample(const SurfacePoint &at, PathRandom &random)
         const double amount = Amount(one) * weight;
         if (!(amount > 0))
             continue;
-        total += amount;
+        total += amount; // weighted reservoir sampling of one candidate
         if (random.Unit() * total < amount)
             chosen = one;
     }

@@ -26,8 +26,8 @@ struct UnshadowedLight {
     const Light *light = nullptr;
 };
 
-/// Independent of light/transfer, except that it shares the formulas of falloff, cones and form factors. light: from
-/// SetupEnvelopes for surfaces.
+/// Light of the source at the receiver, without shadows. Independent of light/transfer, except that it shares the
+/// formulas of falloff, cones and form factors. light: from SetupEnvelopes for surfaces.
 UnshadowedLight LightWithoutShadow(const Light &light, const SurfacePoint &at);
 
 /// All lights of style 0 that light surfaces, to sum up or to sample. Safe from several threads; results do not depend

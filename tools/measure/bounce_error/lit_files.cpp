@@ -22,7 +22,8 @@ Vec3f NormalAt(const Bsp &bsp, const compare::SurfacePoint &point) {
 
 std::vector<LitPoint> LitPoints(const SurfaceInputs &in, const PathScene &scene, const LitFiles &files, int count,
                                 std::uint64_t seed) {
-    constexpr int kTries = 100, kPointsOfSurface = 1024;
+    constexpr int kTries = 100;            // at most, for each point wanted
+    constexpr int kPointsOfSurface = 1024; // to choose from
     const Bsp &bsp = files.direct.Map();
     if (bsp.drawSurfaces.size() != in.bsp.drawSurfaces.size() ||
         files.all.Map().drawSurfaces.size() != in.bsp.drawSurfaces.size())
@@ -70,7 +71,7 @@ std::vector<ComparedLight> CompareLit(const std::vector<LitPoint> &points, const
         const Vec3d direct = files.direct.Light(points[i].surface, points[i].point);
         const Vec3d all = files.all.Light(points[i].surface, points[i].point);
         const Estimate &estimate = reference.luxels[i];
-        if (std::max(MaxComponent(direct), MaxComponent(all)) <= kMostLit)
+        if (std::max(MaxComponent(direct), MaxComponent(all)) <= kMaxComparedLight)
             light.push_back({Vec3f(direct), Vec3f(all - direct), estimate.light[limit], estimate.error[limit]});
     }
     return light;

@@ -26,10 +26,11 @@ std::vector<LitPoint> LitPoints(const SurfaceInputs &in, const PathScene &scene,
 /// The points as receivers of a reference.
 Receivers ReceiversOf(const std::vector<LitPoint> &points);
 
-/// Light of the files at the points, filtered as in engines, with that of the reference for kLimits[limit] bounces.
-/// Bytes. Points where a channel of either file is above kMostLit are left out: programs scale bright colors down in
-/// different ways.
-inline constexpr double kMostLit = 250;
+/// Points where a channel of either file is above this are not compared: programs scale bright colors down in different
+/// ways. Bytes.
+inline constexpr double kMaxComparedLight = 250;
+/// Light of the files at the other points, filtered as in engines, with that of the reference for kBounceLimits[limit]
+/// bounces. Bytes.
 std::vector<ComparedLight> CompareLit(const std::vector<LitPoint> &points, const Reference &reference,
                                       std::size_t limit, const LitFiles &files);
 

@@ -3,9 +3,12 @@
 
 #include "common/error.h"
 #include "common/platform/platform.h"
+#include "common/text/text.h"
 #include "q3map2/lightmap/light_stage.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "tools/measure/directional_error/luxel_bake.h"
+
+#include <sstream>
 
 namespace q3::bounce {
 
@@ -35,6 +38,17 @@ MapSetup::MapSetup(const MapFiles &map, const bench::LightmapSettings &given)
     library_->ReleaseImages(KeptImages::OfReflectors);
 }
 
+std::string OptionsWithoutBounces(std::string_view options) {
+    std::istringstream words{std::string(options)};
+    std::string rest, bounces;
+    for (std::string word; words >> word;)
+        if (EqualNoCase(word, "-bounce"))
+            words >> bounces;
+        else
+            rest += word + ' ';
+    return rest;
+}
+
 BakedLuxels BakeLuxels(const MapSetup &map, int bounces, const JobPool &jobs, Log &log, SurfaceLight *surfaces) {
     LightmapOptions options = map.settings.lightmap;
     options.bounces = bounces;
@@ -53,7 +67,7 @@ BakedGrid BakeGrid(const MapFiles &map, bench::LightmapSettings settings, int bo
     settings.lightmap.onlyGrid = settings.lightmap.bounceGrid = true;
     settings.lightmap.bounces = bounces;
     BakedGrid baked{map.bsp};
-    double start = CpuSeconds();
+    double start = CpuSeconds(); // of the grid: when its heading is logged
     Log log([&](LogLevel, std::string_view text) {
         if (text.find("--- TraceGridSH ---") != std::string_view::npos)
             start = CpuSeconds();

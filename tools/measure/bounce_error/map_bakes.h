@@ -36,6 +36,10 @@ class MapSetup {
     const LightSetup light;
 };
 
+/// Words of light options without -bounce and its number, a blank after each. Bakes for which they are equal share
+/// their direct light.
+std::string OptionsWithoutBounces(std::string_view options);
+
 /// Light of style 0 by raw lightmap and luxel, after all passes. Byte scale; red below 0: not used.
 struct BakedLuxels {
     std::vector<std::vector<Vec3f>> light;

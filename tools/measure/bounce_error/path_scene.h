@@ -16,7 +16,7 @@ struct PathHit {
     Vec3f facingNormal;           ///< unit normal of the triangle, on the side that the ray came from
     Vec3f normal;                 ///< interpolated unit normal of the surface, on its front
     bool behind = false;          ///< whether the ray hit the back of a two-sided surface
-    std::array<float, 2> luxel{}; ///< coordinates in the super grid of its raw lightmap
+    std::array<float, 2> luxel{}; ///< coordinates among the luxels of its raw lightmap, supersampling included
     std::array<float, 2> st{};    ///< texture coordinates
     int vertex = 0;               ///< nearest draw vertex
     Vec3f reflectance;            ///< 0 to kMaxReflectance

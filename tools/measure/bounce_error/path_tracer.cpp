@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/light/batch/receivers.h"
+#include "q3map2/lightmap/bounce/bounce_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +16,9 @@ namespace {
 constexpr float kReceiverLift = 1;
 /// Reflected rays start this far off the surface. Game units.
 constexpr float kPathLift = 1.0f / 32;
-constexpr float kRayLength = 1e6f; ///< longer than any map, game units
-constexpr int kFirstRoulette = 3;
-constexpr float kMaxSurvival = 0.95f;
-constexpr int kMaxVertices = 1000;
+constexpr int kFirstRoulette = 3;     ///< surface of a path from which on it may end by Russian roulette
+constexpr float kMaxSurvival = 0.95f; ///< largest probability that it goes on
+constexpr int kMaxVertices = 1000;    ///< a path ends here in any case
 
 /// Light that a path adds at its vertex `depth` if the shadow ray is not blocked.
 struct PathLight {
@@ -27,23 +27,23 @@ struct PathLight {
     Vec3f color;
 };
 
-/// Index of the first of kLimits that includes light reflected `depth` times.
+/// Index of the first of kBounceLimits that includes light reflected `depth` times.
 std::size_t FirstLimit(int depth) {
     std::size_t limit = 0;
-    while (limit < kAllBounces && kLimits[limit] < depth)
+    while (limit < kAllBounces && kBounceLimits[limit] < depth)
         ++limit;
     return limit;
 }
 
 } // namespace
 
-std::size_t LimitOf(int bounces) {
-    if (bounces < 1 || bounces > kLimits[kAllBounces - 1])
+std::size_t LimitIndexOf(int bounces) {
+    if (bounces < 1 || bounces > kBounceLimits[kAllBounces - 1])
         return kAllBounces;
-    const auto found = std::find(kLimits.begin(), kLimits.end(), bounces);
-    if (found == kLimits.end())
+    const auto found = std::find(kBounceLimits.begin(), kBounceLimits.end(), bounces);
+    if (found == kBounceLimits.end())
         throw Error("{} bounces: expected 1 to 6, 8, 12, 16 or more", bounces);
-    return std::size_t(found - kLimits.begin());
+    return std::size_t(found - kBounceLimits.begin());
 }
 
 struct PathTracer::Path {
@@ -55,7 +55,7 @@ struct PathTracer::Path {
 /// A group of paths, traced together vertex by vertex; adds their light times `weights` ([normal][path]) to `sums`.
 class PathTracer::Group {
   public:
-    using Sums = std::vector<std::array<Vec3d, kLimits.size()>>; ///< by normal and first limit
+    using Sums = std::vector<std::array<Vec3d, kBounceLimits.size()>>; ///< by normal and first limit
 
     Group(const PathTracer &tracer, Sums &sums, std::span<const std::vector<float>> weights)
         : tracer_(tracer), sums_(sums), weights_(weights) {}
@@ -74,7 +74,7 @@ class PathTracer::Group {
     /// Traces the shadow rays of a queue.
     struct Cast {
         Group &group;
-        int sky = 0, receiveShadows = 1;
+        int sky = 0, receiveShadows = 1; ///< the sky counts if toSky
         bool toSky = false;
         void operator()(RayPacket &packet, std::span<const PathLight> lights) const {
             const LightScene &scene = group.tracer_.in_.scene;
@@ -87,6 +87,7 @@ class PathTracer::Group {
                     group.Add(lights[i], packet.tinted ? lights[i].color * packet.tint[i] : lights[i].color);
         }
     };
+    /// Shadow rays to lights of one kind; `key` says which.
     struct Queue {
         explicit Queue(const Cast &cast) : key(cast), rays(cast) {}
         Cast key;
@@ -160,9 +161,9 @@ namespace {
 /// Mean of group means, and its standard error.
 class EstimateSum {
   public:
-    void Add(const std::array<Vec3d, kLimits.size()> &byFirstLimit) {
+    void Add(const std::array<Vec3d, kBounceLimits.size()> &byFirstLimit) {
         Vec3d light;
-        for (std::size_t limit = 0; limit < kLimits.size(); ++limit) {
+        for (std::size_t limit = 0; limit < kBounceLimits.size(); ++limit) {
             light += byFirstLimit[limit] / double(kPathGroup);
             sum_[limit] += light;
             squares_[limit] += light * light;
@@ -171,11 +172,12 @@ class EstimateSum {
     }
     Estimate Get() const {
         Estimate estimate;
-        for (std::size_t limit = 0; limit < kLimits.size(); ++limit) {
+        for (std::size_t limit = 0; limit < kBounceLimits.size(); ++limit) {
             const Vec3d mean = sum_[limit] / groups_;
             estimate.light[limit] = Vec3f(mean);
             for (std::size_t c = 0; groups_ > 1 && c < 3; ++c) {
                 const double variance = std::max(0.0, squares_[limit][c] / groups_ - mean[c] * mean[c]);
+                // The squared standard error of the mean: the biased variance over n - 1.
                 estimate.error[limit][c] = float(std::sqrt(variance / (groups_ - 1)));
             }
         }
@@ -184,7 +186,7 @@ class EstimateSum {
 
   private:
     double groups_ = 0;
-    std::array<Vec3d, kLimits.size()> sum_{}, squares_{};
+    std::array<Vec3d, kBounceLimits.size()> sum_{}, squares_{};
 };
 
 } // namespace

@@ -22,18 +22,18 @@
 namespace q3::bounce {
 
 /// Numbers of bounces for which a result is kept; 0: all bounces.
-inline constexpr std::array<int, 10> kLimits{1, 2, 3, 4, 5, 6, 8, 12, 16, 0};
-inline constexpr std::size_t kAllBounces = kLimits.size() - 1;
-/// Index in kLimits of a number of bounces; kAllBounces below 1 and above the largest. Error: a number between two
-/// entries.
-std::size_t LimitOf(int bounces);
+inline constexpr std::array<int, 10> kBounceLimits{1, 2, 3, 4, 5, 6, 8, 12, 16, 0};
+inline constexpr std::size_t kAllBounces = kBounceLimits.size() - 1;
+/// Index in kBounceLimits of a number of bounces; kAllBounces below 1 and above the largest. Error: a number between
+/// two entries.
+std::size_t LimitIndexOf(int bounces);
 
 /// Paths are traced in groups of this many. The spread of group means gives the standard error.
 inline constexpr int kPathGroup = 256;
 
-/// Bounced light for each of kLimits. Byte scale.
+/// Bounced light for each of kBounceLimits. Byte scale.
 struct Estimate {
-    std::array<Vec3f, kLimits.size()> light{}, error{}; ///< mean and its standard error
+    std::array<Vec3f, kBounceLimits.size()> light{}, error{}; ///< mean and its standard error
     bool operator==(const Estimate &) const = default;
 };
 

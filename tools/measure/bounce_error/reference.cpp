@@ -63,7 +63,7 @@ std::string KeyOf(const SurfaceInputs &in, const DirectLights &lights, const Rec
 
 /// Header of a cache file. The estimates of luxels follow, then those of positions.
 struct ReferenceHead {
-    std::array<char, 64> key;
+    std::array<char, 64> key; // hexadecimal digits of a SHA-256
     double cpuSeconds;
     std::uint64_t luxels, positions;
 };
@@ -119,12 +119,13 @@ class MappedArea {
         Vec3f position, normal; ///< position: 1 unit off the surface
         std::array<float, 2> luxel{};
     };
-    /// A point uniform by area.
+    /// A point uniform by area. In a triangle, of uniform u and v: weights 1 - sqrt u, sqrt u (1 - v), sqrt u v of the
+    /// corners (Turk, 1990).
     Point Draw(PathRandom &random) const {
-        const double at = random.Unit() * areas_.back(), root = std::sqrt(random.Unit()), part = random.Unit();
+        const double at = random.Unit() * areas_.back(), rootU = std::sqrt(random.Unit()), v = random.Unit();
         const auto number = std::size_t(std::upper_bound(areas_.begin(), areas_.end(), at) - areas_.begin());
         const MappedTriangle &triangle = triangles_[std::min(number, triangles_.size() - 1)];
-        const std::array<double, 3> weights{1 - root, root * (1 - part), root * part};
+        const std::array<double, 3> weights{1 - rootU, rootU * (1 - v), rootU * v};
         Point point{triangle.surface, {}, {}, {}};
         for (std::size_t k = 0; k < 3; ++k) {
             const FaceCorner &corner = triangle.corners[k];
@@ -151,9 +152,10 @@ class MappedArea {
 /// A place is not clear if a solid is this near. Game units.
 constexpr float kPlaceMargin = 0.25f;
 /// A place is not clear if a larger share of rays from it hits backs of surfaces: it is behind them.
-constexpr double kMostBacks = 0.25;
-constexpr int kPlaceRays = 64, kPlaceTries = 64;
-constexpr std::size_t kPlaces = 16;
+constexpr double kMaxBackShare = 0.25;
+constexpr int kPlaceRays = 64;         ///< rays that look for backs
+constexpr int kPlaceTries = 64;        ///< places on a luxel that are tried, until kMaxPlaces of them are clear
+constexpr std::size_t kMaxPlaces = 16; ///< of a luxel
 
 } // namespace
 
@@ -166,10 +168,10 @@ bool IsClear(const SurfaceInputs &in, const PathScene &scene, const Vec3f &place
         RayPacket rays;
         for (std::size_t i = 0; i < kPacketSize; ++i)
             rays.Set(i, place, CosineDirection(normal, PlasticSample(std::uint32_t(first) + std::uint32_t(i), 0)),
-                     1e6f);
+                     kRayLength);
         backs += scene.CountBackHits(rays);
     }
-    return backs <= int(kMostBacks * kPlaceRays);
+    return backs <= int(kMaxBackShare * kPlaceRays);
 }
 
 std::vector<Vec3f> PlacesOf(const SurfaceInputs &in, const PathScene &scene, const RawLightmap &raw,
@@ -183,7 +185,7 @@ std::vector<Vec3f> PlacesOf(const SurfaceInputs &in, const PathScene &scene, con
     const Vec3f u = raw.hasVectors ? raw.step[0] : right * size;
     const Vec3f v = raw.hasVectors ? raw.step[1] : Cross(normal, right) * size;
     std::vector<Vec3f> places;
-    for (std::uint32_t i = 0; i < std::uint32_t(kPlaceTries) && places.size() < kPlaces; ++i) {
+    for (std::uint32_t i = 0; i < std::uint32_t(kPlaceTries) && places.size() < kMaxPlaces; ++i) {
         const Sample2 s = PlasticSample(i, luxel);
         const Vec3f place = position + u * float(s.u - 0.5) + v * float(s.v - 0.5);
         if (IsClear(in, scene, place, normal))

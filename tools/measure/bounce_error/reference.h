@@ -8,6 +8,7 @@
 
 namespace q3::bounce {
 
+/// A luxel at which light is compared.
 struct LuxelReceiver {
     std::size_t lightmap = 0, luxel = 0;
     int surface = 0;        ///< one of the surfaces that share the lightmap
@@ -36,6 +37,7 @@ std::vector<LuxelReceiver> LuxelsByArea(const SurfaceInputs &in, const SurfaceLi
 
 using PositionEstimate = std::array<Estimate, bench::kNormals>; ///< on each of bench::Normals()
 
+/// Path traced light of the receivers, in their order.
 struct Reference {
     std::vector<Estimate> luxels;
     std::vector<PositionEstimate> positions;

@@ -17,6 +17,7 @@ namespace q3::bump_wall {
 namespace {
 
 constexpr int kScale = 2, kColumns = 5; // pixels per world unit; panels in a row
+// Pixels.
 constexpr int kPanelWidth = int(kWidth) * kScale, kPanelHeight = int(kHeight) * kScale, kGap = 8, kCaptionHeight = 42;
 constexpr double kGamma = 2.2;
 constexpr char kUsage[] = R"(usage: bump_wall OUT.png [UNITS]
@@ -28,6 +29,7 @@ lights.
 /// Light of each pixel, row by row.
 using Panel = std::vector<Vec3f>;
 
+/// A point of the wall.
 struct Bump {
     float x, y;
     Vec3f normal;
@@ -36,7 +38,7 @@ struct Bump {
 
 /// The self-shadowed bump map of the wall, a texel for each pixel, as `q3map2 -ssbump -notile` makes it.
 std::vector<std::uint8_t> SelfShadowed() {
-    constexpr int kAzimuths = 32;
+    constexpr int kAzimuths = 32; // the default of -ssbump
     HeightField field{.width = kPanelWidth, .height = kPanelHeight, .tiles = false};
     for (int row = 0; row < kPanelHeight; row++)
         for (int column = 0; column < kPanelWidth; column++)
@@ -147,8 +149,9 @@ class LuxelGrid {
         return lights;
     }
     Corners Around(float x, float y) const {
-        const float column = std::clamp(x / spacing_, 0.0f, float(columns_ - 1) - 1e-3f),
-                    row = std::clamp(y / spacing_, 0.0f, float(rows_ - 1) - 1e-3f);
+        constexpr float kInside = 1e-3f; // there always is a luxel to the right and below
+        const float column = std::clamp(x / spacing_, 0.0f, float(columns_ - 1) - kInside),
+                    row = std::clamp(y / spacing_, 0.0f, float(rows_ - 1) - kInside);
         const float fx = column - std::floor(column), fy = row - std::floor(row);
         const auto at = std::size_t(row) * std::size_t(columns_) + std::size_t(column),
                    below = at + std::size_t(columns_);

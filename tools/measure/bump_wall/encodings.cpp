@@ -11,7 +11,8 @@ namespace q3::bump_wall {
 
 namespace {
 
-constexpr float kLeastCosine = 0.25f; // of directional_deluxe_received
+/// directional_deluxe_received divides by the cosine at the flat normal, or by this if that is less.
+constexpr float kLeastCosine = 0.25f;
 constexpr Vec3f kFlatNormal{0, 0, 1};
 constexpr float kFlat[3] = {0, 0, 1};
 
@@ -25,8 +26,8 @@ constexpr EncodingInfo kEncodings[] = {
     {Encoding::L1, "L1 SH, RGB", "12 floats", 24},
     {Encoding::L1Curved, "L1 SH, curved", "12 floats", 24},
     {Encoding::L1WithFlat, "L1 SH, curved, to flat light", "12 floats, 1 color", 28},
-    {Encoding::High, "Lightmass, high quality", "8 bytes", 8},
-    {Encoding::Low, "Lightmass, low quality", "8 bytes", 8},
+    {Encoding::LightmassHigh, "Lightmass, high quality", "8 bytes", 8},
+    {Encoding::LightmassLow, "Lightmass, low quality", "8 bytes", 8},
     {Encoding::Ssbump, "SSBump, RNM raw", "3 colors", 12},
     {Encoding::SsbumpRescaled, "SSBump, RNM rescaled", "3 colors", 12},
 };
@@ -40,7 +41,7 @@ float SkyShare(const Vec3f &normal) {
     return (1 + normal.z) / 2;
 }
 
-/// A sky of radiance `color` over the whole hemisphere.
+/// A uniform sky. The integrals of the basis over the hemisphere are 2 pi k0 for the constant function, pi k1 for z.
 L1Light SkyL1(const Vec3f &color) {
     L1Light light;
     light.c[0] = color * float(2 * std::numbers::pi * kSHC0);
@@ -177,9 +178,9 @@ Vec3f EncodedLuxels::Decoded(Encoding encoding, const Corners &corners, const Ve
     case Encoding::L1WithFlat:
     case Encoding::L1Curved:
         return DecodedL1(encoding, corners, n);
-    case Encoding::High:
+    case Encoding::LightmassHigh:
         return DecodedLightmass(lightmass::kHigh, corners, n);
-    case Encoding::Low:
+    case Encoding::LightmassLow:
         return DecodedLightmass(lightmass::kLow, corners, n);
     default:
         return DecodedRnm(encoding, corners, n, texel);

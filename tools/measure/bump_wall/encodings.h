@@ -8,14 +8,15 @@
 
 namespace q3::bump_wall {
 
-/// Light that arrives at a point, in tangent space. Ray: color is what a surface facing it receives. `sky`: what the
-/// flat normal receives from a uniform hemisphere.
+/// Light from one unit direction, in tangent space.
 struct Ray {
-    Vec3f color, direction;
+    Vec3f color; ///< received by a surface that faces it
+    Vec3f direction;
 };
+/// Light that arrives at a point.
 struct LocalLight {
     std::vector<Ray> rays;
-    Vec3f sky;
+    Vec3f sky; ///< received by the flat normal from a uniform hemisphere
 };
 /// What a surface with that normal receives.
 Vec3f Received(const LocalLight &light, const Vec3f &normal);
@@ -30,11 +31,12 @@ enum class Encoding {
     L1,
     L1WithFlat,
     L1Curved,
-    High,
-    Low,
+    LightmassHigh,
+    LightmassLow,
     Ssbump,
     SsbumpRescaled
 };
+/// How an encoding is named and what it stores.
 struct EncodingInfo {
     Encoding encoding;
     const char *name, *stored;

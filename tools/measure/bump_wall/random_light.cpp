@@ -19,7 +19,7 @@ constexpr float kLeastNormalZ = 0.70710678f; // cosine of 45 degrees
 struct LightKind {
     const char *name;
     int lamps;
-    float sky;
+    float skyShare;
 };
 constexpr LightKind kKinds[] = {
     {"one lamp", 1, 0}, {"four lamps", 4, 0}, {"four lamps and sky", 4, 0.5f}, {"sky", 0, 1}};
@@ -37,9 +37,10 @@ class RandomLight {
     LocalLight Lights(const LightKind &kind) {
         LocalLight light;
         for (int i = 0; i < kind.lamps; i++)
-            light.rays.push_back({Color() * (1 - kind.sky), Direction(0)});
-        // Lamps give half of their strength on average.
-        light.sky = Color() * (kind.sky * 0.5f * float(std::max(kind.lamps, 2)));
+            light.rays.push_back({Color() * (1 - kind.skyShare), Direction(0)});
+        // A lamp gives the flat normal half of its color on average, over directions of the hemisphere. Without lamps
+        // the factor is 1.
+        light.sky = Color() * (kind.skyShare * 0.5f * float(std::max(kind.lamps, 2)));
         return light;
     }
 
@@ -47,6 +48,7 @@ class RandomLight {
     std::mt19937 random_{1};
 };
 
+/// Lights and bump normals of all luxels.
 struct Sample {
     std::vector<LocalLight> lights;
     std::vector<Vec3f> normals;

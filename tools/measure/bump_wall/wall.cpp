@@ -15,7 +15,8 @@ constexpr std::array<Lamp, 2> kLamps = {Lamp{{24, 22, 26}, {640, 400, 155}}, Lam
 
 constexpr float kBrickWidth = 32, kBrickHeight = 16, kMortar = 1.5f, kBevel = 2; // world units
 constexpr float kBrickDepth = 1.4f, kStudRadius = 4, kStudHeight = kTallest - kBrickDepth;
-constexpr float kStep = 0.25f; // world units
+constexpr float kStep = 0.25f; // of rays through the bumps, world units
+constexpr float kLift = 0.02f; // of the starts of these rays off the bumps, world units
 
 float SmoothStep(float x) {
     x = std::clamp(x, 0.0f, 1.0f);
@@ -41,7 +42,7 @@ float BumpHeight(float x, float y) {
     const float toEdge = std::min({bx, kBrickWidth - bx, by, kBrickHeight - by});
     const float body = kBrickDepth * SmoothStep((toEdge - kMortar / 2) / kBevel);
     const float dx = bx - kBrickWidth / 2, dy = by - kBrickHeight / 2;
-    const bool stud = std::fmod(brick + course + 64, 2.0f) == 0;
+    const bool stud = std::fmod(brick + course + 64, 2.0f) == 0; // 64: no sum is negative
     const float dome = 1 - (dx * dx + dy * dy) / (kStudRadius * kStudRadius);
     return body + (stud && dome > 0 ? kStudHeight * SmoothStep(dome * 1.5f) : 0);
 }
@@ -55,7 +56,7 @@ Vec3f BumpNormal(float x, float y) {
 bool BumpsBlock(float x, float y, const Vec3f &direction) {
     if (direction.z <= 0)
         return true;
-    const float start = BumpHeight(x, y) + 0.02f;
+    const float start = BumpHeight(x, y) + kLift;
     for (float t = kStep; start + t * direction.z < kTallest; t += kStep)
         if (BumpHeight(x + t * direction.x, y + t * direction.y) > start + t * direction.z)
             return true;

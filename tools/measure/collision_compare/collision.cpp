@@ -19,6 +19,7 @@ double ExpandedDistance(const Boundsd &box, const Vec3d &normal, double dist) {
 
 /// Adds the numbers of all brushes in leafs that the box touches, without duplicates.
 void CollisionMap::Gather(const Boundsd &swept, std::vector<int> &brushes) const {
+    constexpr double kSlack = 1; // around the box, game units
     std::vector<int> stack{bsp_.nodes.empty() ? -1 : 0};
     while (!stack.empty()) {
         const int child = stack.back();
@@ -34,7 +35,7 @@ void CollisionMap::Gather(const Boundsd &swept, std::vector<int> &brushes) const
         const Vec3d normal(plane.normal), half = (swept.maxs - swept.mins) * 0.5;
         const double distance = Dot(normal, swept.Center()) - double(plane.dist);
         const double reach =
-            std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z + 1;
+            std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z + kSlack;
         if (distance > -reach)
             stack.push_back(node.children[0]);
         if (distance < reach)
@@ -46,7 +47,7 @@ void CollisionMap::Gather(const Boundsd &swept, std::vector<int> &brushes) const
 
 void CollisionMap::Clip(int number, const Boundsd &box, const Vec3d &start, const Vec3d &end, Hit &hit) const {
     const bspBrush_t &brush = bsp_.brushes[std::size_t(number)];
-    double enter = -1, leave = 1;
+    double enter = -1, leave = 1; // fractions of the move; enter below 0: it starts behind all planes
     bool startsOut = false;
     Vec3d normal;
     for (int i = 0; i < brush.numSides; ++i) {
@@ -56,8 +57,6 @@ void CollisionMap::Clip(int number, const Boundsd &box, const Vec3d &start, cons
         const double dist = ExpandedDistance(box, n, double(plane.dist));
         const double from = Dot(n, start) - dist, to = Dot(n, end) - dist;
         startsOut = startsOut || from > 0;
-        if (from > 0 && to >= from)
-            return;
         if (from > 0 && to > 0)
             return;
         if (from <= 0 && to <= 0)

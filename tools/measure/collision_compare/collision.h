@@ -9,21 +9,25 @@
 
 namespace q3 {
 
-/// Contents that stop a player: solid, playerclip.
-inline constexpr std::uint32_t kPlayerContents = 0x1 | 0x10000;
+/// Flags of shader contents in Quake III: CONTENTS_SOLID, CONTENTS_PLAYERCLIP.
+inline constexpr std::uint32_t kSolidContents = 0x1, kPlayerClipContents = 0x10000;
+/// Contents that stop a player.
+inline constexpr std::uint32_t kPlayerContents = kSolidContents | kPlayerClipContents;
 
 /// The brushes of a map's world. Keeps a reference to the Bsp. Patches do not collide here.
 class CollisionMap {
   public:
     explicit CollisionMap(const Bsp &bsp) : bsp_(bsp) {}
 
+    /// Where a move ends.
     struct Hit {
         bool startsInside = false; ///< the box touches a brush before it moves
         double fraction = 1;       ///< of the move, before the first hit
         Vec3d normal;              ///< of the plane hit; zero: none
-        int brush = -1;
+        int brush = -1;            ///< that is hit; -1: none
     };
-    /// Traces `box`, whose bounds are relative to its position, from start to end.
+    /// Traces `box`, whose bounds are relative to its position, from start to end against brushes with any of these
+    /// contents.
     Hit Move(const Boundsd &box, const Vec3d &start, const Vec3d &end, std::uint32_t contents = kPlayerContents) const;
 
   private:

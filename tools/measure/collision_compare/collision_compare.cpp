@@ -16,18 +16,19 @@ constexpr std::string_view kUsage = R"(usage: collision_compare [--moves N] [--w
 Moves a box of a player's size N (100000) times along random lines through the brushes of both files, from places in the
 open that are free in both, and says how often it gets equally far, and whether it ever leaves the map.
 )";
-/// A standing player.
+/// Bounds of a standing player in Quake III.
 const Boundsd kPlayer{{-15, -15, -24}, {15, 15, 32}};
 /// Largest offset of a move on each axis; largest difference of two lengths that count as equal. Game units.
 constexpr double kMaxOffset = 1024, kEqualDistance = 0.25;
 
+/// A move that ends in different places.
 struct Move {
     Vec3d start, end;
     double difference; ///< how much farther the box gets in B than in A; game units
 };
 
 /// Random places and directions; the same for every pair of files.
-class Rng {
+class RandomPlaces {
   public:
     double Next() { return UnitFromHash(HashIndex(++count_)); }
     Vec3d InBox(const Boundsd &box) {
@@ -40,8 +41,11 @@ class Rng {
 };
 
 struct Result {
-    long long tried = 0, moved = 0, equal = 0, insideOnlyA = 0, insideOnlyB = 0, outOfA = 0, outOfB = 0;
-    std::vector<Move> different;
+    long long tried = 0, moved = 0;             ///< places; those where the box is free in both files, and is moved
+    long long insideOnlyA = 0, insideOnlyB = 0; ///< places where it is in a brush of one file
+    long long outOfA = 0, outOfB = 0;           ///< moves that end outside of open leafs
+    long long equal = 0;                        ///< moves that end at most kEqualDistance apart
+    std::vector<Move> different;                ///< the others
 };
 
 /// Whether the point, the origin of a player's box, is in an open leaf.
@@ -55,11 +59,12 @@ Result Compare(const Bsp &a, const Bsp &b, long long moves) {
     for (const Bsp *bsp : {&a, &b})
         for (const bspDrawVert_t &v : bsp->drawVerts)
             world.Add(Vec3d(v.xyz));
-    Rng rng;
+    RandomPlaces random;
     Result result;
-    while (result.moved < moves && ++result.tried < 1000 * moves) {
-        const Vec3d start = rng.InBox(world);
-        const Vec3d way = rng.InBox({{-1, -1, -1}, {1, 1, 1}}) * kMaxOffset;
+    constexpr long long kTriesPerMove = 1000; // at most
+    while (result.moved < moves && ++result.tried < kTriesPerMove * moves) {
+        const Vec3d start = random.InBox(world);
+        const Vec3d way = random.InBox({{-1, -1, -1}, {1, 1, 1}}) * kMaxOffset;
         if (!InOpen(b, start))
             continue;
         const auto hitA = inA.Move(kPlayer, start, start + way), hitB = inB.Move(kPlayer, start, start + way);

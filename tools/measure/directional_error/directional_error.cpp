@@ -35,12 +35,12 @@ void Print(const std::vector<std::string> &names, const std::vector<MapErrors> &
     for (std::size_t e = 0; e < maps.front().encodings.size(); ++e) {
         const EncodingError &first = maps.front().encodings[e];
         fmt::print("| {} | {} |", first.name, first.bytes);
-        double atFlat = 0;
+        double atOwnNormal = 0;
         for (const MapErrors &map : maps) {
             fmt::print(" {:.2f} |", map.encodings[e].rmse);
-            atFlat += map.encodings[e].atFlat / double(maps.size());
+            atOwnNormal += map.encodings[e].atOwnNormal / double(maps.size());
         }
-        fmt::print(" {:.2f} |\n", atFlat);
+        fmt::print(" {:.2f} |\n", atOwnNormal);
     }
     fmt::print("| stored light of the own normal against the reference | |");
     for (const MapErrors &map : maps)

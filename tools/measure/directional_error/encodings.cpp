@@ -29,12 +29,13 @@ Vec3f AsE5bgr9(const Vec3f &color) {
     return DecodeE5bgr9(EncodeE5bgr9(color));
 }
 
-/// Half floats: 11 bits of mantissa.
+/// Half floats: 11 bits of mantissa, and no limits of their exponent.
 Vec3f AsHalf(const Vec3f &color) {
     const auto half = [](float c) {
         int exponent = 0;
         const float mantissa = std::frexp(c, &exponent);
-        return std::ldexp(std::round(mantissa * 2048) / 2048, exponent);
+        constexpr float kSteps = 2048; // 2^11
+        return std::ldexp(std::round(mantissa * kSteps) / kSteps, exponent);
     };
     return {half(color.x), half(color.y), half(color.z)};
 }
@@ -48,6 +49,7 @@ struct CMaps {
     float value[3][3];
 };
 
+/// A vector, likewise.
 struct C3 {
     explicit C3(const Vec3f &v) : value{v.x, v.y, v.z} {}
     float value[3];
@@ -57,20 +59,17 @@ Vec3f FromC(const float rgb[3]) {
     return {rgb[0], rgb[1], rgb[2]};
 }
 
-Vec3f Flat(const LuxelSample &luxel, const Vec3f &) {
-    return luxel.flat;
-}
-
 Encoding FlatEncoding(const std::string &name, double bytes, Store store) {
-    return {name, bytes, [store](const LuxelSample &luxel, const Vec3f &n) { return store(Flat(luxel, n)); }};
+    return {name, bytes, [store](const LuxelSample &luxel, const Vec3f &) { return store(luxel.flat); }};
 }
 
 Encoding DeluxeEncoding(const std::string &name, double bytes, Store store) {
     return {name, bytes, [store](const LuxelSample &luxel, const Vec3f &n) {
+                constexpr float kLeastCosine = 0.25f; // the decoder divides by no less
                 float rgb[3];
                 const Vec3f direction = store(luxel.direction * 0.5f + Vec3f{0.5f, 0.5f, 0.5f});
                 const C3 d(Normalize(direction * 2 - Vec3f{1, 1, 1}));
-                directional_deluxe_received(C3(store(luxel.flat)).value, d.value, C3(luxel.normal).value, 0.25f,
+                directional_deluxe_received(C3(store(luxel.flat)).value, d.value, C3(luxel.normal).value, kLeastCosine,
                                             C3(n).value, rgb);
                 return FromC(rgb);
             }};
@@ -141,6 +140,7 @@ Encoding L1Encoding(const std::string &name, double bytes, FlatLight flat, Store
 Encoding LightmassFloat(const std::string &name, std::size_t image) {
     return {name, 28, [image](const LuxelSample &luxel, const Vec3f &n) {
                 const Vec3f &color = luxel.lightmass.coefficients[image], &d = luxel.lightmass.coefficients[image + 1];
+                // The band 1 of SH has the order y, z, x.
                 return color * std::max(0.0f, kL1Flat + d.x * n.y + d.y * n.z + d.z * n.x);
             }};
 }

@@ -13,15 +13,17 @@ namespace q3::directional {
 
 /// What a luxel stores, on the unit scale, and its frame.
 struct LuxelSample {
-    Vec3f flat, normal;
-    Vec3f direction;    ///< deluxe, unit
-    BasisNormals basis; ///< world
-    std::array<Vec3f, 3> onBasis;
-    std::array<Vec3f, 4> sh;
+    Vec3f flat;                   ///< light on the luxel's own normal
+    Vec3f normal;                 ///< that normal, world space
+    Vec3f direction;              ///< deluxe: unit, world space
+    BasisNormals basis;           ///< of RNM, world space
+    std::array<Vec3f, 3> onBasis; ///< light on these
+    std::array<Vec3f, 4> sh;      ///< bands 0 and 1, see DirectionalChannels
     lightmass::LuxelLight lightmass;
-    lightmass::LuxelBytes lightmassBytes;
+    lightmass::LuxelBytes lightmassBytes; ///< the same, quantized to `range`
     const lightmass::ByteRange *range = nullptr;
 
+    /// A world-space vector in the tangent space of the basis.
     Vec3f InTangentSpace(const Vec3f &n) const {
         return {TangentComponent(0, n), TangentComponent(1, n), TangentComponent(2, n)};
     }
@@ -30,6 +32,7 @@ struct LuxelSample {
     float TangentComponent(std::size_t axis, const Vec3f &n) const;
 };
 
+/// One way to store a luxel.
 struct Encoding {
     std::string name;
     double bytes = 0; ///< per luxel

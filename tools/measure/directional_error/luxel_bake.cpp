@@ -55,9 +55,10 @@ void LuxelBake::AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals,
     std::vector<IndirectRay> found;
     std::vector<Vec3f> sums(normals.size());
     const Vec3f &origin = raw.positions[at.luxel];
+    constexpr std::uint64_t kSeedStride = 977; // a prime
     const int patterns = (rays + PointGather::kRays - 1) / PointGather::kRays;
     for (int pattern = 0; pattern < patterns; ++pattern) {
-        bounced_->Gather(origin, std::uint64_t(pattern) * 977 + at.luxel, found);
+        bounced_->Gather(origin, std::uint64_t(pattern) * kSeedStride + at.luxel, found);
         for (const IndirectRay &ray : found)
             if (Dot(ray.direction, normal) > 0) // the rest hits the surface itself
                 for (std::size_t i = 0; i < normals.size(); ++i)
@@ -68,11 +69,12 @@ void LuxelBake::AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals,
 }
 
 std::vector<LuxelPlace> LuxelBake::Sample(std::size_t count) const {
+    constexpr float kLeastLight = 1; // byte scale
     std::vector<LuxelPlace> lit;
     for (std::size_t m = 0; m < Surfaces().lightmaps.size(); ++m) {
         const RawLightmap &raw = Surfaces().lightmaps[m];
         for (std::size_t i = 0; i < raw.luxelClusters.size() && !raw.result[0].empty(); ++i)
-            if (raw.Mapped(i) && MaxComponent(raw.result[0][i]) >= 1)
+            if (raw.Mapped(i) && MaxComponent(raw.result[0][i]) >= kLeastLight)
                 lit.push_back({m, i});
     }
     std::vector<LuxelPlace> sample;

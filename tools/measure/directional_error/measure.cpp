@@ -11,7 +11,8 @@ namespace q3::directional {
 
 namespace {
 
-/// Normals within 60 degrees of `n`, uniform over solid angle.
+/// Normals within 60 degrees of `n`, uniform over solid angle: a Fibonacci spiral with z from 1 to cos 60 degrees =
+/// 0.5.
 std::vector<Vec3f> NormalsAround(const Vec3f &n, int count) {
     const Vec3f right = Normalize(Cross(n, std::abs(n.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1}));
     const Vec3f up = Cross(n, right);
@@ -74,7 +75,7 @@ MapErrors Measure(const LightSetup &setup, const LightmapOptions &given, std::si
     /// Squared differences of displayed light at a luxel.
     struct Sums {
         std::vector<double> overNormals; ///< by encoding: against traced light, summed over normals
-        std::vector<double> atFlat;      ///< by encoding: against the flat light, at the luxel's normal
+        std::vector<double> atOwnNormal; ///< by encoding: against the flat light, at the luxel's normal
         double flatAgainstTraced = 0;
     };
     std::vector<Sums> sums(places.size());
@@ -89,19 +90,20 @@ MapErrors Measure(const LightSetup &setup, const LightmapOptions &given, std::si
             for (std::size_t n = 0; n < around.size(); ++n)
                 overNormals += SquaredDifference(encoding.decode(samples[i], around[n]), truth[n] / 255);
             sums[i].overNormals.push_back(overNormals);
-            sums[i].atFlat.push_back(
+            sums[i].atOwnNormal.push_back(
                 SquaredDifference(encoding.decode(samples[i], samples[i].normal), samples[i].flat));
         }
     });
     MapErrors errors;
     errors.luxels = places.size();
     for (std::size_t e = 0; e < encodings.size(); ++e) {
-        double overNormals = 0, atFlat = 0;
+        double overNormals = 0, atOwnNormal = 0;
         for (const Sums &one : sums)
-            overNormals += one.overNormals[e], atFlat += one.atFlat[e];
+            overNormals += one.overNormals[e], atOwnNormal += one.atOwnNormal[e];
         const double count = 3 * std::max(1.0, double(places.size()));
         errors.encodings.push_back({encodings[e].name, encodings[e].bytes,
-                                    std::sqrt(overNormals / (count * double(normals))), std::sqrt(atFlat / count)});
+                                    std::sqrt(overNormals / (count * double(normals))),
+                                    std::sqrt(atOwnNormal / count)});
     }
     for (const Sums &one : sums)
         errors.flatAgainstTraced += one.flatAgainstTraced / (3 * std::max(1.0, double(places.size())));

@@ -9,22 +9,25 @@
 
 namespace q3::directional {
 
+/// Error of one encoding on a map.
 struct EncodingError {
     std::string name;
-    double bytes = 0;  ///< per luxel
-    double rmse = 0;   ///< displayed, bytes of 255, over all luxels, normals and channels
-    double atFlat = 0; ///< the same for the luxel's own normal, against the flat float light
+    double bytes = 0;       ///< per luxel
+    double rmse = 0;        ///< displayed, bytes of 255, over all luxels, normals and channels
+    double atOwnNormal = 0; ///< the same for the luxel's own normal, against the flat float light
 };
 
+/// Cost of a bake with the channels that one encoding needs.
 struct BakeTime {
     std::string name;
     double overFlat = 0; ///< CPU time divided by that of flat light
 };
 
+/// Results of one map.
 struct MapErrors {
     std::size_t luxels = 0;
-    double flatAgainstTraced =
-        0; ///< displayed RMSE of the stored flat light against traced light at the luxel's normal
+    /// Displayed RMSE of the stored flat light against traced light at the luxel's normal.
+    double flatAgainstTraced = 0;
     std::vector<EncodingError> encodings;
     std::vector<BakeTime> times;
 };

@@ -20,15 +20,21 @@ namespace q3 {
 namespace {
 
 constexpr int kPositions = 4000, kMaxTries = 2000000;
-constexpr float kFloorReach = 64;   ///< game units
-constexpr float kIoquake3Shift = 1; ///< no overbright bits: they shift and limit lightmaps alike
+constexpr float kFloorReach = 64;   ///< a floor is at most this far below a position; game units
+constexpr float kIoquake3Shift = 1; ///< factor of overbright bits, here none: they would change lightmaps alike
+/// kPlainEngine, but points in walls are left out.
+constexpr LegacyEngine kSkippingEngine{.angleSteps = 255, .skipsBlack = true};
+/// kIoquake3Engine without the added ambient light.
+constexpr LegacyEngine kRawEngine{.ambientScale = 0.6f, .skipsBlack = true};
 
 using Shown = std::function<Vec3f(const Vec3f &position, const Vec3f &normal)>; ///< displayed light, byte scale
 
+/// Unit vectors from the center cell of a 3 x 3 x 3 cube to its other cells.
 std::vector<Vec3f> Normals() {
     std::vector<Vec3f> normals;
+    constexpr int kCenter = 13;
     for (int i = 0; i < 27; ++i)
-        if (i != 13)
+        if (i != kCenter)
             normals.push_back(Normalize(Vec3f{float(i % 3 - 1), float(i / 3 % 3 - 1), float(i / 9 - 1)}));
     return normals;
 }
@@ -112,7 +118,7 @@ Shown Evaluated(const OctreeReader &reader) {
 Shown Converted(Bsp bsp, std::string_view word, Log &log) {
     const LegacyPlaces places(Vec3f(bsp.models[0].mins), Vec3f(bsp.models[0].maxs), LegacyCell(bsp));
     if (word == "baked")
-        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, {1, 1, 0, 255, true}));
+        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kSkippingEngine));
     if (word == "baked in ioquake3")
         return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
     const auto files = StoreGridFormats(bsp, ParseGridFormats(word), {}, JobPool(1), log);
@@ -121,8 +127,8 @@ Shown Converted(Bsp bsp, std::string_view word, Log &log) {
     if (word == "legacy-ioq3")
         return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
     if (word == "raw-ioq3")
-        return Evaluated(LegacyGridReader::LoadRaw(BytesOf(bsp.gridPoints), files[0].bytes, places,
-                                                   {0.6f, 1, 0, 256, true}, kIoquake3Shift));
+        return Evaluated(
+            LegacyGridReader::LoadRaw(BytesOf(bsp.gridPoints), files[0].bytes, places, kRawEngine, kIoquake3Shift));
     if (word == "raw-rend2")
         return Evaluated(LegacyGridReader::LoadRend2(BytesOf(bsp.gridPoints), files[0].bytes, places, {}));
     std::string fault;

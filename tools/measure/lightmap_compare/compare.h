@@ -22,7 +22,9 @@ struct Spread {
 /// Collects differences.
 class Differences {
   public:
+    /// A pair of colors: its largest channel is the difference that percentiles are of.
     void Add(const Vec3d &a, const Vec3d &b);
+    /// One difference, such as an angle.
     void Add(double difference);
     Spread Summary() const;
 
@@ -32,6 +34,7 @@ class Differences {
     bool colors_ = false;
 };
 
+/// Difference of the lightmap of one surface.
 struct SurfaceDifference {
     std::size_t surface = 0;
     std::string shader;
@@ -50,9 +53,11 @@ struct Sides {
 struct AreaSpread {
     double area = 0; ///< square units
     double mean = 0, within8 = 0;
+    /// Adds a surface.
     void Add(double ownArea, const Spread &own);
 };
 
+/// All differences of two files.
 struct Comparison {
     Sides lightmapped; ///< surfaces
     /// Samples in solids, left out: invisible, and the page may hold light of other surfaces there.
@@ -77,6 +82,7 @@ struct Comparison {
 Comparison Compare(const LitMap &a, const LitMap &b, int samplesASurface, std::size_t worstCount,
                    ShaderLibrary *shaders = nullptr);
 
+/// The comparison for people, and with the same numbers as JSON.
 std::string ToText(const Comparison &comparison);
 std::string ToJson(const Comparison &comparison);
 

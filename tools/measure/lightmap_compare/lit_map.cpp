@@ -76,9 +76,11 @@ Vec3d Texel(const Page &page, int x, int y) {
     return {double(page.rgb[at]), double(page.rgb[at + 1]), double(page.rgb[at + 2])};
 }
 
+/// The point at parameters 0..1 of a patch, whose pieces of 3 x 3 control points are biquadratic Bezier surfaces.
 SurfacePoint OnPatch(const bspDrawSurface_t &s, double u, double v) {
     const int across = (s.patchWidth - 1) / 2, down = (s.patchHeight - 1) / 2;
     const int column = std::min(int(u * across), across - 1), row = std::min(int(v * down), down - 1);
+    // Quadratic Bernstein polynomials.
     const auto weights = [](double t) { return std::array{(1 - t) * (1 - t), 2 * t * (1 - t), t * t}; };
     const auto a = weights(u * across - column), b = weights(v * down - row);
     SurfacePoint point;
@@ -172,7 +174,8 @@ Vec3d LitMap::Sample(int page, const SurfacePoint &point) const {
 }
 
 Vec3d LitMap::Direction(std::size_t surface, const SurfacePoint &point) const {
-    return (Sample(PageOf(surface) + 1, point) - Vec3d{127.5, 127.5, 127.5}) / 127.5;
+    constexpr double kZero = 127.5; // bytes 0 and 255 are -1 and 1
+    return (Sample(PageOf(surface) + 1, point) - Vec3d{kZero, kZero, kZero}) / kZero;
 }
 
 Vec3d LitMap::Position(const SurfacePoint &point) const {
@@ -180,6 +183,7 @@ Vec3d LitMap::Position(const SurfacePoint &point) const {
 }
 
 bool IsUndrawn(const Bsp &bsp, std::size_t surface) {
+    // SURF_SKY and so on.
     constexpr std::uint32_t kSky = 0x4, kHint = 0x100, kSkip = 0x200, kNoDraw = 0x80;
     const auto flags = std::uint32_t(bsp.shaders[std::size_t(bsp.drawSurfaces[surface].shaderNum)].surfaceFlags);
     return (flags & (kSky | kHint | kSkip | kNoDraw)) != 0;
@@ -218,7 +222,7 @@ double AreaOf(const Bsp &bsp, std::size_t surface) {
         return CumulativeAreas(bsp, s).back() / 2;
     if (s.surfaceType != MST_PATCH)
         return 0;
-    constexpr int kSteps = 32;
+    constexpr int kSteps = 32; // quads along each side
     const auto at = [&](int x, int y) { return PositionOf(bsp, OnPatch(s, double(x) / kSteps, double(y) / kSteps)); };
     double area = 0;
     for (int y = 0; y < kSteps; ++y)
@@ -247,10 +251,12 @@ std::vector<SurfacePoint> PointsOn(const Bsp &bsp, std::size_t surface, int coun
         const Sample2 at = PlasticSample(std::uint32_t(i), surface);
         const double chosen = (i + 0.5) / count * area.back();
         const auto t = std::size_t(std::upper_bound(area.begin(), area.end() - 1, chosen) - area.begin()) - 1;
-        const double q = std::sqrt(at.u);
+        // Of uniform u and v: weights 1 - sqrt u, sqrt u (1 - v), sqrt u v of the corners (Turk, 1990).
+        const double rootU = std::sqrt(at.u);
         const std::size_t triangle = std::min(t, std::size_t(s.numIndexes) / 3 - 1);
-        points.push_back(
-            {{index(triangle, 0), index(triangle, 1), index(triangle, 2)}, {1 - q, q * (1 - at.v), q * at.v}, 3});
+        points.push_back({{index(triangle, 0), index(triangle, 1), index(triangle, 2)},
+                          {1 - rootU, rootU * (1 - at.v), rootU * at.v},
+                          3});
     }
     return points;
 }

@@ -23,7 +23,7 @@ struct SurfacePoint {
     std::size_t count = 0;
 };
 
-/// RGB rows.
+/// A page of lightmaps: RGB bytes, row by row.
 struct Page {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;
@@ -32,6 +32,7 @@ struct Page {
 /// A .bsp file with its lightmap pages: those of the lump, lm_NNNN.tga in the folder named like the file, or both.
 class LitMap {
   public:
+    /// pageOfShader: by lower-case name, for surfaces whose lightmapNum is no page.
     LitMap(Bsp bsp, std::vector<Page> pages, std::map<std::string, int> pageOfShader);
     /// side: of a page in the lump. Errors: Error, for files that cannot be read.
     static LitMap Load(const std::filesystem::path &path, int side, Log &log);
@@ -51,6 +52,7 @@ class LitMap {
     Vec3d Light(std::size_t surface, const SurfacePoint &point) const { return Sample(PageOf(surface), point); }
     /// Direction towards the light, not normalized. Needs Deluxe.
     Vec3d Direction(std::size_t surface, const SurfacePoint &point) const;
+    /// Game units.
     Vec3d Position(const SurfacePoint &point) const;
     std::string_view ShaderOf(std::size_t surface) const {
         return FieldName(bsp_.shaders[std::size_t(bsp_.drawSurfaces[surface].shaderNum)].shader);

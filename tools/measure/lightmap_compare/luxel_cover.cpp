@@ -63,13 +63,15 @@ bool LuxelCover::Covers(std::size_t surface, const SurfacePoint &position) const
         s += position.weights[i] * st[i][0], t += position.weights[i] * st[i][1];
         frame.normal += Vec3d(v.normal) * position.weights[i];
     }
+    // The frame maps the texel coordinates of the corners to their positions: with edges e1, e2 of the triangle and
+    // (s1, t1), (s2, t2) in texels, along[0] s1 + along[1] t1 = e1, and e2 likewise, by Cramer's rule.
     const double s1 = st[1][0] - st[0][0], t1 = st[1][1] - st[0][1], s2 = st[2][0] - st[0][0], t2 = st[2][1] - st[0][1];
-    const double area = s1 * t2 - s2 * t1;
-    if (!std::isfinite(area) || area == 0)
+    const double determinant = s1 * t2 - s2 * t1;
+    if (!std::isfinite(determinant) || determinant == 0)
         return true;
     frame.normal = Normalize(frame.normal);
-    frame.along[0] = ((xyz[1] - xyz[0]) * t2 - (xyz[2] - xyz[0]) * t1) / area;
-    frame.along[1] = ((xyz[2] - xyz[0]) * s1 - (xyz[1] - xyz[0]) * s2) / area;
+    frame.along[0] = ((xyz[1] - xyz[0]) * t2 - (xyz[2] - xyz[0]) * t1) / determinant;
+    frame.along[1] = ((xyz[2] - xyz[0]) * s1 - (xyz[1] - xyz[0]) * s2) / determinant;
     frame.origin = xyz[0] - frame.along[0] * st[0][0] - frame.along[1] * st[0][1];
     for (const double x : {std::floor(s), std::floor(s) + 1})
         for (const double y : {std::floor(t), std::floor(t) + 1})

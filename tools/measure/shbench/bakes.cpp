@@ -58,6 +58,13 @@ LightOptions OptionsFor(BakedFormat format, LightOptions options) {
 
 } // namespace
 
+BakeSetting ParseBakeSetting(const std::string &text) {
+    const std::size_t colon = text.find(':');
+    if (colon == 0 || colon == std::string::npos)
+        throw Error("--bake \"{}\": expected a name, a colon and light options", text);
+    return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
 BakedFormat FormatOf(const LightOptions &options) {
     return options.ambientCubes ? BakedFormat::AmbientCubes
            : options.shAdaptive ? BakedFormat::SparseGridSH
@@ -86,6 +93,7 @@ Baked Bake(const BenchMap &map, const LightOptions &given, BakedFormat format, S
                                                                    : result.gridSH;
     baked.cost.cpuSeconds = end - start;
     baked.cost.setUpSeconds = (passStart > 0 ? passStart : end) - start;
+    // Ambient cubes may be made from an SH grid, whose rays count too.
     baked.cost.rays = stats.counts.rays + (options.ambientCubes ? result.gridSH.counts.rays : 0);
     baked.cost.points = stats.points;
     baked.cost.litPoints = stats.open + stats.moved;

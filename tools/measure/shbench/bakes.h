@@ -14,6 +14,8 @@ namespace q3::bench {
 struct BakeSetting {
     std::string name, options;
 };
+/// The setting of --bake "NAME: LIGHT OPTIONS". Errors: no name, or no colon.
+BakeSetting ParseBakeSetting(const std::string &text);
 
 /// What one bake took.
 struct BakeCost {
@@ -25,6 +27,7 @@ struct BakeCost {
     std::int64_t bytes = 0;     ///< of the lump
 };
 
+/// A lit copy of a map.
 struct Baked {
     Bsp bsp;
     BakeCost cost;

@@ -53,23 +53,35 @@ BenchMap::BenchMap(Bsp map, LightInputs files, const LightOptions &lightOptions,
       created(CreateLights(space, WithLights(stored, inputs), table, options, world, library, log)),
       scene(bsp, table, options, 0), lights(LightsInReach(*this)) {}
 
-LightOptions LightOptionsFrom(std::string_view text, const Game &game) {
+std::vector<std::string> WordsOf(std::string_view text) {
     std::istringstream in{std::string(text)};
-    std::vector<std::string> words{"-sh"};
+    std::vector<std::string> words;
     for (std::string word; in >> word;)
         words.push_back(word);
+    return words;
+}
+
+void ParseOptionWords(const std::vector<std::string> &words, std::string_view text,
+                      const std::function<void(Arguments &, Log &)> &parse) {
     Arguments arguments(words);
-    std::string unknown;
-    LightOptions options;
+    std::string logged;
     {
-        Log log([&](LogLevel, std::string_view line) { unknown += line; });
-        options = ParseLightOptions(arguments, game, log);
+        Log log([&](LogLevel, std::string_view line) { logged += line; }); // also logs when it is destroyed
+        parse(arguments, log);
         WarnOfUnknown(arguments, log);
     }
-    if (!unknown.empty()) {
-        std::replace(unknown.begin(), unknown.end(), '\n', ' ');
-        throw Error("light options \"{}\": {}", text, unknown);
-    }
+    if (logged.empty())
+        return;
+    std::replace(logged.begin(), logged.end(), '\n', ' ');
+    throw Error("light options \"{}\": {}", text, logged);
+}
+
+LightOptions LightOptionsFrom(std::string_view text, const Game &game) {
+    std::vector<std::string> words = WordsOf(text);
+    words.insert(words.begin(), "-sh");
+    LightOptions options;
+    ParseOptionWords(words, text,
+                     [&](Arguments &arguments, Log &log) { options = ParseLightOptions(arguments, game, log); });
     return options;
 }
 

@@ -9,6 +9,9 @@
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/sources/light_sources.h"
 
+#include <functional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace q3::bench {
@@ -34,7 +37,15 @@ class BenchMap {
     const std::vector<Light> lights; ///< those of style 0, with unlimited bounds
 };
 
-/// Options as words, split at blanks, for ParseLightOptions. Errors: words that it does not know.
+/// The words of a text, split at blanks.
+std::vector<std::string> WordsOf(std::string_view text);
+
+/// Calls `parse` with the options of -light in `words`, which are `text` and perhaps more. Errors, which quote `text`:
+/// what `parse` logs, and words that it leaves.
+void ParseOptionWords(const std::vector<std::string> &words, std::string_view text,
+                      const std::function<void(Arguments &, Log &)> &parse);
+
+/// Options of -light with -sh in front of them. Errors: words that ParseLightOptions does not know.
 LightOptions LightOptionsFrom(std::string_view text, const Game &game);
 
 /// A log that prints nothing but warnings, to standard error.

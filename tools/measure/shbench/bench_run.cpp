@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <sstream>
 
 namespace q3::bench {
 
@@ -33,41 +32,40 @@ GridLayout LayoutOf(const BenchMap &map, const Baked &baked, BakedFormat format)
 }
 
 /// Lists, and draws if asked for, the worst positions of one setting.
-void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &settings, const Contender &one,
+void ReportWorst(const BenchMap &map, const Truth &truth, const BenchSettings &settings, const Contender &contender,
                  const Baked &baked, const ShownLight &shown, const JobPool &jobs, BenchResult &result) {
     const std::vector<PositionErrors> errors = ErrorsByPlace(truth, shown);
-    const auto causes = FindCauses(map, LayoutOf(map, baked, one.line.format), truth, errors, jobs);
-    const auto worst = WorstPositions(truth, shown, settings.worst, settings.worstBy);
-    result.worst = WorstText(truth, worst, errors, causes, one.line.name);
-    if (!settings.plan)
+    const auto causes = FindCauses(map, LayoutOf(map, baked, contender.line.format), truth, errors, jobs);
+    const auto worst = WorstPositions(truth, shown, settings.worstCount, settings.worstBy);
+    result.worst = WorstText(truth, worst, errors, causes, contender.line.name);
+    if (!settings.drawWorst)
         return;
-    const bool isBake = one.line.name != kPlainName &&
-                        one.line.format == BakedFormat::GridSH; // `options` of the other lines is plain text
-    const std::string options = settings.options + (isBake ? " " + one.line.options : "");
-    std::string setting = one.line.name;
+    const bool isBake = contender.line.name != kPlainName &&
+                        contender.line.format == BakedFormat::GridSH; // `options` of the other lines is plain text
+    const std::string options = settings.options + (isBake ? " " + contender.line.options : "");
+    std::string setting = contender.line.name;
     if (options.find('-') != std::string::npos)
         setting += ": " + options;
-    const std::string grid = one.line.format == BakedFormat::LegacyGrid ? "legacy grid" : "SH grid";
-    result.plan = MakeErrorPlan(map, {truth, errors, causes, worst, settings.worstBy, grid, setting}, jobs);
+    const std::string grid = contender.line.format == BakedFormat::LegacyGrid ? "legacy grid" : "SH grid";
+    result.worstView = MakeErrorTopView(map, {truth, errors, causes, worst, settings.worstBy, grid, setting}, jobs);
 }
 
 /// The words of the text with one blank between them.
 std::string OneSpaced(const std::string &text) {
-    std::istringstream words(text);
     std::string spaced;
-    for (std::string word; words >> word;)
+    for (const std::string &word : WordsOf(text))
         spaced += (spaced.empty() ? "" : " ") + word;
     return spaced;
 }
 
 /// Enters the errors of the listed setting and of the legacy grid.
-void AddToErrorList(const Truth &truth, const BenchSettings &settings, const Contender &one, const ShownLight &shown,
-                    ErrorList &list) {
-    if (one.line.name == settings.errorsOf) {
-        list.setting = one.line.name;
-        list.options = OneSpaced(settings.options + " " + one.line.options);
+void AddToErrorList(const Truth &truth, const BenchSettings &settings, const Contender &contender,
+                    const ShownLight &shown, ErrorList &list) {
+    if (contender.line.name == settings.errorsOf) {
+        list.setting = contender.line.name;
+        list.options = OneSpaced(settings.options + " " + contender.line.options);
         list.sh = ShownErrorsByPlace(truth, shown);
-    } else if (one.line.name == kLegacyName) {
+    } else if (contender.line.name == kLegacyName) {
         list.legacy = ShownErrorsByPlace(truth, shown);
     }
 }
@@ -78,33 +76,33 @@ void BakeInTurn(const BenchMap &map, std::vector<Contender> &contenders, const T
                 const EmbreeThroughput *raw, const BenchSettings &settings, const JobPool &jobs, Log &progress,
                 BenchResult &result) {
     ErrorList list;
-    std::vector<double> &rates = result.report.raw;
-    const auto measureRaw = [&] {
+    std::vector<double> &rates = result.report.rawRates;
+    const auto addRawRate = [&] {
         if (raw)
             rates.push_back(raw->PerSecond(settings.rawSeconds));
     };
-    measureRaw();
+    addRawRate();
     for (int repeat = 0; repeat < settings.repeats; ++repeat)
-        for (Contender &one : contenders) {
-            progress.Print("{} ({} of {})\n", one.line.name, repeat + 1, settings.repeats);
-            const Baked baked = one.bake();
-            measureRaw();
+        for (Contender &contender : contenders) {
+            progress.Print("{} ({} of {})\n", contender.line.name, repeat + 1, settings.repeats);
+            const Baked baked = contender.bake();
+            addRawRate();
             if (raw && rates.back() > 0) {
-                const double around = (rates[rates.size() - 2] + rates.back()) / 2;
-                one.line.sharesOfRaw.push_back(double(baked.cost.rays) / baked.cost.cpuSeconds / around);
+                const double rawRate = (rates[rates.size() - 2] + rates.back()) / 2;
+                contender.line.sharesOfRaw.push_back(double(baked.cost.rays) / baked.cost.cpuSeconds / rawRate);
             }
-            if (repeat == 0 || baked.cost.cpuSeconds < one.line.cost.cpuSeconds)
-                one.line.cost = baked.cost;
+            if (repeat == 0 || baked.cost.cpuSeconds < contender.line.cost.cpuSeconds)
+                contender.line.cost = baked.cost;
             if (repeat > 0)
                 continue;
-            const ShownLight shown = ShownBy(one.line.format, baked.bsp);
-            one.line.errors = MeasureErrors(truth, shown);
-            if (settings.worst > 0 && one.line.name == settings.worstOf)
-                ReportWorst(map, truth, settings, one, baked, shown, jobs, result);
-            if (settings.errorList)
-                AddToErrorList(truth, settings, one, shown, list);
+            const ShownLight shown = ShownBy(contender.line.format, baked.bsp);
+            contender.line.errors = MeasureErrors(truth, shown);
+            if (settings.worstCount > 0 && contender.line.name == settings.worstOf)
+                ReportWorst(map, truth, settings, contender, baked, shown, jobs, result);
+            if (settings.listErrors)
+                AddToErrorList(truth, settings, contender, shown, list);
         }
-    if (settings.errorList)
+    if (settings.listErrors)
         result.errors = ErrorListJson(map.inputs.name, truth, list);
 }
 
@@ -120,7 +118,7 @@ std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, c
         const LightOptions options = LightOptionsFrom(settings.options + " " + setting.options, game);
         add(setting.name, setting.options, FormatOf(options), options);
     }
-    if (!settings.baselines)
+    if (!settings.measureBaselines)
         return all;
     all.push_back({{std::string(kPlainName), "one ray per light and point", BakedFormat::GridSH, {}, {}, {}},
                    [&map, &jobs, layout] { return BakeBaseline(map, layout, jobs); }});
@@ -133,17 +131,17 @@ std::vector<Contender> Contenders(const BenchMap &map, ShaderLibrary &library, c
 /// Errors: the settings whose positions are listed are not measured, or of another kind.
 void CheckListed(const std::vector<Contender> &contenders, const BenchSettings &settings) {
     const auto formatOf = [&](std::string_view list, const std::string &name) {
-        for (const Contender &one : contenders)
-            if (one.line.name == name)
-                return one.line.format;
+        for (const Contender &contender : contenders)
+            if (contender.line.name == name)
+                return contender.line.format;
         throw Error("{} of {}: expected the name of a setting that is measured", list, name);
     };
-    if (settings.worst > 0) {
+    if (settings.worstCount > 0) {
         const BakedFormat format = formatOf("worst positions", settings.worstOf);
         if (format == BakedFormat::AmbientCubes || format == BakedFormat::SparseGridSH)
             throw Error("worst positions of {}: expected a setting whose grid has cells of one size", settings.worstOf);
     }
-    if (settings.errorList) {
+    if (settings.listErrors) {
         const BakedFormat format = formatOf("errors", settings.errorsOf);
         if (format == BakedFormat::AmbientCubes || format == BakedFormat::LegacyGrid)
             throw Error("errors of {}: expected a setting with an SH grid", settings.errorsOf);
@@ -209,11 +207,11 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
     report.floor = FloorError(truth);
 
     std::unique_ptr<EmbreeThroughput> raw;
-    if (settings.raw)
+    if (settings.measureRaw)
         raw = std::make_unique<EmbreeThroughput>(map, layout, settings.truth.seed);
     BakeInTurn(map, contenders, truth, raw.get(), settings, jobs, progress, result);
-    for (Contender &one : contenders)
-        report.lines.push_back(std::move(one.line));
+    for (Contender &contender : contenders)
+        report.lines.push_back(std::move(contender.line));
     return result;
 }
 

@@ -3,7 +3,7 @@
 
 #include "q3map2/cli/global_options.h"
 #include "tools/measure/shbench/error_list.h"
-#include "tools/measure/shbench/error_plan.h"
+#include "tools/measure/shbench/error_top_view.h"
 #include "tools/measure/shbench/report.h"
 
 #include <filesystem>
@@ -14,31 +14,33 @@
 
 namespace q3::bench {
 
+/// What to measure on a map.
 struct BenchSettings {
     TruthSettings truth;
     std::vector<BakeSetting> bakes; ///< empty: DefaultBakes()
     std::string options;            ///< light options of the reference and all bakes; a bake's own follow them
     int repeats = 1;
-    bool raw = true;
-    bool baselines = true;       ///< measures BakeBaseline and the legacy grid as well
-    double rawSeconds = 1;       ///< CPU time of each measurement of bare Embree
-    std::filesystem::path cache; ///< folder of reference light; empty: none
+    bool measureRaw = true;       ///< bare Embree, between the bakes
+    bool measureBaselines = true; ///< BakeBaseline, the legacy grid and ambient cubes
+    double rawSeconds = 1;        ///< CPU time of each measurement of bare Embree
+    std::filesystem::path cache;  ///< folder of reference light; empty: none
     std::string worstOf = std::string(kDefaultName);
-    std::size_t worst = 0; ///< number of worst positions to list
-    bool plan = false;     ///< draws the worst positions on a plan of the map
+    std::size_t worstCount = 0; ///< worst positions to list
+    bool drawWorst = false;     ///< draws them on the map as seen from above
     WorstBy worstBy = WorstBy::Shown;
-    bool errorList = false; ///< of all positions
-    std::string errorsOf;   ///< the setting whose errors are listed; empty: the first
+    bool listErrors = false; ///< of all positions
+    std::string errorsOf;    ///< the setting whose errors are listed; empty: the first
 };
 
 /// The default, faster and slower settings, and other sizes of grid cells.
 std::vector<BakeSetting> DefaultBakes();
 
+/// What RunBench gives.
 struct BenchResult {
     BenchReport report;
-    std::string worst;             ///< text, empty unless asked for
-    std::optional<ErrorPlan> plan; ///< of the same, without value unless asked for
-    std::string errors;            ///< ErrorListJson, empty unless asked for
+    std::string worst;                     ///< text, empty unless asked for
+    std::optional<ErrorTopView> worstView; ///< of the same, without value unless asked for
+    std::string errors;                    ///< ErrorListJson, empty unless asked for
 };
 
 /// A map from files, with the game's shaders.
@@ -59,7 +61,7 @@ class BenchFiles {
 /// Layout of the SH grid under default settings.
 bspGridSHHeader_t DefaultLayout(const BenchMap &map);
 
-/// Measures all settings, the plain baker and the legacy grid. `progress` gets status lines. Errors:
+/// Measures all settings and the baselines. `progress` gets status lines. Errors:
 /// `worstOf` or `errorsOf` is not among the settings, or not of a kind that can be listed.
 BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSettings &given, const Game &game,
                      const JobPool &jobs, Log &progress);

@@ -21,16 +21,16 @@ constexpr int kManyRays = 16, kSomeRays = 4;
 constexpr std::array<std::string_view, kCauses> kNames = {"floor", "shadow edge between points", "near light", "wall",
                                                           "interpolation"};
 
-/// Change of the nine SH coefficients.
+/// Change of the nine SH coefficients, 1.0 = byte 255.
 using Change = std::array<Vec3d, 9>;
 
 /// A light that matters at the position or beside it.
 struct Candidate {
     const Light *light;
-    bool isNear = false;
-    SHVector here{};  ///< at the position without shadows, for color 1 1 1
-    Vec3d color;      ///< with sign, times scale, 1.0 = byte 255
-    double bytes = 0; ///< RMS over normals; of near lights the largest over position and corners
+    bool isNear = false; ///< within kNearCells of the position
+    SHVector here{};     ///< at the position without shadows, for color 1 1 1
+    Vec3d color;         ///< with sign, times scale, 1.0 = byte 255
+    double strength = 0; ///< RMS over directions, bytes; of near lights the largest over position and corners
 };
 
 /// RMS over all directions of a sum over the basis.
@@ -63,15 +63,15 @@ std::vector<Candidate> LightsThatMatter(const BenchMap &map, const CellSight &si
         double strongest = RmsOf(one.here);
         for (std::size_t corner = 0; one.isNear && corner < CellSight::kCorners; ++corner)
             strongest = std::max(strongest, RmsOf(UnshadowedLight(light, Vec3d(sight.Receivers()[corner]))));
-        one.bytes = 255 * strongest * MaxComponent(one.color);
+        one.strength = 255 * strongest * MaxComponent(one.color);
         one.color = one.color * (light.negative ? -1.0 : 1.0);
-        if (one.bytes > 0)
+        if (one.strength > 0)
             all.push_back(one);
     }
-    std::stable_sort(all.begin(), all.end(), [](const auto &a, const auto &b) { return a.bytes > b.bytes; });
-    double left = kLeftOutShare * gridError;
-    while (!all.empty() && all.back().bytes <= left) {
-        left -= all.back().bytes;
+    std::stable_sort(all.begin(), all.end(), [](const auto &a, const auto &b) { return a.strength > b.strength; });
+    double allowance = kLeftOutShare * gridError;
+    while (!all.empty() && all.back().strength <= allowance) {
+        allowance -= all.back().strength;
         all.pop_back();
     }
     return all;
@@ -85,7 +85,7 @@ struct CellChanges {
 };
 
 void AddChanges(const Candidate &one, const CellSight &sight, CellChanges &changes) {
-    const int samples = one.bytes > kManyRaysAbove ? kManyRays : one.bytes > kSomeRaysAbove ? kSomeRays : 1;
+    const int samples = one.strength > kManyRaysAbove ? kManyRays : one.strength > kSomeRaysAbove ? kSomeRays : 1;
     const CellSight::Shares shares = sight.Seen(*one.light, samples);
     for (std::size_t corner = 0; corner < CellSight::kCorners; ++corner) {
         const double weight = sight.Weights()[corner];

@@ -17,6 +17,7 @@ namespace {
 /// No more rays are cast to an area light of which each receiver saw all or nothing by this many.
 constexpr int kFirstRays = 4;
 
+/// L2 projection of light from unit direction d, convolved with the cosine.
 SHVector FromDirection(const Vec3d &d, double light) {
     SHVector projection = SHBasis(d);
     for (std::size_t k = 0; k < 9; ++k)
@@ -52,6 +53,7 @@ Vec3f PointOn(const Light &light, int sample) {
     double total = 0;
     for (std::size_t i = 2; i < w.size(); ++i)
         total += Length(Cross(Vec3d(w[i - 1] - w[0]), Vec3d(w[i] - w[0])));
+    // u chooses the triangle by area; what is left of it and v are a uniform point of the triangle, see SamplePiece.
     const Sample2 at = PlasticSample(std::uint32_t(sample), 1);
     double left = at.u * total;
     for (std::size_t i = 2; i < w.size(); ++i) {
@@ -67,6 +69,7 @@ Vec3f PointOn(const Light &light, int sample) {
     return light.shape.center;
 }
 
+/// Signed distance from the plane of an area light, above 0 in front of it.
 double HeightOver(const Light &light, const Vec3f &p) {
     return Dot(light.shape.normal, Vec3d(p)) - light.shape.dist;
 }

@@ -22,6 +22,7 @@ class CellSight {
   public:
     static constexpr std::size_t kCorners = 8, kSelf = kCorners; ///< indexes of Receivers()
 
+    /// Keeps a reference to the map.
     CellSight(const BenchMap &map, const GridLayout &layout, const Vec3f &position);
 
     const std::array<Vec3f, kCorners + 1> &Receivers() const { return receivers_; }

@@ -16,7 +16,9 @@ namespace {
 /// Picture units: pixels of the PNG at scale 1.
 constexpr double kWidth = 960, kHeight = 600;
 constexpr double kLeft = 84, kRight = 930, kTop = 84, kBottom = 530;
-constexpr double kDot = 5, kText = Drawing::kText;
+constexpr double kDot = 5, kText = Drawing::kText; // radius; height
+constexpr double kTitleY = 34, kSubtitleY = 58;    // base lines
+constexpr double kMiddleToBaseline = kText * 0.35; // from the middle of a line of text down to its base line
 
 constexpr Color kGridLine{0.90, 0.91, 0.93};
 constexpr std::array<Color, 5> kSeriesColors = {
@@ -68,7 +70,7 @@ class Painter {
         const int color = chart_.series[series].color;
         return kSeriesColors[(color >= 0 ? std::size_t(color) : series) % kSeriesColors.size()];
     }
-    void TakeLines(const ChartSeries &series);
+    void KeepLabelsOffLines(const ChartSeries &series);
     void DrawLabels();
 
     const Chart &chart_;
@@ -90,7 +92,7 @@ void Painter::DrawAxes() {
         drawing_.Use(kGridLine);
         drawing_.Line(kLeft, y_.At(tick.value), kRight, y_.At(tick.value));
         drawing_.Use(kFaded);
-        drawing_.Text(kLeft - 10, y_.At(tick.value) + kText * 0.35, 1, tick.label);
+        drawing_.Text(kLeft - 10, y_.At(tick.value) + kMiddleToBaseline, 1, tick.label);
     }
     drawing_.Use(kFaded);
     drawing_.Line(kLeft, kBottom, kRight, kBottom);
@@ -99,9 +101,9 @@ void Painter::DrawAxes() {
 
 void Painter::DrawTitles() {
     drawing_.Use(kInk);
-    drawing_.Text(kLeft, 34, 0, chart_.title, 19);
+    drawing_.Text(kLeft, kTitleY, 0, chart_.title, 19);
     drawing_.Use(kFaded);
-    drawing_.Text(kLeft, 58, 0, chart_.subtitle);
+    drawing_.Text(kLeft, kSubtitleY, 0, chart_.subtitle);
     drawing_.Use(kInk);
     drawing_.Text((kLeft + kRight) / 2, kHeight - 24, 0.5, chart_.x.title, 14);
     cairo_save(canvas_);
@@ -143,9 +145,9 @@ void Painter::DrawKey() {
         if (name.empty())
             continue;
         drawing_.Use(ColorOf(s));
-        drawing_.Text(x, 58, 1, name);
+        drawing_.Text(x, kSubtitleY, 1, name);
         x -= drawing_.TextWidth(name) + 12;
-        drawing_.Dot(x, 58 - kText * 0.35, kDot);
+        drawing_.Dot(x, kSubtitleY - kMiddleToBaseline, kDot);
         x -= 24;
     }
 }
@@ -161,7 +163,7 @@ void Painter::DrawSeries() {
                 cairo_line_to(canvas_, x_.At(point.x), y_.At(point.y));
         cairo_stroke(canvas_);
         if (series.joined)
-            TakeLines(series);
+            KeepLabelsOffLines(series);
         for (const ChartPoint &point : series.points) {
             if (!Shows(point))
                 continue;
@@ -172,9 +174,9 @@ void Painter::DrawSeries() {
     }
 }
 
-/// Keeps labels off the lines between the points, in small boxes along them.
-void Painter::TakeLines(const ChartSeries &series) {
-    constexpr double kStep = 6, kHalf = 1.5; // picture units
+/// Takes small boxes along the lines between the points, so that no label covers these.
+void Painter::KeepLabelsOffLines(const ChartSeries &series) {
+    constexpr double kStep = 6, kHalf = 1.5; // from box to box; half the side of a box
     for (std::size_t i = 1; i < series.points.size(); ++i) {
         const ChartPoint &from = series.points[i - 1], &to = series.points[i];
         if (!Shows(from) || !Shows(to))
@@ -196,13 +198,14 @@ void Painter::DrawLabels() {
             const double x = x_.At(point.x), y = y_.At(point.y);
             const Box box = labels_.Place(x, y, kDot, drawing_.TextWidth(point.label));
             const double middle = (box.y0 + box.y1) / 2;
-            if (std::abs(middle - y) > 20) { // a leader line to its dot
+            constexpr double kLeaderFrom = 20; // labels farther above or below get a leader line to their dot
+            if (std::abs(middle - y) > kLeaderFrom) {
                 drawing_.Use(kFaded);
                 cairo_set_line_width(canvas_, 0.7);
                 drawing_.Line(x, y, std::clamp(x, box.x0, box.x1), middle > y ? box.y0 : box.y1);
             }
             drawing_.Use(kInk);
-            drawing_.Text(box.x0 + 2, middle + kText * 0.35, 0, point.label);
+            drawing_.Text(box.x0 + 2, middle + kMiddleToBaseline, 0, point.label);
         }
 }
 

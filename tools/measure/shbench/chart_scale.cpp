@@ -10,8 +10,11 @@ namespace q3::bench {
 
 namespace {
 
-constexpr double kLogMargin = 1.35, kLinearMargin = 0.15;
-constexpr double kWantedTicks = 6;
+constexpr double kLogMargin = 1.35;    ///< factor beyond the least and the greatest value
+constexpr double kLinearMargin = 0.15; ///< of the range of the values, on each side
+constexpr double kWantedTicks = 6;     ///< of linear scales, about
+/// Logarithmic scales of fewer decades have labels at 2 and 5 too, or at all digits.
+constexpr double kDecadesOfThreeLabels = 2.5, kDecadesOfAllLabels = 0.7;
 
 } // namespace
 
@@ -50,8 +53,9 @@ std::vector<ChartScale::Tick> ChartScale::Ticks() const {
                 const double value = digit * std::pow(10, power);
                 if (value < low_ || value > high_)
                     continue;
-                const bool labelled = digit == 1 || (decades < 2.5 && (digit == 2 || digit == 5)) || decades < 0.7;
-                ticks.push_back({value, labelled ? fmt::format("{:.6g}", value) : ""});
+                const bool labeled = digit == 1 || (decades < kDecadesOfThreeLabels && (digit == 2 || digit == 5)) ||
+                                     decades < kDecadesOfAllLabels;
+                ticks.push_back({value, labeled ? fmt::format("{:.6g}", value) : ""});
             }
         return ticks;
     }

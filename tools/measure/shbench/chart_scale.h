@@ -10,9 +10,12 @@ namespace q3::bench {
 
 class ChartScale {
   public:
-    /// Covers the values with a margin; a scale of positive values does not go under 0.
+    /// Covers the values with a margin; a scale of positive values does not go under 0. start, end: picture coordinates
+    /// of its ends.
     ChartScale(const std::vector<double> &values, AxisScale scale, double start, double end);
+    /// Picture coordinate of a value.
     double At(double value) const;
+    /// Whether the scale has a place for the value.
     bool Shows(double value) const { return !log_ || value > 0; }
     double Low() const { return low_; }
     double High() const { return high_; }

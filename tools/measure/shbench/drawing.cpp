@@ -27,14 +27,20 @@ bool HasExtension(const std::filesystem::path &file, std::string_view extension)
     return EqualNoCase(file.extension().string(), extension);
 }
 
-/// Candidate number `place` for a label: beside, above or below the dot, farther out every six.
+/// Candidates for the place of a label: right, left and middle, each above and below the dot, in rings.
+constexpr int kSides = 6, kRings = 16;
+
+/// Box of candidate number `place` for a label of that width. Picture units.
 Box LabelBox(double x, double y, double radius, double width, int place) {
-    const int ring = place / 6, side = place % 6;
-    const double dx = radius + 5, dy = 17.0 * ring;
+    constexpr double kGap = 5, kAbove = 11;      // from the dot to labels beside it, and to the middle of those above
+    constexpr double kRingStep = 17;             // vertical, from ring to ring
+    constexpr double kMargin = 2, kHalfText = 8; // left and right of the text; half the height of the box
+    const int ring = place / kSides, side = place % kSides;
+    const double dx = radius + kGap, dy = kRingStep * ring;
     const double left = side < 2 ? x + dx : side < 4 ? x - dx - width : x - width / 2;
     const double sign = side % 2 == 0 ? -1 : 1;
-    const double middle = side < 4 ? y + sign * dy : y + sign * (dy + radius + 11);
-    return {left - 2, middle - 8, left + width + 2, middle + 8};
+    const double middle = side < 4 ? y + sign * dy : y + sign * (dy + radius + kAbove);
+    return {left - kMargin, middle - kHalfText, left + width + kMargin, middle + kHalfText};
 }
 
 } // namespace
@@ -96,9 +102,8 @@ void Drawing::Fill(const Box &box) {
 }
 
 Box LabelPlaces::Place(double x, double y, double radius, double width) {
-    constexpr int kPlaces = 6 * 16;
     Box box = LabelBox(x, y, radius, width, 0);
-    for (int place = 0; place < kPlaces; ++place) {
+    for (int place = 0; place < kSides * kRings; ++place) {
         const Box tried = LabelBox(x, y, radius, width, place);
         if (tried.Within(frame_) &&
             std::none_of(taken_.begin(), taken_.end(), [&](const Box &b) { return b.Meets(tried); })) {

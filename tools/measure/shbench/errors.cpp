@@ -19,6 +19,7 @@ double Percentile(std::vector<float> &values, double share) {
     return double(values[at]);
 }
 
+/// Displayed light, mean over positions, normals and channels.
 double MapMean(const Truth &truth) {
     double sum = 0;
     for (const TruthPoint &point : truth.points)
@@ -65,7 +66,7 @@ ShownErrors MeasureErrors(const Truth &truth, const ShownLight &shown) {
     if (truth.points.empty())
         return errors;
     const double mean = MapMean(truth);
-    double squares = 0, gridSquares = 0, plainSquares = 0, truthSquares = 0;
+    double squares = 0, gridSquares = 0, unclampedSquares = 0, referenceSquares = 0;
     std::size_t leaks = 0;
     std::vector<float> differences;
     differences.reserve(truth.points.size() * kNormals * 3);
@@ -73,20 +74,20 @@ ShownErrors MeasureErrors(const Truth &truth, const ShownLight &shown) {
         const NormalLight light = shown(point.position), projected = ProjectedLight(point);
         for (std::size_t i = 0; i < kNormals; ++i)
             for (std::size_t channel = 0; channel < 3; ++channel) {
-                const float is = light[i][channel], should = point.light[i][channel];
-                const double difference = Displayed(is) - Displayed(should);
-                const double fromGrid = Displayed(is) - Displayed(projected[i][channel]);
-                const double plain = double(is) - double(should);
+                const float value = light[i][channel], reference = point.light[i][channel];
+                const double difference = Displayed(value) - Displayed(reference);
+                const double toProjection = Displayed(value) - Displayed(projected[i][channel]);
+                const double unclamped = double(value) - double(reference);
                 differences.push_back(float(std::abs(difference)));
-                squares += difference * difference, gridSquares += fromGrid * fromGrid;
-                plainSquares += plain * plain, truthSquares += double(should) * double(should);
+                squares += difference * difference, gridSquares += toProjection * toProjection;
+                unclampedSquares += unclamped * unclamped, referenceSquares += double(reference) * double(reference);
             }
         leaks += IsLeak(MeanDisplayed(point.light), MeanDisplayed(light), mean) ? 1 : 0;
     }
     const double count = double(differences.size());
     errors.rmse = std::sqrt(squares / count);
     errors.grid = std::sqrt(gridSquares / count);
-    errors.relative = truthSquares > 0 ? std::sqrt(plainSquares / truthSquares) : 0;
+    errors.relative = referenceSquares > 0 ? std::sqrt(unclampedSquares / referenceSquares) : 0;
     errors.leak = double(leaks) / double(truth.points.size());
     errors.percentile95 = Percentile(differences, 0.95);
     errors.percentile99 = Percentile(differences, 0.99);
@@ -97,11 +98,11 @@ PositionErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const
     PositionErrors sums;
     for (std::size_t i = 0; i < kNormals; ++i)
         for (std::size_t channel = 0; channel < 3; ++channel) {
-            const double is = Displayed(shown[i][channel]), best = Displayed(projected[i][channel]),
-                         should = Displayed(point.light[i][channel]);
-            sums.shown += (is - should) * (is - should);
-            sums.floor += (best - should) * (best - should);
-            sums.grid += (is - best) * (is - best);
+            const double value = Displayed(shown[i][channel]), projection = Displayed(projected[i][channel]),
+                         reference = Displayed(point.light[i][channel]);
+            sums.shown += (value - reference) * (value - reference);
+            sums.floor += (projection - reference) * (projection - reference);
+            sums.grid += (value - projection) * (value - projection);
         }
     const auto rms = [](double sum) { return std::sqrt(sum / double(kNormals * 3)); };
     return {rms(sums.shown), rms(sums.floor), rms(sums.grid)};

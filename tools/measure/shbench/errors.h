@@ -21,6 +21,7 @@ struct ShownErrors {
 /// Light that is shown at a position on each of Normals().
 using ShownLight = std::function<NormalLight(const Vec3f &)>;
 
+/// All zero without positions.
 ShownErrors MeasureErrors(const Truth &truth, const ShownLight &shown);
 
 /// What the exact L2 projection at the position shows: the best that nine coefficients can.
@@ -41,6 +42,7 @@ struct PositionErrors {
     double floor = 0; ///< of the exact L2 projection
     double grid = 0;  ///< difference of these two
 };
+/// shown, projected: light on each of Normals().
 PositionErrors ErrorsAt(const TruthPoint &point, const NormalLight &shown, const NormalLight &projected);
 /// One for each position.
 std::vector<PositionErrors> ErrorsByPlace(const Truth &truth, const ShownLight &shown);
@@ -54,9 +56,9 @@ double ErrorOf(const PositionErrors &errors, WorstBy by);
 
 /// A position and the normal that errs most there.
 struct WorstPosition {
-    std::size_t point = 0, normal = 0;
-    double error = 0; ///< displayed, the largest of the normals and channels; bytes
-    Vec3f shown;
+    std::size_t point = 0, normal = 0; ///< indexes of Truth::points and Normals()
+    double error = 0;                  ///< displayed, the largest of the normals and channels; bytes
+    Vec3f shown;                       ///< light on that normal, 1.0 = byte 255
 };
 /// The `count` positions with the largest ErrorOf(errors, by), which is an RMS, the worst first.
 std::vector<WorstPosition> WorstPositions(const Truth &truth, const ShownLight &shown, std::size_t count,

@@ -2,7 +2,6 @@
 #include "tools/measure/shbench/lightmap_passes.h"
 
 #include "common/error.h"
-#include "common/settings.h"
 #include "q3map2/lightmap/light_stage.h"
 #include "tools/measure/shbench/report.h"
 
@@ -10,7 +9,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <sstream>
 
 namespace q3::bench {
 
@@ -18,15 +16,16 @@ namespace {
 
 constexpr std::string_view kSetUp = "set-up", kFirstPass = "SetupSurfaceLightmaps";
 
-/// Reads the log of the light stage: a section is a pass, with a line for its number of rays.
+/// Reads the log of the light stage, whose headings "--- NAME ---" begin passes and whose lines "N rays" count their
+/// rays. All before the heading kFirstPass is one pass, the set-up.
 class PassClock {
   public:
     PassClock() { Begin(kSetUp); }
     void Read(std::string_view line) {
-        constexpr std::string_view kOpen = "--- ", kClose = " ---\n";
-        if (line.starts_with(kOpen) && line.ends_with(kClose)) {
-            line.remove_prefix(kOpen.size());
-            line.remove_suffix(kClose.size());
+        constexpr std::string_view kPrefix = "--- ", kSuffix = " ---\n"; // of headings
+        if (line.starts_with(kPrefix) && line.ends_with(kSuffix)) {
+            line.remove_prefix(kPrefix.size());
+            line.remove_suffix(kSuffix.size());
             if (passes_.back().name != kSetUp || line == kFirstPass)
                 Begin(line);
             return;
@@ -83,23 +82,11 @@ double PerSecond(const LightmapPass &pass) {
 } // namespace
 
 LightmapSettings LightmapSettingsFrom(std::string_view text, const Game &game) {
-    std::istringstream in{std::string(text)};
-    std::vector<std::string> words;
-    for (std::string word; in >> word;)
-        words.push_back(word);
-    Arguments arguments(words);
-    std::string unknown;
     LightmapSettings settings;
-    {
-        Log log([&](LogLevel, std::string_view line) { unknown += line; });
+    ParseOptionWords(WordsOf(text), text, [&](Arguments &arguments, Log &log) {
         settings.light = ParseLightOptions(arguments, game, log);
         settings.lightmap = ParseLightmapOptions(arguments, settings.light, game, log);
-        WarnOfUnknown(arguments, log);
-    }
-    if (!unknown.empty()) {
-        std::replace(unknown.begin(), unknown.end(), '\n', ' ');
-        throw Error("light options \"{}\": {}", text, unknown);
-    }
+    });
     if (settings.lightmap.onlyGrid)
         throw Error("light options \"{}\": expected lightmaps, not -onlygrid", text);
     return settings;

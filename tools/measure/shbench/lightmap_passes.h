@@ -17,6 +17,7 @@ struct LightmapPass {
     std::uint64_t rays = 0;
 };
 
+/// Options of -light, parsed.
 struct LightmapSettings {
     LightOptions light;
     LightmapOptions lightmap;
@@ -30,7 +31,8 @@ LightmapSettings LightmapSettingsFrom(std::string_view text, const Game &game);
 std::vector<LightmapPass> LightmapPasses(const BenchMap &map, const LightmapSettings &settings, ShaderLibrary &library,
                                          const JobPool &jobs, int repeats);
 
-/// rawPerSecond: rays of bare Embree, see EmbreeThroughput; 0: not measured.
+/// The passes and their sum as a table, and the passes as JSON. rawPerSecond: rays of bare Embree, see
+/// EmbreeThroughput; 0: not measured.
 std::string LightmapPassTable(const std::vector<LightmapPass> &passes, double rawPerSecond);
 std::string LightmapPassJson(const std::vector<LightmapPass> &passes, double rawPerSecond);
 

@@ -12,12 +12,13 @@ namespace q3::bench {
 
 namespace {
 
-/// Light of an area light taken as a point at its center, byte scale.
+/// Light of an area light taken as a point at its center, byte scale: add cosine area / (pi d^2), with the cosine at
+/// the emitter.
 double AreaLightAt(const Light &light, const Vec3d &toCenter) {
-    const double d2 = std::max(1.0, Dot(toCenter, toCenter));
+    const double distance2 = std::max(1.0, Dot(toCenter, toCenter)); // as if no nearer than 1 unit
     const double cosine = -Dot(Normalize(toCenter), light.shape.normal);
     const double facing = light.twoSided ? std::abs(cosine) : std::max(0.0, cosine);
-    return double(light.radiosity) * facing * double(light.shape.area) / (std::numbers::pi * d2);
+    return double(light.radiosity) * facing * double(light.shape.area) / (std::numbers::pi * distance2);
 }
 
 bspGridPointSH_t LightPoint(const BenchMap &map, const Vec3f &position, std::uint64_t &rayCount) {
@@ -31,7 +32,7 @@ bspGridPointSH_t LightPoint(const BenchMap &map, const Vec3f &position, std::uin
         }
         const bool area = light.type == LightType::Area;
         // Rays to area lights end before the emitting surface, which would block them.
-        const Vec3d target = area ? Vec3d(light.shape.center) + light.shape.normal * 0.125 : Vec3d(light.origin);
+        const Vec3d target = area ? Vec3d(light.shape.center) + light.shape.normal * kEmitterGap : Vec3d(light.origin);
         const double add = area ? AreaLightAt(light, target - p) : PointLightAt(light, p);
         if (add > 0)
             rays.Cast(target, Normalize(target - p), Vec3d(light.color) * (light.negative ? -add : add), &sum, nullptr);

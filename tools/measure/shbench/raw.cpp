@@ -15,11 +15,25 @@ namespace q3::bench {
 
 namespace {
 
-constexpr int kPacket = 16;
+constexpr int kPacket = 16; ///< rays
 /// Number of bricks of points to trace from, and limit of lights for each.
 constexpr int kBricks = 256, kLightsPerBrick = 64;
+/// Points of a brick, and of the blocks in it, each of which is a packet.
 constexpr std::array<int, 3> kBrickSize = {8, 8, 4}, kBlockSize = {4, 2, 2};
+/// Blocks of a brick.
+constexpr std::array<int, 3> kBlocks = {kBrickSize[0] / kBlockSize[0], kBrickSize[1] / kBlockSize[1],
+                                        kBrickSize[2] / kBlockSize[2]};
+/// Points this near to a brush count as in it, as in the bake. Game units.
+constexpr float kBrushEpsilon = 0.125f;
+/// Shorter ways to a light count as this long, for the division by the length. Game units.
+constexpr float kLeastDistance = 1e-3f;
 
+/// Coordinates of a number in rows of `size`, x fastest.
+std::array<int, 3> InRows(int number, const std::array<int, 3> &size) {
+    return {number % size[0], number / size[0] % size[1], number / (size[0] * size[1])};
+}
+
+/// CPU time of this thread.
 double ThreadSeconds() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -40,10 +54,11 @@ std::vector<float> Triangles(const BenchMap &map) {
 struct EmbreeThroughput::State {
     std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice> device;
     std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene> scene;
+    /// Rays from points of a brick to one light.
     struct Task {
         std::size_t first, count; ///< of points
         Vec3f target;
-        bool far; ///< target is a direction
+        bool isDirection; ///< whether the target is a direction, of a sun
     };
     std::vector<Vec3f> points;
     std::vector<Task> tasks;
@@ -67,12 +82,9 @@ void EmbreeThroughput::State::AddBrick(const BenchMap &map, const std::vector<Li
                                        Random &random) {
     const std::size_t first = points.size();
     int cluster = kSolidCluster;
-    const int blocks =
-        (kBrickSize[0] / kBlockSize[0]) * (kBrickSize[1] / kBlockSize[1]) * (kBrickSize[2] / kBlockSize[2]);
-    for (int block = 0; block < blocks; ++block)
+    for (int block = 0; block < kBlocks[0] * kBlocks[1] * kBlocks[2]; ++block)
         for (int n = 0; n < kPacket; ++n) {
-            const std::array<int, 3> base = {block % 2, block / 2 % 4, block / 8};
-            const std::array<int, 3> within = {n % 4, n / 4 % 2, n / 8};
+            const std::array<int, 3> base = InRows(block, kBlocks), within = InRows(n, kBlockSize);
             Vec3f p;
             bool inside = true;
             for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -80,7 +92,7 @@ void EmbreeThroughput::State::AddBrick(const BenchMap &map, const std::vector<Li
                 inside = inside && at < layout.gridBounds[axis];
                 p[axis] = layout.gridMins[axis] + float(at) * layout.gridSize[axis];
             }
-            const int found = inside ? map.space.ClusterAt(p, 0.125f) : kSolidCluster;
+            const int found = inside ? map.space.ClusterAt(p, kBrushEpsilon) : kSolidCluster;
             if (found >= 0)
                 points.push_back(p), cluster = found;
         }
@@ -95,7 +107,7 @@ void EmbreeThroughput::State::AddBrick(const BenchMap &map, const std::vector<Li
         if (height <= 0 && !light.twoSided)
             continue;
         const Vec3f target = sun    ? -light.normal
-                             : area ? light.shape.center + Vec3f(light.shape.normal) * 0.125f
+                             : area ? light.shape.center + Vec3f(light.shape.normal) * float(kEmitterGap)
                                     : light.origin;
         ofBrick.push_back({first, points.size() - first, target, sun});
     }
@@ -113,8 +125,8 @@ std::uint64_t EmbreeThroughput::State::Trace(const Task &task) const {
         for (std::size_t i = 0; i < std::size_t(kPacket); ++i) {
             valid[i] = start + i < task.count ? -1 : 0;
             const Vec3f &p = points[task.first + (start + i < task.count ? start + i : start)];
-            const Vec3f way = task.far ? task.target * kSunDistance : task.target - p;
-            const float distance = std::max(Length(way), 1e-3f);
+            const Vec3f way = task.isDirection ? task.target * kSunDistance : task.target - p;
+            const float distance = std::max(Length(way), kLeastDistance);
             rays.org_x[i] = p.x, rays.org_y[i] = p.y, rays.org_z[i] = p.z;
             rays.dir_x[i] = way.x / distance, rays.dir_y[i] = way.y / distance, rays.dir_z[i] = way.z / distance;
             rays.tnear[i] = 0, rays.tfar[i] = distance;
@@ -148,8 +160,7 @@ EmbreeThroughput::EmbreeThroughput(const BenchMap &map, const bspGridSHHeader_t 
     int used = 0;
     for (const int i : order) {
         const std::size_t before = state_->tasks.size();
-        state_->AddBrick(map, lights, layout, {i % bricks[0], i / bricks[0] % bricks[1], i / bricks[0] / bricks[1]},
-                         random);
+        state_->AddBrick(map, lights, layout, InRows(i, bricks), random);
         used += state_->tasks.size() > before ? 1 : 0;
         if (used == kBricks)
             break;
@@ -161,11 +172,12 @@ EmbreeThroughput::~EmbreeThroughput() = default;
 double EmbreeThroughput::PerSecond(double cpuSeconds) const {
     if (state_->tasks.empty())
         return 0;
+    constexpr int kTasksPerReading = 64; // of the clock
     std::uint64_t rays = 0;
     double elapsed = 0;
     const double start = ThreadSeconds();
     for (std::size_t next = 0; elapsed < cpuSeconds; elapsed = ThreadSeconds() - start)
-        for (int batch = 0; batch < 64; ++batch) {
+        for (int n = 0; n < kTasksPerReading; ++n) {
             rays += state_->Trace(state_->tasks[next]);
             next = next + 1 < state_->tasks.size() ? next + 1 : 0;
         }

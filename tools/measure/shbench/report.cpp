@@ -25,12 +25,12 @@ std::string Ratio(double a, double b, std::string_view format = "{:.2f}") {
 }
 
 std::vector<std::string> Cells(const BenchReport &report, const BenchLine &line) {
-    const BenchLine *base = report.Line(kDefaultName), *plain = report.Line(kPlainName);
+    const BenchLine *defaultLine = report.Line(kDefaultName), *plainLine = report.Line(kPlainName);
     const BakeCost &cost = line.cost;
     return {line.name,
             fmt::format("{:.2f}", cost.cpuSeconds),
             fmt::format("{:.2f}", cost.setUpSeconds),
-            Ratio(cost.cpuSeconds, base ? base->cost.cpuSeconds : 0),
+            Ratio(cost.cpuSeconds, defaultLine ? defaultLine->cost.cpuSeconds : 0),
             fmt::format("{:.3f}", double(cost.rays) / 1e6),
             fmt::format("{:.2f}", PerSecond(cost) / 1e6),
             line.ShareOfRaw() > 0 ? fmt::format("{:.3f}", line.ShareOfRaw()) : "-",
@@ -41,13 +41,13 @@ std::vector<std::string> Cells(const BenchReport &report, const BenchLine &line)
             fmt::format("{:.2f}", line.errors.percentile99),
             Ratio(line.errors.rmse, report.floor, "{:.3f}"),
             fmt::format("{:.3f}", line.errors.grid),
-            Ratio(line.errors.grid, plain ? plain->errors.grid : 0, "{:.3f}"),
+            Ratio(line.errors.grid, plainLine ? plainLine->errors.grid : 0, "{:.3f}"),
             fmt::format("{:.2f}", 100 * line.errors.leak),
             fmt::format("{:.4f}", line.errors.relative)};
 }
 
 /// Whether charts of SH grids have the line.
-bool IsDrawn(const BenchLine &line) {
+bool IsSHGrid(const BenchLine &line) {
     return line.format == BakedFormat::GridSH || line.format == BakedFormat::SparseGridSH;
 }
 
@@ -58,16 +58,22 @@ bool SetsSize(std::string_view word) {
     return std::ranges::any_of(kNames, [&](std::string_view name) { return EqualNoCase(name, word); });
 }
 
+/// Colors of the families of grids in size charts: the same on every map, whichever of them it has.
+int FamilyColor(std::string_view family) {
+    constexpr std::array<std::string_view, 4> kFamilies = {"uniform", "uniform -shfit", "sparse", kOthers};
+    return int(std::ranges::find(kFamilies, family) - kFamilies.begin());
+}
+
 nlohmann::json LineJson(const BenchReport &report, const BenchLine &line) {
-    const BenchLine *base = report.Line(kDefaultName), *plain = report.Line(kPlainName);
+    const BenchLine *defaultLine = report.Line(kDefaultName), *plainLine = report.Line(kPlainName);
     const auto ratio = [](double a, double b) { return b > 0 ? nlohmann::json(a / b) : nlohmann::json(); };
     const BakeCost &cost = line.cost;
     return {{"name", line.name},
             {"options", line.options},
-            {"family", IsDrawn(line) && line.name != kPlainName ? nlohmann::json(FamilyOf(line)) : nlohmann::json()},
+            {"family", IsSHGrid(line) && line.name != kPlainName ? nlohmann::json(FamilyOf(line)) : nlohmann::json()},
             {"cpuSeconds", cost.cpuSeconds},
             {"setUpCpuSeconds", cost.setUpSeconds},
-            {"timeToDefault", ratio(cost.cpuSeconds, base ? base->cost.cpuSeconds : 0)},
+            {"timeToDefault", ratio(cost.cpuSeconds, defaultLine ? defaultLine->cost.cpuSeconds : 0)},
             {"rays", cost.rays},
             {"raysPerCpuSecond", PerSecond(cost)},
             {"raysPerPassCpuSecond", ratio(double(cost.rays), cost.cpuSeconds - cost.setUpSeconds)},
@@ -81,7 +87,7 @@ nlohmann::json LineJson(const BenchReport &report, const BenchLine &line) {
             {"displayed99", line.errors.percentile99},
             {"timesFloor", ratio(line.errors.rmse, report.floor)},
             {"gridError", line.errors.grid},
-            {"timesPlain", ratio(line.errors.grid, plain ? plain->errors.grid : 0)},
+            {"timesPlain", ratio(line.errors.grid, plainLine ? plainLine->errors.grid : 0)},
             {"leak", line.errors.leak},
             {"relativeRmse", line.errors.relative}};
 }
@@ -137,9 +143,10 @@ std::string TableText(const BenchReport &report) {
                         double(report.truthRays) / 1e6, report.truthCpuSeconds,
                         report.truthFromCache ? " (from the cache)" : "", report.truthNoise);
     text += fmt::format("floor: {:.3f} byte, displayed RMSE of the exact L2 projection\n", report.floor);
-    if (const auto [least, most] = std::minmax_element(report.raw.begin(), report.raw.end()); !report.raw.empty())
+    if (const auto [least, most] = std::minmax_element(report.rawRates.begin(), report.rawRates.end());
+        !report.rawRates.empty())
         text += fmt::format("raw: {:.2f} to {:.2f} M rays per CPU s, measured {} times\n", *least / 1e6, *most / 1e6,
-                            report.raw.size());
+                            report.rawRates.size());
     text += fmt::format("bakes: {} threads, least CPU time of {}\n\n", report.threads, report.repeats);
     std::vector<std::vector<std::string>> rows = {{"setting", "CPU s", "set-up", "x default", "M rays", "M rays/s",
                                                    "share of raw", "points", "MB", "RMSE", "95 %", "99 %", "x floor",
@@ -163,7 +170,7 @@ std::string JsonText(const BenchReport &report) {
                                   {"cpuSeconds", report.truthCpuSeconds},
                                   {"fromCache", report.truthFromCache}}},
                                 {"floor", report.floor},
-                                {"rawRaysPerCpuSecond", report.raw},
+                                {"rawRaysPerCpuSecond", report.rawRates},
                                 {"threads", report.threads},
                                 {"repeats", report.repeats},
                                 {"settings", lines}};
@@ -179,19 +186,13 @@ Chart ErrorChart(const BenchReport &report) {
     chart.y = {"displayed RMSE, bytes of 255", AxisScale::Linear};
     ChartSeries settings{"settings", {}, false}, plain{"one ray per light", {}, false};
     for (const BenchLine &line : report.lines)
-        if (IsDrawn(line))
+        if (IsSHGrid(line))
             (line.name == kPlainName ? plain : settings)
                 .points.push_back({line.cost.cpuSeconds, line.errors.rmse, line.name});
     chart.series = {settings, plain};
     chart.level = report.floor;
     chart.levelLabel = fmt::format("floor {:.2f}: the exact L2 projection", report.floor);
     return chart;
-}
-
-/// Colors of the families of grids in size charts: the same on every map, whichever of them it has.
-int FamilyColor(std::string_view family) {
-    constexpr std::array<std::string_view, 4> kFamilies = {"uniform", "uniform -shfit", "sparse", kOthers};
-    return int(std::ranges::find(kFamilies, family) - kFamilies.begin());
 }
 
 Chart SizeChart(const BenchReport &report) {
@@ -202,7 +203,7 @@ Chart SizeChart(const BenchReport &report) {
     chart.y = {"grid error, bytes of 255 (logarithmic)", AxisScale::Logarithmic};
     std::vector<ChartSeries> families;
     for (const BenchLine &line : report.lines) {
-        if (!IsDrawn(line) || line.name == kPlainName)
+        if (!IsSHGrid(line) || line.name == kPlainName)
             continue;
         const std::string name = FamilyOf(line);
         auto family = std::ranges::find(families, name, &ChartSeries::name);
@@ -212,6 +213,7 @@ Chart SizeChart(const BenchReport &report) {
     }
     ChartSeries others{.name = std::string(kOthers), .points = {}, .joined = false, .color = FamilyColor(kOthers)};
     for (ChartSeries &family : families) {
+        // A family with options of its own, such as "uniform -shfit", but only one line.
         if (family.points.size() == 1 && family.name.find(' ') != std::string::npos) {
             others.points.push_back(family.points.front());
             continue;

@@ -35,7 +35,7 @@ struct BenchReport {
     bool truthFromCache = false;
     double floor = 0; ///< displayed RMSE of the exact L2 projection
     /// Rays per CPU second of bare Embree, before the first bake and after each one. Empty: not measured.
-    std::vector<double> raw;
+    std::vector<double> rawRates;
     int repeats = 1, threads = 1;
     std::vector<BenchLine> lines;
 
@@ -46,6 +46,7 @@ struct BenchReport {
 /// Rows of equal column widths: the first column aligned left, the others right. The first row is the header.
 std::string AlignedTable(const std::vector<std::vector<std::string>> &rows);
 
+/// The report as a table with a head, and as JSON.
 std::string TableText(const BenchReport &report);
 std::string JsonText(const BenchReport &report);
 /// CPU seconds, logarithmic, against displayed RMSE, with the floor. The legacy grid and ambient cubes are left out.

@@ -18,11 +18,11 @@ namespace q3::bench {
 
 namespace {
 
-constexpr float kHallSize = 2048, kHallHeight = 512, kPillarWidth = 64;
-constexpr int kPillars = 4; ///< along x and along y: kPillars^2 in all
-constexpr double kTotalIntensity = 8000;
-constexpr double kTotalLampValue = 2'000'000; ///< q3map_surfacelight of all lamps together
-constexpr float kLampSize = 16;
+constexpr float kHallSize = 2048, kHallHeight = 512, kPillarWidth = 64; ///< game units
+constexpr int kPillars = 4;                                             ///< along x and along y: kPillars^2 in all
+constexpr double kTotalIntensity = 8000;                                ///< key "light" of all point lights together
+constexpr double kTotalLampValue = 2'000'000;                           ///< q3map_surfacelight of all lamps together
+constexpr float kLampSize = 16;                                         ///< side of its square, game units
 constexpr std::string_view kLampShader = "textures/shbench/lamp";
 
 /// A temporary folder, removed at the end.
@@ -57,6 +57,7 @@ void WriteScript(const std::filesystem::path &folder, const std::string &script)
     ReplaceTextFile(folder / "scripts/shbench.shader", script);
 }
 
+/// Cost of the bake that took the least CPU time.
 BakeCost LeastCost(const BenchMap &map, ShaderLibrary &library, const LightOptions &options, const JobPool &jobs,
                    int repeats) {
     BakeCost least;
@@ -92,11 +93,11 @@ LightHall MakeLightHall(int lights, HallLights kind) {
         // x in a gap between the rows of pillars: 0.2 or 0.8 of the way from one row's left edge to the next.
         const float x =
             (float(int(Unit(random) * kPillars)) + (Unit(random) < 0.5 ? 0.2f : 0.8f)) * kHallSize / kPillars;
+        // Clear of walls, floor and ceiling.
         const Vec3f at{x + within(-64, 64), within(32, kHallSize - 32), within(64, kHallHeight - 16)};
         if (kind == HallLights::Lamps) {
-            const float s = kLampSize, z = at.z;
-            builder.AddQuad({{{at.x, at.y, z}, {at.x + s, at.y, z}, {at.x + s, at.y + s, z}, {at.x, at.y + s, z}}},
-                            lamp);
+            const float x1 = at.x + kLampSize, y1 = at.y + kLampSize, z = at.z;
+            builder.AddQuad({{{at.x, at.y, z}, {x1, at.y, z}, {x1, y1, z}, {at.x, y1, z}}}, lamp);
         } else
             builder.AddEntity({{{"classname", "light"},
                                 {"origin", fmt::format("{} {} {}", at.x, at.y, at.z)},
@@ -111,11 +112,11 @@ LightHall MakeLightHall(int lights, HallLights kind) {
     return hall;
 }
 
-std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &game, const JobPool &jobs, int most,
+std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &game, const JobPool &jobs, int maxLights,
                                      int repeats, Log &progress) {
     std::vector<ScalingStep> steps;
     for (const HallLights kind : {HallLights::Points, HallLights::Lamps})
-        for (int lights = 1; lights <= most; lights *= 10) {
+        for (int lights = 1; lights <= maxLights; lights *= 10) {
             LightHall hall = MakeLightHall(lights, kind);
             const bool lamps = kind == HallLights::Lamps;
             const TemporaryFolder folder;

@@ -16,22 +16,25 @@ struct ScalingStep {
     BakeCost cost;
 };
 
-/// A hall of 2048 x 2048 x 512 units with pillars, lit by `lights` lights of a constant total intensity at random
-/// positions: point lights, or ceiling lamps (two area lights each).
+/// A map whose shaders are not in any game.
 struct LightHall {
     Bsp bsp;
     std::string shaderText; ///< of the lamps
 };
+/// Point lights, or ceiling lamps, which are two area lights each.
 enum class HallLights { Points, Lamps };
+/// A hall of 2048 x 2048 x 512 units with pillars, lit by `lights` lights of a constant total intensity at random
+/// positions.
 LightHall MakeLightHall(int lights, HallLights kind);
 
-/// Least CPU time of `repeats` for 1, 10, ... up to `most` point lights, and lamps.
-std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &game, const JobPool &jobs, int most,
+/// Least CPU time of `repeats` for 1, 10, ... up to `maxLights` point lights, and lamps.
+std::vector<ScalingStep> ScaleLights(const LightOptions &options, const Game &game, const JobPool &jobs, int maxLights,
                                      int repeats, Log &progress);
 /// The same for -gridscalesh 1, 1.5, 2, 3, 4.
 std::vector<ScalingStep> ScaleCells(const BenchMap &map, ShaderLibrary &library, const LightOptions &options,
                                     const JobPool &jobs, int repeats, Log &progress);
 
+/// The steps as a table, and as JSON. sizeName: heading and member of ScalingStep::size.
 std::string ScalingTable(const std::vector<ScalingStep> &steps, const std::string &sizeName);
 std::string ScalingJson(const std::vector<ScalingStep> &steps, const std::string &sizeName);
 /// What a scaling chart shows.

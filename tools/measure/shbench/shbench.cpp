@@ -42,15 +42,15 @@ constexpr std::string_view kUsage =
   --json FILE, --plot BASENAME              results as JSON; plots as BASENAME.svg and .png, BASENAME-bytes.svg and .png
 )";
 
-constexpr int kUsualWorst = 12; ///< positions of --worst-picture
+constexpr int kUsualWorstCount = 12; ///< positions of --worst-picture
 
 /// What the command line asks for.
 struct Command {
     GlobalOptions global;
     BenchSettings settings;
-    std::string jsonFile, plotBase, planFile, errorFile, map;
+    std::string jsonFile, plotBase, worstPicture, errorFile, map;
     bool scaleLights = false, scaleCells = false, lightmaps = false;
-    int mostLights = 10000;
+    int maxLights = 10000; ///< of --scale-lights
 };
 
 std::string TakeText(Arguments &arguments, std::string_view name, std::string fallback = {}) {
@@ -59,23 +59,16 @@ std::string TakeText(Arguments &arguments, std::string_view name, std::string fa
     return fallback;
 }
 
-BakeSetting ParseBake(const std::string &text) {
-    const std::size_t colon = text.find(':');
-    if (colon == 0 || colon == std::string::npos)
-        throw Error("--bake \"{}\": expected a name, a colon and light options", text);
-    return {text.substr(0, colon), text.substr(colon + 1)};
-}
-
 void ParseWorst(Arguments &arguments, Command &command) {
     BenchSettings &settings = command.settings;
-    command.planFile = TakeText(arguments, "--worst-picture");
-    settings.plan = !command.planFile.empty();
-    if (settings.plan && !IsPictureName(command.planFile))
-        throw Error("--worst-picture {}: expected a name that ends in .png or .svg", command.planFile);
-    const int usual = settings.plan ? kUsualWorst : 0, least = settings.plan ? 1 : 0;
-    settings.worst = std::size_t(arguments.TakeWhole("--worst", usual, least));
+    command.worstPicture = TakeText(arguments, "--worst-picture");
+    settings.drawWorst = !command.worstPicture.empty();
+    if (settings.drawWorst && !IsPictureName(command.worstPicture))
+        throw Error("--worst-picture {}: expected a name that ends in .png or .svg", command.worstPicture);
+    const int usual = settings.drawWorst ? kUsualWorstCount : 0, least = settings.drawWorst ? 1 : 0;
+    settings.worstCount = std::size_t(arguments.TakeWhole("--worst", usual, least));
     const std::string of = TakeText(arguments, "--worst-of"), by = TakeText(arguments, "--worst-by");
-    if (settings.worst == 0 && !(of.empty() && by.empty()))
+    if (settings.worstCount == 0 && !(of.empty() && by.empty()))
         throw Error("--worst-of, --worst-by: expected --worst or --worst-picture with it");
     if (!of.empty())
         settings.worstOf = of;
@@ -89,14 +82,14 @@ void ParseErrorList(Arguments &arguments, Command &command) {
     settings.errorsOf = TakeText(arguments, "--errors-of");
     command.errorFile = TakeText(arguments, "--errors-file");
     const bool isAsked = arguments.TakeFlag("--errors");
-    settings.errorList = isAsked || !command.errorFile.empty() || !settings.errorsOf.empty();
+    settings.listErrors = isAsked || !command.errorFile.empty() || !settings.errorsOf.empty();
 }
 
 Command ParseCommand(Arguments arguments, Log &log) {
     Command command;
     BenchSettings &settings = command.settings;
     while (const auto text = arguments.TakeValue("--bake"))
-        settings.bakes.push_back(ParseBake(*text));
+        settings.bakes.push_back(ParseBakeSetting(*text));
     settings.options = TakeText(arguments, "--options");
     settings.truth.positions = arguments.TakeWhole("--positions", settings.truth.positions, 1);
     settings.truth.seed = std::uint64_t(arguments.TakeWhole("--seed", 1, 0));
@@ -108,14 +101,14 @@ Command ParseCommand(Arguments arguments, Log &log) {
     if (arguments.TakeFlag("--no-cache"))
         settings.cache.clear();
     const bool noRaw = arguments.TakeFlag("--no-raw");
-    settings.raw = arguments.TakeFlag("--raw") || !noRaw;
-    settings.baselines = !arguments.TakeFlag("--no-baselines");
+    settings.measureRaw = arguments.TakeFlag("--raw") || !noRaw;
+    settings.measureBaselines = !arguments.TakeFlag("--no-baselines");
     command.jsonFile = TakeText(arguments, "--json");
     command.plotBase = TakeText(arguments, "--plot");
     command.scaleLights = arguments.TakeFlag("--scale-lights");
     command.scaleCells = arguments.TakeFlag("--scale-cells");
     command.lightmaps = arguments.TakeFlag("--lightmaps");
-    command.mostLights = arguments.TakeWhole("--lights", command.mostLights, 1);
+    command.maxLights = arguments.TakeWhole("--lights", command.maxLights, 1);
     command.global = ParseGlobalOptions(arguments, log);
     command.map = arguments.TakeLast();
     if (!arguments.Empty())
@@ -142,11 +135,12 @@ void ReportScaling(const Command &command, const std::vector<ScalingStep> &steps
     WriteChart(ScalingChart(steps, size, "rays against " + title, ScalingValue::Rays), command.plotBase + "-rays");
 }
 
-/// The rate of bare Embree is the mean of measurements before and after.
+/// Prints and stores the cost of each pass over surfaces. The rate of bare Embree is the mean of measurements before
+/// and after.
 void RunLightmaps(const Command &command, const LightmapSettings &settings, BenchFiles &files, const JobPool &jobs) {
     const BenchSettings &bench = command.settings;
     std::unique_ptr<EmbreeThroughput> raw;
-    if (bench.raw)
+    if (bench.measureRaw)
         raw = std::make_unique<EmbreeThroughput>(files.Map(), DefaultLayout(files.Map()), bench.truth.seed);
     const double before = raw ? raw->PerSecond(bench.rawSeconds) : 0;
     const auto passes = LightmapPasses(files.Map(), settings, files.Library(), jobs, bench.repeats);
@@ -171,7 +165,7 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
         lightmaps = LightmapSettingsFrom(settings.options, game);
     const LightOptions options = command.lightmaps ? lightmaps.light : LightOptionsFrom(settings.options, game);
     if (command.scaleLights) {
-        const auto steps = ScaleLights(options, game, jobs, command.mostLights, settings.repeats, progress);
+        const auto steps = ScaleLights(options, game, jobs, command.maxLights, settings.repeats, progress);
         ReportScaling(command, steps, "lights", "the number of lights");
         return 0;
     }
@@ -189,15 +183,15 @@ int Run(const std::vector<std::string> &words, const std::filesystem::path &prog
     const BenchResult result = RunBench(files.Map(), files.Library(), settings, game, jobs, progress);
     Print(TableText(result.report) + result.worst);
     WriteText(command.jsonFile, JsonText(result.report));
-    if (settings.errorList)
+    if (settings.listErrors)
         ReplaceTextFile(command.errorFile.empty() ? WithExtension(path, ".sherror.json").string() : command.errorFile,
                         result.errors);
     if (!command.plotBase.empty()) {
         WriteChart(ErrorChart(result.report), command.plotBase);
         WriteChart(SizeChart(result.report), command.plotBase + "-bytes");
     }
-    if (result.plan)
-        WriteErrorPlan(*result.plan, command.planFile);
+    if (result.worstView)
+        WriteErrorTopView(*result.worstView, command.worstPicture);
     return 0;
 }
 

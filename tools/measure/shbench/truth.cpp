@@ -13,14 +13,15 @@ namespace q3::bench {
 
 namespace {
 
-constexpr int kMinRays = 4, kMaxRays = 65536;
+constexpr int kMinRays = 4, kMaxRays = 65536; ///< to a piece of an area light
 /// Pilot rays to a piece of an area light: proportional to its light, within limits.
 constexpr double kPilotRaysPerByte = 16;
 constexpr int kMinPilot = 4, kMaxPilot = 64;
-constexpr int kTriesPerPosition = 20000;
+constexpr int kTriesPerPosition = 20000; ///< at most
 
-/// Rays for each piece, so that the standard error of their sum is the goal. n stratified rays across a straight shadow
-/// edge have the error deviation * n^-0.75; the fewest rays in total then take n ~ deviation^0.8.
+/// Rays n_i for each piece, so that the standard error of the sum of their light is the goal. n stratified rays across
+/// a straight shadow edge have the standard error d n^-0.75 (Mitchell, 1996), d the deviation of one. The least sum of
+/// n_i under the condition sum(d_i^2 n_i^-1.5) = goal^2 is at n_i = (sum(d_k^0.8) / goal^2)^(2/3) d_i^0.8.
 std::vector<int> ShareRays(const std::vector<double> &deviations, double goal) {
     double sum = 0;
     for (const double deviation : deviations)
@@ -44,6 +45,7 @@ std::vector<double> Deviations(const std::vector<AreaPiece> &pieces, const Vec3d
     rays.Flush();
     std::vector<double> deviations;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
+        // Moved towards 1/2, so that a few rays that all agree leave some deviation.
         const double share = (clear[i] + 0.25) / (cast[i] + 0.5);
         deviations.push_back(pieces[i].bound * std::sqrt(share * (1 - share)));
     }
@@ -61,7 +63,7 @@ void AddFloodlight(const BenchMap &map, const Vec3f &position, DirectionSum &sum
             const double light = double(map.world.floodColor[channel]) * double(map.world.floodIntensity) * share;
             for (std::size_t i = 0; i < kNormals; ++i)
                 sum.light[channel][i] += light * (1 + Normals()[i].z * double(up)) / 2;
-            // The mean over all normals is light / 2. A hemisphere has a linear term and no band 2.
+            // On normal n it gives light (1 +- n.z) / 2: the mean, a linear term, and no band 2.
             sum.projection[channel][0] += light / 2 / kSHC0;
             sum.projection[channel][2] += light / 2 / kSHC1 * double(up);
         }
@@ -109,7 +111,8 @@ std::vector<Vec3f> PlayerPositions(const Bsp &bsp, const BspSpace &space, std::s
 TruthPoint TruthAt(const BenchMap &map, const Vec3f &position, std::uint64_t seed, double noiseGoal,
                    std::uint64_t &rayCount, double *noise) {
     const Vec3d p(position);
-    std::seed_seq mixed{std::uint32_t(seed), std::uint32_t(seed >> 32), 0x51u};
+    constexpr std::uint32_t kPurpose = 0x51; // any number: other users of the seed get other sequences
+    std::seed_seq mixed{std::uint32_t(seed), std::uint32_t(seed >> 32), kPurpose};
     Random random(mixed);
     PointRays rays(map.scene, p);
     DirectionSum single;
@@ -160,6 +163,7 @@ TruthPoint TruthAt(const BenchMap &map, const Vec3f &position, std::uint64_t see
 }
 
 Truth MakeTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs) {
+    constexpr std::uint64_t kSeedStride = 0x9E3779B97F4A7C15u; // 2^64 over the golden ratio
     const double start = CpuSeconds();
     const std::vector<Vec3f> positions = PlayerPositions(map, settings.positions, settings.seed);
     Truth truth;
@@ -168,7 +172,7 @@ Truth MakeTruth(const BenchMap &map, const TruthSettings &settings, const JobPoo
     std::vector<std::uint64_t> rays(positions.size());
     jobs.For(std::int64_t(positions.size()), [&](std::int64_t i, int) {
         const auto n = std::size_t(i);
-        const std::uint64_t seed = settings.seed * 0x9E3779B97F4A7C15u + n;
+        const std::uint64_t seed = settings.seed * kSeedStride + n;
         truth.points[n] = TruthAt(map, positions[n], seed, settings.noise, rays[n], &noise[n]);
     });
     double sum = 0;

@@ -17,6 +17,7 @@ inline double Displayed(float light) {
     return 255 * std::clamp(double(light), 0.0, 1.0);
 }
 
+/// What the reference is computed for.
 struct TruthSettings {
     int positions = 2000;
     std::uint64_t seed = 1;
@@ -32,6 +33,7 @@ struct TruthPoint {
     bool operator==(const TruthPoint &) const = default;
 };
 
+/// Reference at all positions of a map.
 struct Truth {
     std::vector<TruthPoint> points;
     double noise = 0; ///< measured standard error of the displayed light from two halves of the rays: RMS, byte scale
@@ -58,8 +60,8 @@ Truth MakeTruth(const BenchMap &map, const TruthSettings &settings, const JobPoo
 /// Hex SHA-256 of everything that the truth depends on.
 std::string TruthKey(const BenchMap &map, const TruthSettings &settings);
 /// Reads the truth from the file of its key in `folder`, else computes and stores it. Without a folder nothing is
-/// cached. `hit`: it was read. Errors: the folder cannot be written.
+/// cached. `fromCache`: it was read. Errors: the folder cannot be written.
 Truth CachedTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs,
-                  const std::filesystem::path &folder, bool &hit);
+                  const std::filesystem::path &folder, bool &fromCache);
 
 } // namespace q3::bench

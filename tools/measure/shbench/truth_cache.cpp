@@ -24,7 +24,7 @@ void AddWorld(Hash &hash, const WorldLight &world, const LightOptions &options) 
 
 /// Header of a file; the points follow.
 struct FileHead {
-    std::array<char, 64> key;
+    std::array<char, 64> key; // hexadecimal digits of a SHA-256
     double noise, cpuSeconds;
     std::uint64_t rays, points;
 };
@@ -75,13 +75,13 @@ std::string TruthKey(const BenchMap &map, const TruthSettings &settings) {
 }
 
 Truth CachedTruth(const BenchMap &map, const TruthSettings &settings, const JobPool &jobs,
-                  const std::filesystem::path &folder, bool &hit) {
-    hit = false;
+                  const std::filesystem::path &folder, bool &fromCache) {
+    fromCache = false;
     const std::string key = TruthKey(map, settings);
     const std::filesystem::path path = folder / (key + ".truth");
     if (!folder.empty())
         if (auto stored = Load(path, key)) {
-            hit = true;
+            fromCache = true;
             return std::move(*stored);
         }
     Truth truth = MakeTruth(map, settings, jobs);

@@ -11,12 +11,14 @@ namespace q3::bench {
 
 namespace {
 
-/// No point light is stronger than at this distance. Game units.
-constexpr double kNearest = 16;
-constexpr double kLinearShare = 1.0 / 8000;
-constexpr double kConeRim = 32; ///< game units
+/// The formulas of point lights are those of Falloff and ConeFraction (light/sources/falloff.h), written again to check
+/// them. No point light is stronger than at the distance kNearest, those with a polynomial kNearestPolynomial. Game
+/// units.
+constexpr double kNearest = 16, kNearestPolynomial = 1;
+constexpr double kLinearScale = 1.0 / 8000; ///< of the photons of linear lights
+constexpr double kConeRim = 32;             ///< over which a cone by radius fades, game units
 /// Pieces are cut until their longest edge is under this share of their distance, at most kMaxCuts times.
-constexpr double kPieceSize = 0.5;
+constexpr double kMaxEdgeShare = 0.5;
 constexpr int kMaxCuts = 14;
 /// Pieces that give less are not cut. Byte scale.
 constexpr double kSmallPiece = 0.002;
@@ -34,7 +36,7 @@ std::array<Vec3d, kNormals> MakeNormals() {
 
 const std::array<Vec3d, kNormals> kNormalDirections = MakeNormals();
 
-double Strongest(const Light &light) {
+double StrongestChannel(const Light &light) {
     return std::max({std::abs(light.color.x), std::abs(light.color.y), std::abs(light.color.z)});
 }
 
@@ -62,9 +64,10 @@ void DirectionSum::Add(const Vec3d &d, const Vec3d &color) {
             projection[channel][k] += color[channel] * basis[k];
     if (!forNormals)
         return;
+    constexpr double kMeanCosine = 0.25; // mean of max(0, cosine) over all directions
     std::array<double, kNormals> cosines;
     for (std::size_t i = 0; i < kNormals; ++i)
-        cosines[i] = everywhere ? 0.25 : std::max(0.0, Dot(kNormalDirections[i], d));
+        cosines[i] = everywhere ? kMeanCosine : std::max(0.0, Dot(kNormalDirections[i], d));
     for (std::size_t channel = 0; channel < 3; ++channel)
         for (std::size_t i = 0; i < kNormals; ++i)
             light[channel][i] += color[channel] * cosines[i];
@@ -82,7 +85,8 @@ DirectionSum &DirectionSum::operator+=(const DirectionSum &o) {
 
 namespace {
 
-/// From the start of the fade to the end: 1 - 10 t^3 + 15 t^4 - 6 t^5.
+/// 1 before the start of the fade, 0 after its end, between them 1 - (10 t^3 - 15 t^4 + 6 t^5) (quintic smoothstep,
+/// Perlin, 2002).
 double FadeAt(double d, double start, double end) {
     if (d <= start)
         return 1;
@@ -97,13 +101,13 @@ double CurveAt(const Light &light, double distance) {
     const double photons = light.photons, d = std::max(kNearest, distance);
     switch (light.curve) {
     case FalloffCurve::Linear:
-        return photons * kLinearShare - d * double(light.fade);
+        return photons * kLinearScale - d * double(light.fade);
     case FalloffCurve::Windowed: {
         const double left = 1 - std::pow(d / double(k.end), 4);
         return left > 0 ? photons / (d * d) * left * left : 0;
     }
     case FalloffCurve::Polynomial: {
-        const double e = std::max(1.0, distance), flat = std::min(e, double(k.flatFrom));
+        const double e = std::max(kNearestPolynomial, distance), flat = std::min(e, double(k.flatFrom));
         const double value = double(k.constant) + double(k.linear) * flat + double(k.quadratic) * flat * flat;
         return photons / value * FadeAt(e, k.fadeFrom, k.end);
     }
@@ -113,7 +117,7 @@ double CurveAt(const Light &light, double distance) {
     return photons / (d * d);
 }
 
-/// Share of a spotlight that its cone by angles lets through at an offset from the light.
+/// Share of a spotlight that its cone by angles lets through at an offset from the light, times the cosine to its axis.
 double AngularShare(const Light &light, const Vec3d &away) {
     const double distance = Length(away), cosine = distance > 0 ? Dot(away, Vec3d(light.normal)) / distance : 0;
     const double inner = light.cone.cosInner, outer = light.cone.cosOuter;
@@ -151,7 +155,7 @@ void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pi
         return;
     const Vec3d lift = front * std::copysign(std::min(kEmitterGap, 0.5 * std::abs(height)), height);
     struct Part {
-        std::array<Vec3d, 3> c;
+        std::array<Vec3d, 3> c; ///< corners
         int cuts;
     };
     std::vector<Part> stack;
@@ -170,9 +174,10 @@ void CutAreaLight(const Light &light, const Vec3d &p, std::vector<AreaPiece> &pi
             edges[i] = Length(part.c[(i + 1) % 3] - part.c[i]);
             longest = edges[i] > edges[longest] ? i : longest;
         }
+        // Form factor of a small piece: area times the emitter's cosine over pi d^2, with the cosine height / d.
         const double share = d > 0 ? std::min(1.0, area * std::abs(height) / (std::numbers::pi * d * d * d)) : 1;
-        const double bound = Strongest(light) * double(light.radiosity) * share;
-        if (edges[longest] > kPieceSize * d && part.cuts < kMaxCuts && bound > kSmallPiece) {
+        const double bound = StrongestChannel(light) * double(light.radiosity) * share;
+        if (edges[longest] > kMaxEdgeShare * d && part.cuts < kMaxCuts && bound > kSmallPiece) {
             const Vec3d &a = part.c[longest], &b = part.c[(longest + 1) % 3], &c = part.c[(longest + 2) % 3];
             const Vec3d middle = (a + b) / 2.0;
             stack.push_back({{a, middle, c}, part.cuts + 1});
@@ -220,7 +225,8 @@ void PointRays::Flush() {
 
 int SamplePiece(const AreaPiece &piece, const Vec3d &p, int n, Random &random, PointRays &rays, DirectionSum *sum,
                 int *clear) {
-    // Strata of the unit square, mapped to the triangle with equal areas.
+    // Strata of the unit square, mapped to the triangle with equal areas: (u, v) has the weights 1 - sqrt u,
+    // sqrt u (1 - v) and sqrt u v of the corners (Turk, 1990).
     const int rows = std::max(1, int(std::sqrt(double(n)))), columns = (n + rows - 1) / rows;
     const Vec3d normal = Normalize(Cross(piece.corners[1] - piece.corners[0], piece.corners[2] - piece.corners[0]));
     const Vec3d color = SignedColor(*piece.light) *

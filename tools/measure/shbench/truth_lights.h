@@ -57,8 +57,11 @@ class PointRays {
     PointRays(const LightScene &scene, const Vec3d &p) : scene_(scene), p_(p) {}
     /// If the way to `target` is clear, adds `color` from `direction` to `sum` and 1 to `clear`; both may be null.
     void Cast(const Vec3d &target, const Vec3d &direction, const Vec3d &color, DirectionSum *sum, int *clear);
+    /// Adds the light of a sun to `sum` if its sky is in sight.
     void CastToSky(const Light &sun, DirectionSum &sum);
+    /// Traces the rays that wait for a full packet.
     void Flush();
+    /// Rays traced so far.
     std::uint64_t Count() const { return counts_.rays; }
 
   private:

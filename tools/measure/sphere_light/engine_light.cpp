@@ -15,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-constexpr float kMinimum = 32; ///< that the engine adds to ambient light, bytes
+constexpr float kAddedAmbient = 32; ///< that the engine adds to ambient light, bytes
 
 /// Limited to 255, keeping the hue.
 Vec3f HueLimited(const Vec3f &color) {
@@ -23,11 +23,12 @@ Vec3f HueLimited(const Vec3f &color) {
     return most > 255 ? color * (255 / most) : color;
 }
 
+/// Limited to 255 by channel.
 Vec3f Limited(const Vec3f &color) {
     return Min(color, Vec3f{255, 255, 255});
 }
 
-/// A color of a lump as the renderers load it: whole bytes.
+/// A color of a lump times 2^shift as the renderers load it: limited to 255, keeping the hue, in whole bytes.
 std::array<std::uint8_t, 3> Shifted(const std::array<std::uint8_t, 3> &color, int shift) {
     std::array<int, 3> wide{};
     for (std::size_t i = 0; i < 3; ++i)
@@ -39,6 +40,7 @@ std::array<std::uint8_t, 3> Shifted(const std::array<std::uint8_t, 3> &color, in
     return bytes;
 }
 
+/// See LegacyGridLight.
 Vec3f LegacyColor(const LegacyLight &light, Renderer renderer, const Vec3f &normal) {
     LegacyLight limited = light;
     if (renderer == Renderer::OpenGL2) {
@@ -88,7 +90,7 @@ EngineLight LegacyGridLight(const Bsp &bsp, Renderer renderer, int shift) {
         point.directed = Shifted(point.directed, shift);
     }
     LegacyEngine engine = kIoquake3Engine;
-    engine.ambientAdded = kMinimum;
+    engine.ambientAdded = kAddedAmbient;
     engine.keepsDirected = renderer == Renderer::OpenGL2;
     auto reader = LegacyGridReader::Load(std::as_bytes(std::span(points)), places, engine);
     if (!reader)

@@ -36,27 +36,27 @@ constexpr float kLeastLight = 4; ///< mean light at a place, bytes
 
 /// Differences of shown pixels from expected ones.
 struct Differences {
-    double sum = 0, bias = 0, largest = 0; ///< bytes
-    std::size_t count = 0;                 ///< of channels
+    double sum = 0, signedSum = 0, largest = 0; ///< of differences of channels, bytes; sum: absolute
+    std::size_t count = 0;                      ///< of channels
 
     void Add(const Vec3f &shown, const Vec3f &expected) {
         for (std::size_t i = 0; i < 3; ++i) {
             const double difference = double(shown[i] - expected[i]);
             sum += std::abs(difference);
-            bias += difference;
+            signedSum += difference;
             largest = std::max(largest, std::abs(difference));
         }
         count += 3;
     }
     void Add(const Differences &other) {
         sum += other.sum;
-        bias += other.bias;
+        signedSum += other.signedSum;
         largest = std::max(largest, other.largest);
         count += other.count;
     }
     void Print(std::string_view name, double light) const {
         fmt::print("{:<32} {:>8} {:>8.1f} {:>8.3f} {:>8.3f} {:>8.1f}\n", name, count / 3, light, sum / double(count),
-                   bias / double(count), largest);
+                   signedSum / double(count), largest);
     }
 };
 
@@ -87,7 +87,7 @@ float MeanLight(const NormalColor &light) {
     float sum = 0;
     for (const Vec3f &normal : {Vec3f{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}) {
         const Vec3f color = light(normal);
-        sum += (color.x + color.y + color.z) / 18;
+        sum += (color.x + color.y + color.z) / (6 * 3);
     }
     return sum;
 }
@@ -177,12 +177,15 @@ int CompareWall(Arguments &arguments) {
     const Image image = ReadScreenshot(path);
     const int middle = image.width / 2;
     const float radius = float(middle) * kSphereRadius / kSphereDistance; // of the outline in pixels, 1.3 % too small
+    // Of the columns beside the sphere where the wall is looked at: from its middle, pixels.
     const int inner = int(1.1f * radius), outer = int(1.3f * radius);
-    if (radius < 8 || outer > middle)
+    constexpr float kLeastRadius = 8; // pixels
+    if (radius < kLeastRadius || outer > middle)
         throw Error("{}: too small a picture", path);
     const Vec3f left = MeanColor(image, middle - outer, middle - inner),
                 right = MeanColor(image, middle + inner, middle + outer), wall = (left + right) * 0.5f;
-    const Vec3f sphere = MeanColor(image, middle - 2, middle + 2), step = sphere - wall;
+    constexpr int kHalfColumns = 2;
+    const Vec3f sphere = MeanColor(image, middle - kHalfColumns, middle + kHalfColumns), step = sphere - wall;
     const float most = std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)});
     fmt::print(
         "sphere {:.1f} {:.1f} {:.1f}, wall {:.1f} {:.1f} {:.1f} (left {:.1f}, right {:.1f} in green), step {:.1f}\n",

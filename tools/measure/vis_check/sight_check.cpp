@@ -13,14 +13,20 @@ namespace q3 {
 
 namespace {
 
+/// The lump of visibility data: number of clusters and bytes of a row as 32-bit integers, then a row of bits for each
+/// cluster.
+constexpr std::size_t kRowSizeAt = 4, kVisibilityHeader = 8; // bytes
+
+/// What the tree of a map and its visibility data say.
 class SightWalker {
   public:
     explicit SightWalker(const Bsp &bsp) : bsp_(bsp) {
-        if (bsp.visibility.size() < 8)
+        if (bsp.visibility.size() < kVisibilityHeader)
             throw Error("no visibility data, expected a map after the vis stage");
-        std::memcpy(&rowBytes_, bsp.visibility.data() + 4, 4);
+        std::memcpy(&rowBytes_, bsp.visibility.data() + kRowSizeAt, sizeof rowBytes_);
     }
 
+    /// Below 0 in solid leafs.
     int ClusterAt(const Vec3d &p) const {
         int child = bsp_.nodes.empty() ? -1 : 0;
         while (child >= 0) {
@@ -31,9 +37,10 @@ class SightWalker {
     }
     /// Whether the segment meets open leafs only.
     bool IsClear(const Vec3d &a, const Vec3d &b) const { return IsClearFrom(bsp_.nodes.empty() ? -1 : 0, a, b); }
+    /// Whether the visibility data says that one cluster sees the other.
     bool Sees(int from, int to) const {
-        return (bsp_.visibility[8 + std::size_t(from) * std::size_t(rowBytes_) + std::size_t(to >> 3)] >> (to & 7) &
-                1) != 0;
+        const std::size_t row = kVisibilityHeader + std::size_t(from) * std::size_t(rowBytes_);
+        return (bsp_.visibility[row + std::size_t(to / 8)] >> (to % 8) & 1) != 0;
     }
 
   private:
@@ -71,8 +78,10 @@ class PointSource {
             throw Error("no world model");
         mins_ = Vec3d(bsp.models[0].mins), maxs_ = Vec3d(bsp.models[0].maxs);
     }
-    double Unit() { return double(random_()) / 4294967296.0; }
+    /// Uniform, 0 <= x < 1.
+    double Unit() { return double(random_()) * 0x1p-32; }
 
+    /// A point in an open leaf, uniform over all of them.
     Vec3d Anywhere() {
         constexpr int kTries = 1000000;
         for (int i = 0; i < kTries; ++i) {
@@ -82,7 +91,7 @@ class PointSource {
         }
         throw Error("no open leaf among {} places of the world", kTries);
     }
-    /// In a random direction, at a distance from 2 units up to the diagonal of the world.
+    /// In a random direction, at a distance from 2 units up to the diagonal of the world, whose logarithm is uniform.
     Vec3d Around(const Vec3d &p) {
         const double z = 2 * Unit() - 1, turn = 2 * std::numbers::pi * Unit(), r = std::sqrt(1 - z * z);
         const double distance = 2 * std::pow(std::max(2.0, Length(maxs_ - mins_) / 2), Unit());
@@ -95,7 +104,7 @@ class PointSource {
     Vec3d mins_, maxs_;
 };
 
-/// Whether eight lines around a segment are clear as well.
+/// Whether the eight parallels of a segment, `margin` units around it, are clear too.
 bool IsBundleClear(const SightWalker &walker, const Vec3d &a, const Vec3d &b, double margin) {
     const Vec3d along = Normalize(b - a);
     const Vec3d right = Normalize(Cross(along, std::abs(along.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0)));

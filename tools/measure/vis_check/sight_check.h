@@ -7,6 +7,7 @@
 
 namespace q3 {
 
+/// What CheckSight finds.
 struct SightCheck {
     std::int64_t pairs = 0;   ///< pairs of points in open leafs
     std::int64_t clear = 0;   ///< of those: nothing solid between them

@@ -32,7 +32,7 @@ int Run(const std::vector<std::string> &words) {
     const auto seed = std::uint32_t(number("--seed", 1));
     if (pairs < 1)
         throw Error("--pairs: expected at least 1");
-    bool missing = false;
+    bool anyMissing = false;
     Log log(PrintWarnings);
     while (!arguments.Empty()) {
         const std::string path = arguments.TakeFirst();
@@ -43,9 +43,9 @@ int Run(const std::vector<std::string> &words) {
         if (check.missing > 0)
             fmt::print(" (the first: clusters {} and {})", check.from, check.to);
         fmt::print("\n");
-        missing |= check.missing > 0;
+        anyMissing |= check.missing > 0;
     }
-    return missing ? 1 : 0;
+    return anyMissing ? 1 : 0;
 }
 
 } // namespace

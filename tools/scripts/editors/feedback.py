@@ -5,7 +5,7 @@ import socket
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-MAX_PAYLOAD = 1020
+MAX_PAYLOAD = 1020  # bytes of a message after its length
 WHOLE = ("point", "brush", "winding", "select")  # editors use their text as it arrives: it must come in one message
 
 

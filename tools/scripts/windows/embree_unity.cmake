@@ -1,5 +1,6 @@
 
-# Added by tools/scripts/windows/build: joins the sources, but those that include the same source or have a name twice.
+# Added to Embree by tools/scripts/windows/build: a unity build of each library. Left out are sources that include a
+# source that another one includes too, or that define a name that another one defines.
 foreach(library embree embree_avx embree_avx2 embree_avx512)
   if(TARGET ${library})
     get_target_property(sources ${library} SOURCES)

@@ -1,4 +1,4 @@
-/* GPL-2.0-or-later. What GLib needs of libintl: every text stays English. */
+/* GPL-2.0-or-later. The functions of GNU libintl that GLib calls, without translations. */
 #include "libintl.h"
 
 char *gettext(const char *text) {

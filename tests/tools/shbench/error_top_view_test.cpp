@@ -3,7 +3,7 @@
 #include "common/image/image.h"
 #include "tests/tools/shbench/bench_fixture.h"
 #include "tools/measure/shbench/drawing.h"
-#include "tools/measure/shbench/error_plan.h"
+#include "tools/measure/shbench/error_top_view.h"
 
 #include <cmath>
 
@@ -18,9 +18,9 @@ using namespace bench;
 using Texel = std::array<std::uint8_t, 4>;
 
 /// A room with a pillar from floor to ceiling and a crate on the floor; three positions, the second errs most.
-class ErrorPlanTest : public BenchTest {
+class ErrorTopViewTest : public BenchTest {
   protected:
-    ErrorPlanTest() {
+    ErrorTopViewTest() {
         SceneBuilder scene = Room();
         scene.AddEntity(PointLight({300, 300, 100}, 300));
         scene.AddBox({-100, -50, -512}, {-20, 50, 512}, {"textures/test/wall"});
@@ -35,19 +35,19 @@ class ErrorPlanTest : public BenchTest {
         causes_ = {Cause::Floor, Cause::Wall, Cause::NearLight};
         worst_ = {{1, 0, 40, {}}, {2, 0, 20, {}}};
     }
-    ErrorPlan Plan() const {
-        return MakeErrorPlan(*map_, {truth_, errors_, causes_, worst_, WorstBy::Shown, "SH grid", "default"},
-                             JobPool(2));
+    ErrorTopView Plan() const {
+        return MakeErrorTopView(*map_, {truth_, errors_, causes_, worst_, WorstBy::Shown, "SH grid", "default"},
+                                JobPool(2));
     }
     /// Pixel of a PNG, so far beside the place of a position on the map.
-    static Texel At(const Image &image, const ErrorPlan &plan, const Vec3f &p, double right = 0, double up = 0) {
-        const PlanFrame frame = FrameOf(plan.area);
+    static Texel At(const Image &image, const ErrorTopView &plan, const Vec3f &p, double right = 0, double up = 0) {
+        const TopViewFrame frame = FrameOf(plan.area);
         const double x = frame.x + double(p.x - plan.area.mins.x) * frame.scale + right;
         const double y = frame.y + double(plan.area.maxs.y - p.y) * frame.scale - up;
         return image.Texel(int(2 * x), int(2 * y));
     }
-    Image Written(const ErrorPlan &plan) {
-        WriteErrorPlan(plan, folder / "plan.png");
+    Image Written(const ErrorTopView &plan) {
+        WriteErrorTopView(plan, folder / "plan.png");
         const std::string png = folder.ReadBack("plan.png");
         return DecodePng(std::as_bytes(std::span(png)), "plan.png");
     }
@@ -60,8 +60,8 @@ class ErrorPlanTest : public BenchTest {
     std::vector<WorstPosition> worst_;
 };
 
-TEST_F(ErrorPlanTest, ShowsTheMapAtTheHeightOfTheWorst) {
-    const ErrorPlan plan = Plan();
+TEST_F(ErrorTopViewTest, ShowsTheMapAtTheHeightOfTheWorst) {
+    const ErrorTopView plan = Plan();
     EXPECT_EQ(plan.height, 0); // the lower of the two in the middle
     ASSERT_EQ(plan.rings.size(), 2u);
     EXPECT_EQ(plan.rings[0].dot, 1u);
@@ -73,19 +73,19 @@ TEST_F(ErrorPlanTest, ShowsTheMapAtTheHeightOfTheWorst) {
         const auto row = std::size_t((plan.area.maxs.y - y) / size.y * float(plan.rows));
         return plan.ground[row * std::size_t(plan.columns) + column];
     };
-    EXPECT_EQ(ground(0, 0), PlanGround::Open);
-    EXPECT_EQ(ground(-60, 0), PlanGround::Solid);
-    EXPECT_EQ(ground(-60, 45), PlanGround::Solid);
-    EXPECT_EQ(ground(-60, 55), PlanGround::Open);
-    EXPECT_EQ(ground(150, -150), PlanGround::Open);
+    EXPECT_EQ(ground(0, 0), TopViewGround::Open);
+    EXPECT_EQ(ground(-60, 0), TopViewGround::Solid);
+    EXPECT_EQ(ground(-60, 45), TopViewGround::Solid);
+    EXPECT_EQ(ground(-60, 55), TopViewGround::Open);
+    EXPECT_EQ(ground(150, -150), TopViewGround::Open);
     int steps = 0;
     for (float x = 90; x < 110; x += 0.5f)
-        steps += ground(x, -150) == PlanGround::Step;
+        steps += ground(x, -150) == TopViewGround::Step;
     EXPECT_GT(steps, 0); // the crate's edge
 }
 
-TEST_F(ErrorPlanTest, RingsTheWorstAndColorsThemByTheirError) {
-    const ErrorPlan plan = Plan();
+TEST_F(ErrorTopViewTest, RingsTheWorstAndColorsThemByTheirError) {
+    const ErrorTopView plan = Plan();
     const Image image = Written(plan);
     EXPECT_EQ(image.width, 2000);
     const Vec3f worst = truth_.points[1].position;
@@ -104,14 +104,14 @@ TEST_F(ErrorPlanTest, RingsTheWorstAndColorsThemByTheirError) {
     EXPECT_LT(Brightness(At(image, plan, {-60, 0, 0})), 620); // the pillar
 }
 
-TEST_F(ErrorPlanTest, IsAnSvgByItsName) {
-    WriteErrorPlan(Plan(), folder / "plan.svg");
+TEST_F(ErrorTopViewTest, IsAnSvgByItsName) {
+    WriteErrorTopView(Plan(), folder / "plan.svg");
     EXPECT_THAT(folder.ReadBack("plan.svg"), testing::HasSubstr("<svg"));
-    EXPECT_THROW(WriteErrorPlan(Plan(), folder / "plan.jpg"), Error);
-    EXPECT_THROW(WriteErrorPlan(Plan(), folder / "missing/plan.png"), Error);
+    EXPECT_THROW(WriteErrorTopView(Plan(), folder / "plan.jpg"), Error);
+    EXPECT_THROW(WriteErrorTopView(Plan(), folder / "missing/plan.png"), Error);
 }
 
-TEST_F(ErrorPlanTest, CutsTextBetweenCharacters) {
+TEST_F(ErrorTopViewTest, CutsTextBetweenCharacters) {
     const std::string text = "Säule, größer als 20 µm – überall";
     const auto draw = [&](Drawing &drawing) {
         EXPECT_EQ(drawing.Fitting(text, 1000), text);

@@ -1,6 +1,6 @@
 // GPL-2.0-or-later. The picture of a grid's errors.
 #include "tools/measure/shbench/drawing.h"
-#include "tools/measure/shbench/error_plan.h"
+#include "tools/measure/shbench/error_top_view.h"
 
 #include <fmt/format.h>
 
@@ -17,39 +17,40 @@ namespace q3::bench {
 namespace {
 
 /// Picture units.
-constexpr double kPlanWidth = 1000, kSideLeft = 662, kSideRight = 976, kBottomMargin = 50;
+constexpr double kViewWidth = 1000, kSideLeft = 662, kSideRight = 976, kBottomMargin = 50;
 constexpr double kRing = 8, kMinDot = 1.6, kMaxDot = 4.2, kCross = 3;
 constexpr double kCrossRaster = 8; ///< one cross stands for all lights in a square of it
 constexpr double kLineHeight = 19; ///< of text
 constexpr double kTextLeft = 24;   ///< left end of title and subtitle
 constexpr double kSmall = 12;      ///< text in lists
 constexpr std::size_t kMaxListed = 24;
-constexpr float kLevelHeight = 96; ///< positions farther off the plan's height get dashed rings; game units
+constexpr float kLevelHeight = 96; ///< positions farther off the view's height get dashed rings; game units
 constexpr Color kSolid{0.74, 0.76, 0.79}, kElsewhere{0.90, 0.91, 0.92}, kOpen{1, 1, 1}, kStepLine{0.68, 0.70, 0.74},
     kLight{0.05, 0.35, 0.85};
-constexpr std::array<Color, 4> kGroundColors = {kSolid, kElsewhere, kOpen, kStepLine}; ///< by PlanGround
+constexpr std::array<Color, 4> kGroundColors = {kSolid, kElsewhere, kOpen, kStepLine}; ///< by TopViewGround
 /// Colors of errors from none to full scale, with equal steps between.
 constexpr std::array<Vec3f, 4> kErrorRamp = {
     {{0.86f, 0.85f, 0.76f}, {0.99f, 0.71f, 0.29f}, {0.84f, 0.19f, 0.15f}, {0.30f, 0.00f, 0.24f}}};
 
-Color ColorOf(double share) { // of the error at full scale
+/// Color of that share of the error at full scale.
+Color ColorOf(double share) {
     const Vec3f rgb = ErrorColor(share);
     return {double(rgb.x), double(rgb.y), double(rgb.z)};
 }
 
-class PlanPainter {
+class TopViewPainter {
   public:
-    PlanPainter(const ErrorPlan &plan, Drawing &drawing)
-        : plan_(plan), frame_(FrameOf(plan.area)), drawing_(drawing), canvas_(drawing.Canvas()) {}
+    TopViewPainter(const ErrorTopView &view, Drawing &drawing)
+        : view_(view), frame_(FrameOf(view.area)), drawing_(drawing), canvas_(drawing.Canvas()) {}
 
     /// Height of the picture.
-    static double Height(const ErrorPlan &plan);
+    static double Height(const ErrorTopView &view);
 
     void Draw() {
         drawing_.Use(kInk);
-        drawing_.Text(kTextLeft, 36, 0, plan_.title, 20);
+        drawing_.Text(kTextLeft, 36, 0, view_.title, 20);
         drawing_.Use(kFaded);
-        drawing_.Text(kTextLeft, 60, 0, drawing_.Fitting(plan_.subtitle, kPlanWidth - 2 * kTextLeft));
+        drawing_.Text(kTextLeft, 60, 0, drawing_.Fitting(view_.subtitle, kViewWidth - 2 * kTextLeft));
         drawing_.Text(kTextLeft, 80, 0,
                       "floor: error of the exact L2 projection, the best that can be stored; grid error: "
                       "difference from it");
@@ -69,14 +70,14 @@ class PlanPainter {
     }
 
   private:
-    enum class Level { Plan, Other }; ///< whether a position is at the height of the plan
+    enum class Level { Same, Other }; ///< whether a position is at the height of the view
 
-    double X(const Vec3f &p) const { return frame_.x + double(p.x - plan_.area.mins.x) * frame_.scale; }
-    double Y(const Vec3f &p) const { return frame_.y + double(plan_.area.maxs.y - p.y) * frame_.scale; }
+    double X(const Vec3f &p) const { return frame_.x + double(p.x - view_.area.mins.x) * frame_.scale; }
+    double Y(const Vec3f &p) const { return frame_.y + double(view_.area.maxs.y - p.y) * frame_.scale; }
     Level LevelOf(const Vec3f &p) const {
-        return std::abs(p.z - plan_.height) > kLevelHeight ? Level::Other : Level::Plan;
+        return std::abs(p.z - view_.height) > kLevelHeight ? Level::Other : Level::Same;
     }
-    std::size_t Listed() const { return std::min(plan_.rings.size(), kMaxListed); }
+    std::size_t Listed() const { return std::min(view_.rings.size(), kMaxListed); }
     void DrawGround();
     void DrawDots();
     void DrawLights();
@@ -89,63 +90,63 @@ class PlanPainter {
     double DrawList(double y);
     void DrawShares(double y);
 
-    const ErrorPlan &plan_;
-    PlanFrame frame_;
+    const ErrorTopView &view_;
+    TopViewFrame frame_;
     Drawing &drawing_;
     cairo_t *canvas_;
 };
 
-double PlanPainter::Height(const ErrorPlan &plan) {
-    const std::size_t listed = std::min(plan.rings.size(), kMaxListed);
+double TopViewPainter::Height(const ErrorTopView &view) {
+    const std::size_t listed = std::min(view.rings.size(), kMaxListed);
     constexpr double kKeyLines = 10;                      // of the key and of the headings of both lists
     constexpr double kScaleHeight = 90, kSideMargin = 24; // the color scale above the lines, and space below them
-    const bool cutShort = plan.rings.size() > listed;     // "and N more" takes a line
+    const bool cutShort = view.rings.size() > listed;     // "and N more" takes a line
     const double lines = double(listed + (cutShort ? 1 : 0)) + double(kCauses) + kKeyLines;
-    const PlanFrame frame = FrameOf(plan.area);
-    const double planEnd = frame.y + frame.height + kBottomMargin;
-    return std::ceil(std::max(planEnd, frame.y + kScaleHeight + lines * kLineHeight + kSideMargin));
+    const TopViewFrame frame = FrameOf(view.area);
+    const double viewEnd = frame.y + frame.height + kBottomMargin;
+    return std::ceil(std::max(viewEnd, frame.y + kScaleHeight + lines * kLineHeight + kSideMargin));
 }
 
-void PlanPainter::DrawGround() {
+void TopViewPainter::DrawGround() {
     const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t *)> image(
-        cairo_image_surface_create(CAIRO_FORMAT_RGB24, plan_.columns, plan_.rows), cairo_surface_destroy);
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, view_.columns, view_.rows), cairo_surface_destroy);
     unsigned char *pixels = cairo_image_surface_get_data(image.get());
     if (!pixels) // the canvas takes over the error status of the image
         return cairo_set_source_surface(canvas_, image.get(), 0, 0);
     const auto stride = std::size_t(cairo_image_surface_get_stride(image.get()));
     const auto byte = [](double value) { return std::uint32_t(std::lround(255 * value)); };
-    for (int row = 0; row < plan_.rows; ++row) {
+    for (int row = 0; row < view_.rows; ++row) {
         auto *line = reinterpret_cast<std::uint32_t *>(pixels + std::size_t(row) * stride);
-        for (int column = 0; column < plan_.columns; ++column) {
-            const std::size_t at = std::size_t(row) * std::size_t(plan_.columns) + std::size_t(column);
-            const Color &color = kGroundColors[std::size_t(plan_.ground[at])];
+        for (int column = 0; column < view_.columns; ++column) {
+            const std::size_t at = std::size_t(row) * std::size_t(view_.columns) + std::size_t(column);
+            const Color &color = kGroundColors[std::size_t(view_.ground[at])];
             line[column] = byte(color.r) << 16 | byte(color.g) << 8 | byte(color.b);
         }
     }
     cairo_surface_mark_dirty(image.get());
     cairo_save(canvas_);
     cairo_translate(canvas_, frame_.x, frame_.y);
-    cairo_scale(canvas_, frame_.width / plan_.columns, frame_.height / plan_.rows);
+    cairo_scale(canvas_, frame_.width / view_.columns, frame_.height / view_.rows);
     cairo_set_source_surface(canvas_, image.get(), 0, 0);
     cairo_pattern_set_filter(cairo_get_source(canvas_), CAIRO_FILTER_NEAREST);
     cairo_paint(canvas_);
     cairo_restore(canvas_);
 }
 
-void PlanPainter::DrawDots() {
-    std::vector<std::size_t> order(plan_.dots.size());
+void TopViewPainter::DrawDots() {
+    std::vector<std::size_t> order(view_.dots.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return plan_.dots[a].error < plan_.dots[b].error; });
+                     [&](std::size_t a, std::size_t b) { return view_.dots[a].error < view_.dots[b].error; });
     for (const std::size_t i : order) {
-        const PlanDot &dot = plan_.dots[i];
-        const double share = std::min(1.0, dot.error / plan_.fullScaleError);
+        const TopViewDot &dot = view_.dots[i];
+        const double share = std::min(1.0, dot.error / view_.fullScaleError);
         drawing_.Use(ColorOf(share));
         drawing_.Dot(X(dot.position), Y(dot.position), kMinDot + share * (kMaxDot - kMinDot));
     }
 }
 
-void PlanPainter::DrawCross(double x, double y) {
+void TopViewPainter::DrawCross(double x, double y) {
     for (const auto &[color, width] : {std::pair(Color{1, 1, 1, 0.8}, 3.2), std::pair(kLight, 1.3)}) {
         drawing_.Use(color);
         cairo_set_line_width(canvas_, width);
@@ -154,16 +155,16 @@ void PlanPainter::DrawCross(double x, double y) {
     }
 }
 
-void PlanPainter::DrawLights() {
+void TopViewPainter::DrawLights() {
     std::set<std::pair<int, int>> taken;
-    for (const Vec3f &light : plan_.lights) {
+    for (const Vec3f &light : view_.lights) {
         const double x = X(light), y = Y(light);
         if (taken.insert({int(std::floor(x / kCrossRaster)), int(std::floor(y / kCrossRaster))}).second)
             DrawCross(x, y);
     }
 }
 
-void PlanPainter::DrawRing(double x, double y, Level level) {
+void TopViewPainter::DrawRing(double x, double y, Level level) {
     const double dashes[2] = {3, 2.5};
     drawing_.Use({1, 1, 1, 0.85});
     cairo_set_line_width(canvas_, 4);
@@ -175,18 +176,18 @@ void PlanPainter::DrawRing(double x, double y, Level level) {
     cairo_set_dash(canvas_, nullptr, 0, 0);
 }
 
-void PlanPainter::DrawRings() {
+void TopViewPainter::DrawRings() {
     LabelPlaces labels({frame_.x, frame_.y, frame_.x + frame_.width, frame_.y + frame_.height});
-    for (const ErrorPlan::Ring &ring : plan_.rings) {
-        const Vec3f &p = plan_.dots[ring.dot].position;
+    for (const ErrorTopView::Ring &ring : view_.rings) {
+        const Vec3f &p = view_.dots[ring.dot].position;
         labels.Take({X(p) - kRing, Y(p) - kRing, X(p) + kRing, Y(p) + kRing});
     }
-    for (std::size_t i = plan_.rings.size(); i-- > 0;) { // the worst on top
-        const Vec3f &p = plan_.dots[plan_.rings[i].dot].position;
+    for (std::size_t i = view_.rings.size(); i-- > 0;) { // the worst on top
+        const Vec3f &p = view_.dots[view_.rings[i].dot].position;
         DrawRing(X(p), Y(p), LevelOf(p));
     }
-    for (std::size_t i = 0; i < plan_.rings.size(); ++i) {
-        const Vec3f &p = plan_.dots[plan_.rings[i].dot].position;
+    for (std::size_t i = 0; i < view_.rings.size(); ++i) {
+        const Vec3f &p = view_.dots[view_.rings[i].dot].position;
         const std::string number = std::to_string(i + 1);
         const Box box = labels.Place(X(p), Y(p), kRing, drawing_.TextWidth(number));
         const double middle = (box.y0 + box.y1) / 2;
@@ -203,13 +204,15 @@ void PlanPainter::DrawRings() {
     }
 }
 
-void PlanPainter::DrawFrame() {
+void TopViewPainter::DrawFrame() {
     drawing_.Use(kFaded);
     cairo_set_line_width(canvas_, 1);
     cairo_rectangle(canvas_, frame_.x, frame_.y, frame_.width, frame_.height);
     cairo_stroke(canvas_);
-    double length = 16;
-    while (length * 2 * frame_.scale < 150)
+    // The scale bar: a power of two game units.
+    constexpr double kLeastLength = 16, kMaxBar = 150; // game units; picture units
+    double length = kLeastLength;
+    while (length * 2 * frame_.scale < kMaxBar)
         length *= 2;
     const double y = frame_.y + frame_.height + 26, x1 = frame_.x + length * frame_.scale;
     drawing_.Use(kInk);
@@ -220,9 +223,9 @@ void PlanPainter::DrawFrame() {
     drawing_.Text(x1 + 10, y + 4.5, 0, fmt::format("{:.0f} units; seen from above, +x right, +y up", length));
 }
 
-double PlanPainter::DrawScale(double y) {
+double TopViewPainter::DrawScale(double y) {
     drawing_.Use(kInk);
-    drawing_.Text(kSideLeft, y + 11, 0, plan_.errorName);
+    drawing_.Text(kSideLeft, y + 11, 0, view_.errorName);
     const int steps = 100;
     const double width = kSideRight - kSideLeft, top = y + 22, bottom = top + 14;
     for (int i = 0; i < steps; ++i) {
@@ -232,12 +235,12 @@ double PlanPainter::DrawScale(double y) {
     }
     drawing_.Use(kFaded);
     drawing_.Text(kSideLeft, bottom + 17, 0, "0");
-    drawing_.Text((kSideLeft + kSideRight) / 2, bottom + 17, 0.5, fmt::format("{:g}", plan_.fullScaleError / 2));
-    drawing_.Text(kSideRight, bottom + 17, 1, fmt::format("{:g} and more", plan_.fullScaleError));
+    drawing_.Text((kSideLeft + kSideRight) / 2, bottom + 17, 0.5, fmt::format("{:g}", view_.fullScaleError / 2));
+    drawing_.Text(kSideRight, bottom + 17, 1, fmt::format("{:g} and more", view_.fullScaleError));
     return bottom + 20;
 }
 
-double PlanPainter::DrawKey(double y) {
+double TopViewPainter::DrawKey(double y) {
     const double symbol = kSideLeft + kRing, text = kSideLeft + 30;
     const auto line = [&](const std::string &words) {
         drawing_.Use(kInk);
@@ -255,7 +258,7 @@ double PlanPainter::DrawKey(double y) {
         cairo_stroke(canvas_);
         line(words);
     };
-    swatch(kOpen, fmt::format("open space at z = {:.0f}", double(plan_.height)));
+    swatch(kOpen, fmt::format("open space at z = {:.0f}", double(view_.height)));
     swatch(kElsewhere, "open at other heights only");
     swatch(kSolid, "solid or outside the map");
     drawing_.Use(kStepLine);
@@ -263,18 +266,18 @@ double PlanPainter::DrawKey(double y) {
     drawing_.Line(symbol - 8, y, symbol + 8, y);
     line("edges and steps below, over 20 units");
     DrawCross(symbol, y);
-    std::string lights = fmt::format("{} {}", plan_.lights.size(), plan_.lights.size() == 1 ? "light" : "lights");
-    if (plan_.suns > 0)
-        lights += fmt::format("; {} {} not drawn", plan_.suns, plan_.suns == 1 ? "sun is" : "suns are");
+    std::string lights = fmt::format("{} {}", view_.lights.size(), view_.lights.size() == 1 ? "light" : "lights");
+    if (view_.suns > 0)
+        lights += fmt::format("; {} {} not drawn", view_.suns, view_.suns == 1 ? "sun is" : "suns are");
     line(lights);
-    DrawRing(symbol, y, Level::Plan);
+    DrawRing(symbol, y, Level::Same);
     line("worst positions, numbered as below");
     DrawRing(symbol, y, Level::Other);
     line(fmt::format("the same, over {:.0f} units off the plan", double(kLevelHeight)));
     return y - kLineHeight / 2;
 }
 
-double PlanPainter::DrawList(double y) {
+double TopViewPainter::DrawList(double y) {
     const std::array<double, 4> at = {kSideLeft + 22, kSideLeft + 72, kSideLeft + 122, kSideLeft + 138};
     const auto row = [&](const std::array<std::string, 4> &cells) {
         for (std::size_t i = 0; i < cells.size(); ++i)
@@ -286,22 +289,22 @@ double PlanPainter::DrawList(double y) {
     row({"no.", "error", "z", "cause"});
     drawing_.Use(kInk);
     for (std::size_t i = 0; i < Listed(); ++i) {
-        const PlanDot &dot = plan_.dots[plan_.rings[i].dot];
+        const TopViewDot &dot = view_.dots[view_.rings[i].dot];
         row({std::to_string(i + 1), fmt::format("{:.1f}", dot.error), fmt::format("{:.0f}", double(dot.position.z)),
-             std::string(NameOf(plan_.rings[i].cause))});
+             std::string(NameOf(view_.rings[i].cause))});
     }
-    if (Listed() < plan_.rings.size())
-        row({"", "", "", fmt::format("and {} more", plan_.rings.size() - Listed())});
+    if (Listed() < view_.rings.size())
+        row({"", "", "", fmt::format("and {} more", view_.rings.size() - Listed())});
     return y - 11;
 }
 
-void PlanPainter::DrawShares(double y) {
+void TopViewPainter::DrawShares(double y) {
     drawing_.Use(kFaded);
     drawing_.Text(kSideLeft, y + 11, 0, "share of the squared grid error, all positions", kSmall);
     y += 11 + kLineHeight;
     const double bar = kSideLeft + 186, percent = kSideRight;
     for (std::size_t i = 0; i < kCauses; ++i) {
-        const double share = plan_.shares[i].error;
+        const double share = view_.shares[i].error;
         drawing_.Use(kInk);
         drawing_.Text(kSideLeft, y, 0, std::string(NameOf(Cause(i))), kSmall);
         drawing_.Text(percent, y, 1, fmt::format("{:.0f} %", 100 * share), kSmall);
@@ -320,9 +323,9 @@ Vec3f ErrorColor(double share) {
     return kErrorRamp[low] * (1 - part) + kErrorRamp[low + 1] * part;
 }
 
-void WriteErrorPlan(const ErrorPlan &plan, const std::filesystem::path &file) {
-    WriteDrawing(kPlanWidth, PlanPainter::Height(plan), file,
-                 [&](Drawing &drawing) { PlanPainter(plan, drawing).Draw(); });
+void WriteErrorTopView(const ErrorTopView &view, const std::filesystem::path &file) {
+    WriteDrawing(kViewWidth, TopViewPainter::Height(view), file,
+                 [&](Drawing &drawing) { TopViewPainter(view, drawing).Draw(); });
 }
 
 } // namespace q3::bench
