@@ -14,8 +14,9 @@ namespace {
 constexpr std::size_t kTgaHeader = 18;  ///< bytes
 constexpr std::size_t kMaxPacket = 128; ///< pixels of one run
 /// Bytes of the header where its fields begin; Truevision TGA File Format Specification 2.0.
-constexpr std::size_t kCommentBytesAt = 0, kMapTypeAt = 1, kTypeAt = 2, kMapFirstAt = 3, kMapCountAt = 5,
-                      kMapBitsAt = 7, kWidthAt = 12, kHeightAt = 14, kDepthAt = 16, kDescriptorAt = 17;
+constexpr std::size_t kCommentBytesOffset = 0, kMapTypeOffset = 1, kTypeOffset = 2, kMapFirstOffset = 3,
+                      kMapCountOffset = 5, kMapBitsOffset = 7, kWidthOffset = 12, kHeightOffset = 14, kDepthOffset = 16,
+                      kDescriptorOffset = 17;
 constexpr unsigned kPackedType = 8; ///< added to the type of an image in runs
 /// Of the descriptor: number of alpha bits, and whether columns go from right to left and rows from top to bottom.
 constexpr unsigned kAlphaBits = 0xF, kRightToLeft = 0x10, kTopDown = 0x20;
@@ -59,7 +60,7 @@ class TgaDecoder {
 
     void ReadHeader() {
         Need(kTgaHeader, "header");
-        const unsigned type = Byte(kTypeAt), depth = Byte(kDepthAt), descriptor = Byte(kDescriptorAt);
+        const unsigned type = Byte(kTypeOffset), depth = Byte(kDepthOffset), descriptor = Byte(kDescriptorOffset);
         const unsigned plainType = type & ~kPackedType, alphaBits = descriptor & kAlphaBits;
         if (plainType < 1 || plainType > 3)
             Unsupported("image type", type, "1, 2, 3, 9, 10 or 11");
@@ -74,17 +75,17 @@ class TgaDecoder {
         hasAlpha_ = alphaBits == kFullAlpha;
         topDown_ = (descriptor & kTopDown) != 0;
         pixelBytes_ = depth / 8;
-        CheckImageSize(Word(kWidthAt), Word(kHeightAt), name_);
-        image_.width = int(Word(kWidthAt));
-        image_.height = int(Word(kHeightAt));
+        CheckImageSize(Word(kWidthOffset), Word(kHeightOffset), name_);
+        image_.width = int(Word(kWidthOffset));
+        image_.height = int(Word(kHeightOffset));
         at_ = kTgaHeader;
-        Need(Byte(kCommentBytesAt), "comment");
-        at_ += Byte(kCommentBytesAt);
+        Need(Byte(kCommentBytesOffset), "comment");
+        at_ += Byte(kCommentBytesOffset);
     }
 
     void ReadPalette() {
-        const unsigned mapType = Byte(kMapTypeAt), first = Word(kMapFirstAt), count = Word(kMapCountAt),
-                       bits = Byte(kMapBitsAt);
+        const unsigned mapType = Byte(kMapTypeOffset), first = Word(kMapFirstOffset), count = Word(kMapCountOffset),
+                       bits = Byte(kMapBitsOffset);
         if (kind_ != Kind::Palette) {
             const std::size_t size = mapType == 0 ? 0 : std::size_t(count) * ((bits + 7) / 8);
             Need(size, "palette");
@@ -164,11 +165,11 @@ std::vector<std::byte> EncodeTga(std::span<const std::uint8_t> texels, int width
                                  TgaRows rows) {
     constexpr std::array<std::size_t, 4> kBgra = {2, 1, 0, 3};
     std::vector<std::byte> file(kTgaHeader + texels.size());
-    file[kTypeAt] = std::byte(channels == 1 ? Kind::Gray : Kind::Color);
-    file[kWidthAt] = std::byte(width & 255), file[kWidthAt + 1] = std::byte(width >> 8);
-    file[kHeightAt] = std::byte(height & 255), file[kHeightAt + 1] = std::byte(height >> 8);
-    file[kDepthAt] = std::byte(8 * channels);
-    file[kDescriptorAt] = std::byte(channels == 4 ? kFullAlpha : 0);
+    file[kTypeOffset] = std::byte(channels == 1 ? Kind::Gray : Kind::Color);
+    file[kWidthOffset] = std::byte(width & 255), file[kWidthOffset + 1] = std::byte(width >> 8);
+    file[kHeightOffset] = std::byte(height & 255), file[kHeightOffset + 1] = std::byte(height >> 8);
+    file[kDepthOffset] = std::byte(8 * channels);
+    file[kDescriptorOffset] = std::byte(channels == 4 ? kFullAlpha : 0);
     const auto count = std::size_t(channels), rowBytes = count * std::size_t(width);
     for (std::size_t y = 0; y < std::size_t(height); ++y) {
         const std::size_t from = (rows == TgaRows::TopFirst ? std::size_t(height) - 1 - y : y) * rowBytes;

@@ -46,8 +46,6 @@ struct bspShader_t {
 };
 /// Greatest length of a shader name, without the NUL.
 inline constexpr std::size_t kMaxShaderName = sizeof(bspShader_t::shader) - 1;
-/// lightmapNum of surfaces that are lit at their vertices.
-inline constexpr std::int32_t kLightmapByVertex = -3;
 
 /// A point p is in front when normal . p - dist > 0. Planes 2k and 2k + 1 are each other's opposites.
 struct bspPlane_t {

@@ -90,7 +90,7 @@ std::optional<Vec3f> LitFrom(const GridSHSteps &steps, std::uint32_t index, cons
 GridLayout LayoutOf(const LightSetup &setup) {
     if (const auto &grid = setup.bsp.gridSH)
         return {grid->header.gridMins, grid->header.gridSize, grid->header.gridBounds};
-    Log quiet = Log::Nowhere();
+    Log quiet(Log::Nowhere());
     return SetupGridSH(setup.bsp, setup.layout.size, setup.options, quiet);
 }
 
@@ -98,7 +98,7 @@ GridLayout LayoutOf(const LightSetup &setup) {
 
 GridExplainer::GridExplainer(const LightSetup &setup, const ObstacleFinder &obstacles, const JobPool &jobs)
     : setup_(setup), obstacles_(obstacles), jobs_(jobs), layout_(LayoutOf(setup)) {
-    Log quiet = Log::Nowhere();
+    Log quiet(Log::Nowhere());
     lights_ = LightsForSH(setup, quiet);
     int culled = 0;
     legacyLights_ =
@@ -106,7 +106,7 @@ GridExplainer::GridExplainer(const LightSetup &setup, const ObstacleFinder &obst
 }
 
 std::vector<GridPointAccount> GridExplainer::CellAt(const Vec3f &p) const {
-    Log quiet = Log::Nowhere();
+    Log quiet(Log::Nowhere());
     const GridWindow window = WindowAround(layout_, p, kCellsAround);
     const GridInputs in{setup_.space, setup_.scene, setup_.options, setup_.world, jobs_, quiet};
     GridSHTracer tracer(in, window.layout, lights_);
@@ -138,7 +138,7 @@ std::vector<GridPointAccount> GridExplainer::CellAt(const Vec3f &p) const {
 }
 
 std::vector<LegacyPointAccount> GridExplainer::LegacyCellAt(const Vec3f &p) const {
-    Log quiet = Log::Nowhere();
+    Log quiet(Log::Nowhere());
     const GridWindow window = WindowAround(setup_.layout, p, 0);
     const GridInputs in{setup_.space, setup_.scene, setup_.options, setup_.world, jobs_, quiet};
     GridStats stats;

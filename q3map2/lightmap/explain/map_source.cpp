@@ -42,7 +42,7 @@ bool Holds(const Patch &patch, const Vec3f &p) {
 MapSource::~MapSource() = default;
 
 void MapSource::Read(std::string_view text, std::string_view name, const Game &game, ShaderLibrary &shaders, Log &log) {
-    Log quiet = Log::Nowhere();
+    Log quiet(Log::Nowhere());
     const BspOptions options;
     const BspContext context{options, game, shaders, quiet};
     try {
