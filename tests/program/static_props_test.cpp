@@ -268,6 +268,20 @@ TEST_F(StaticPropTest, TrianglesShadowTheFloorUnderThemAndBoxesAllOfTheirExtent)
     EXPECT_EQ(FloorLight("-staticproplighting -staticproppolys", points), none);
 }
 
+/// A box has no shader: rays of dirt that hit it must not ask for one.
+TEST_F(StaticPropTest, BoxesMakeDirtBesideThem) {
+    TestMesh walls;
+    walls.AddWalls(20, {0, 64});
+    AddModel("post", {walls});
+    Compile(Prop("post") + Lamp({120, 0, 200}, 200));
+    const std::vector<Vec3f> points{{30, 0, 0}, {210, 0, 0}};
+    const auto clean = FloorLight("-staticproplighting", points);
+    const auto dirty = FloorLight("-staticproplighting -dirty", points);
+    EXPECT_LT(dirty[0], 0.8 * clean[0]);
+    EXPECT_GT(dirty[1], 0.95 * clean[1]);
+    EXPECT_EQ(Colors().size(), 16u);
+}
+
 TEST_F(StaticPropTest, MaskedTexturesLetLightThroughWithTextureShadows) {
     AddLeaf("leaf");
     Compile(Prop("leaf") + Lamp({0, 0, 200}, 200));

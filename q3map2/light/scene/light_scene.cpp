@@ -200,6 +200,11 @@ struct LightScene::State {
         });
     }
 
+    /// Boxes that stand for props have no shader; they are closed, so they count as one-sided.
+    bool IsOneSided(int surface) const {
+        const ShaderInfo *shader = table[std::size_t(surface)].shader;
+        return !shader || !shader->twoSided;
+    }
     void MakeGeometries(Casters &casters) const;
     /// Copies the triangles of a kind, if any, to Embree and frees their corners, except those of filters.
     void MakeGeometry(GeometryId id, Casters &casters) const;
@@ -555,8 +560,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
         const int surface = hit && hitsSurfaces ? casters.triangles[id].surface[hits.hit.primID[i]] : -1;
         blockers.surface[i] = surface;
         const Vec3f back{hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]};
-        blockers.behind.Set(i, surface >= 0 && Dot(packet.direction[i], back) < 0 &&
-                                   !state.table[std::size_t(surface)].shader->twoSided);
+        blockers.behind.Set(i, surface >= 0 && Dot(packet.direction[i], back) < 0 && state.IsOneSided(surface));
     }
 }
 

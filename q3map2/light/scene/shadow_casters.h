@@ -42,10 +42,10 @@ bool SolidBehind(TreeWalk<double> &tree, const TriangleCorners &triangle, const 
 /// Triangles of a static prop with one shader, in the world. Its surface number among shadow casters is the number of
 /// draw surfaces plus its index in PropShadows::casters.
 struct PropCaster {
-    int prop = 0; ///< number of the prop, for RayPacket::ignoredProp
-    const ShaderInfo *shader = nullptr;
-    bool seeThrough = false; ///< by the texels of the shader's image
-    int castShadows = 1;     ///< shadow group
+    int prop = 0;                       ///< number of the prop, for RayPacket::ignoredProp
+    const ShaderInfo *shader = nullptr; ///< null: the box of a prop
+    bool seeThrough = false;            ///< by the texels of the shader's image
+    int castShadows = 1;                ///< shadow group
     std::vector<std::array<Vec3f, 3>> corners;
     std::vector<std::array<float, 6>> st; ///< of corners
 };
