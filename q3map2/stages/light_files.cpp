@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Files beside a map that the light stage reads and writes, light that relighting loses, and the size
-// of SH grids.
+// GPL-2.0-or-later. What the stages share that light a map or explain its light: the files beside it, the options of a
+// light run, light that relighting loses, and the size of SH grids.
 #include "q3map2/stages/light_files.h"
 
 #include "common/error.h"
@@ -7,6 +7,7 @@
 #include "common/text/text.h"
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/prop_light.h"
+#include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/light/options/light_options.h"
 
@@ -235,7 +236,7 @@ void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const Light
     }
 }
 
-// ---- Reports how many bytes the SH grid takes in a .bsp, plain and zipped ----
+// ---- Size of the SH grids in a .bsp, plain and zipped ----
 
 namespace {
 
@@ -303,6 +304,44 @@ void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
                  100 * double(bytes) / double(fileBytes),
                  relativeSize < 0.01 ? std::string("less than 1 %")
                                      : fmt::format("about {:.0f} %", 100 * relativeSize));
+}
+
+// ---- A light run ----
+
+LightRun TakeLightRun(Arguments &arguments, const Game &game, Log &log) {
+    LightRun run;
+    run.options = ParseLightOptions(arguments, game, log);
+    run.gridFormats = TakeGridFormats(run.options);
+    run.lightmap = ParseLightmapOptions(arguments, run.options, game, log);
+    return run;
+}
+
+void DeclareInputs(const std::filesystem::path &bspPath, const LightOptions &options, FileGuard &guard) {
+    guard.Needs(bspPath);
+    for (const std::string_view extension : {".map", ".srf", ".rad"})
+        guard.Reads(Beside(bspPath, extension));
+    for (const std::string &file : options.texLightFiles)
+        guard.Reads(file);
+}
+
+ShaderLibrary ShadersOfMap(const Bsp &bsp, const LightOptions &options, const VirtualFileSystem &vfs, const Game &game,
+                           Log &log) {
+    ShaderLibrary library(vfs, game, options.shader, log);
+    log.Count(library.DefinedCount(), "shaders defined");
+    for (const bspShader_t &shader : bsp.shaders)
+        library.SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
+    return library;
+}
+
+void WithExplainer(const Bsp &bsp, const std::filesystem::path &bspPath, const LightInputs &inputs, const LightRun &run,
+                   ShaderLibrary &library, const StageContext &context,
+                   const std::function<void(const Explainer &, const JobPool &)> &use) {
+    const auto mapPath = Beside(bspPath, ".map");
+    const std::string mapText = inputs.mapEntities ? ReadTextFile(mapPath) : std::string();
+    const JobPool jobs(context.options.threads);
+    use(Explainer(bsp, inputs, mapText, mapPath.filename().string(), run.options, run.lightmap, library,
+                  *context.options.game, jobs, context.log),
+        jobs);
 }
 
 } // namespace q3

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Files beside a map that the light stage reads and writes, light that relighting loses, and the size
-// of SH grids.
+// GPL-2.0-or-later. What the stages share that light a map or explain its light: the files beside it, the options of a
+// light run, light that relighting loses, and the size of SH grids.
 #pragma once
 
 #include "common/arguments.h"
@@ -7,14 +7,18 @@
 #include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/cli/program.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/gridformats/grid_formats.h"
 #include "q3map2/light/light_setup.h"
 #include "q3map2/light/options/light_options.h"
+#include "q3map2/lightmap/explain/explain.h"
 #include "q3map2/lightmap/options/lightmap_options.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 
 namespace q3 {
@@ -72,5 +76,29 @@ std::uint64_t EstimateDeflated(std::span<const std::byte> data);
 /// those of the uniform one. Warns when the grid is more than half of the file and over 1 MB, and its cells are smaller
 /// than those of -shsmall, so that this option helps. `fileBytes`: of the .bsp.
 void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log);
+
+// ---- A light run ----
+
+/// The options of a light run.
+struct LightRun {
+    LightOptions options;
+    GridFormats gridFormats;
+    LightmapOptions lightmap;
+};
+
+/// Takes the options off `arguments`. Errors: those of their parsers.
+LightRun TakeLightRun(Arguments &arguments, const Game &game, Log &log);
+
+/// Declares the files that a light run reads.
+void DeclareInputs(const std::filesystem::path &bspPath, const LightOptions &options, FileGuard &guard);
+
+/// Scripts and images of the game, for the surfaces of the map. Keeps a reference to `vfs`.
+ShaderLibrary ShadersOfMap(const Bsp &bsp, const LightOptions &options, const VirtualFileSystem &vfs, const Game &game,
+                           Log &log);
+
+/// Sets the light of a map up as its light run does, and hands it to `use`. Errors: those of Explainer.
+void WithExplainer(const Bsp &bsp, const std::filesystem::path &bspPath, const LightInputs &inputs, const LightRun &run,
+                   ShaderLibrary &library, const StageContext &context,
+                   const std::function<void(const Explainer &, const JobPool &)> &use);
 
 } // namespace q3

@@ -14,7 +14,6 @@
 #include "q3map2/lightmap/vertex/prop_lighting.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/stages/light_files.h"
-#include "q3map2/stages/light_run.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 

@@ -4,12 +4,11 @@
 #include "common/text/text.h"
 #include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
-#include "q3map2/lightmap/explain/explained_places.h"
+#include "q3map2/lightmap/explain/explain.h"
 #include "q3map2/pk3/package_plan.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/shreport/report_page.h"
 #include "q3map2/stages/light_files.h"
-#include "q3map2/stages/light_run.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 

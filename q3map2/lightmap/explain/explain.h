@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Explains why points of a map are lit as they are: -explain.
+// GPL-2.0-or-later. Explains why points of a map are lit as they are: those of -explain, and places all over a map for
+// pages that show them.
 #pragma once
 
 #include "q3map2/lightmap/explain/explain_grid.h"
@@ -6,7 +7,9 @@
 #include "q3map2/lightmap/light_stage.h"
 
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace q3 {
@@ -49,5 +52,16 @@ class Explainer {
     const SurfaceInputs in_;
     const LuxelExplainer luxels_;
 };
+
+// ---- Places all over a map ----
+
+/// Places before the lightmapped surfaces of the map, spread evenly over their area: at most `count` of them, at least
+/// one if a surface has one. They depend on nothing else.
+std::vector<SurfacePlace> PlacesBeforeSurfaces(const Explainer &explainer, std::size_t count);
+
+/// The explanations of all `places` as JSON, for the viewer (docs/viewer.md): the reports, and the ways of the
+/// strongest lights. map: path of the .bsp in the package; options: of the light run, to be shown.
+std::string ExplanationsJson(const Explainer &explainer, std::span<const SurfacePlace> places, std::string_view map,
+                             std::string_view options, const JobPool &jobs);
 
 } // namespace q3

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Explanations of light: three faults of maps, each with its smallest map.
 #include "q3map2/lightmap/explain/explain.h"
 #include "q3map2/lightmap/explain/explain_report.h"
-#include "q3map2/lightmap/explain/explained_places.h"
 #include "tests/support/compiled_map.h"
 #include "tests/support/light_fixture.h"
 
