@@ -144,42 +144,6 @@ bool RenameOver(const fs::path &from, const fs::path &to) {
     }
 }
 
-} // namespace q3
-
-/// In place of mbrtowc of the C library, which knows no UTF-8 (the linker's --wrap, see common/CMakeLists.txt):
-/// std::filesystem::path reads std::string by it. A code point beyond 16 bits becomes two surrogates, in two calls; the
-/// second one waits in `state`.
-extern "C" std::size_t __wrap_mbrtowc(wchar_t *to, const char *from, std::size_t size, std::mbstate_t *state) {
-    constexpr auto kBad = std::size_t(-1), kShort = std::size_t(-2);
-    if (from == nullptr || size == 0)
-        return from == nullptr ? 0 : kShort;
-    wchar_t unused;
-    wchar_t &unit = to != nullptr ? *to : unused;
-    if (state != nullptr && *state != 0) { // the last of four bytes
-        unit = wchar_t(std::exchange(*state, 0));
-        return 1;
-    }
-    if (*from == 0) {
-        unit = 0;
-        return 0;
-    }
-    const gunichar c = g_utf8_get_char_validated(from, gssize(size));
-    if (c == gunichar(-2))
-        return kShort;
-    if (c == gunichar(-1) || (c > 0xffff && state == nullptr)) {
-        errno = EILSEQ;
-        return kBad;
-    }
-    if (c <= 0xffff) {
-        unit = wchar_t(c);
-        return std::size_t(g_unichar_to_utf8(c, nullptr));
-    }
-    // UTF-16: the upper and the lower 10 bits of c - 10000h.
-    unit = wchar_t(0xd800 + ((c - 0x10000) >> 10));
-    *state = 0xdc00 + int((c - 0x10000) & 0x3ff);
-    return 3;
-}
-
 // ---- TCP connections ----
 
 std::unique_ptr<Socket> Socket::Connect(const std::string &address, std::uint16_t port) {
@@ -227,3 +191,37 @@ std::optional<std::size_t> Socket::Send(std::string_view bytes) {
 }
 
 } // namespace q3
+
+/// In place of mbrtowc of the C library, which knows no UTF-8 (the linker's --wrap, see common/CMakeLists.txt):
+/// std::filesystem::path reads std::string by it. A code point beyond 16 bits becomes two surrogates, in two calls; the
+/// second one waits in `state`.
+extern "C" std::size_t __wrap_mbrtowc(wchar_t *to, const char *from, std::size_t size, std::mbstate_t *state) {
+    constexpr auto kBad = std::size_t(-1), kShort = std::size_t(-2);
+    if (from == nullptr || size == 0)
+        return from == nullptr ? 0 : kShort;
+    wchar_t unused;
+    wchar_t &unit = to != nullptr ? *to : unused;
+    if (state != nullptr && *state != 0) { // the last of four bytes
+        unit = wchar_t(std::exchange(*state, 0));
+        return 1;
+    }
+    if (*from == 0) {
+        unit = 0;
+        return 0;
+    }
+    const gunichar c = g_utf8_get_char_validated(from, gssize(size));
+    if (c == gunichar(-2))
+        return kShort;
+    if (c == gunichar(-1) || (c > 0xffff && state == nullptr)) {
+        errno = EILSEQ;
+        return kBad;
+    }
+    if (c <= 0xffff) {
+        unit = wchar_t(c);
+        return std::size_t(g_unichar_to_utf8(c, nullptr));
+    }
+    // UTF-16: the upper and the lower 10 bits of c - 10000h.
+    unit = wchar_t(0xd800 + ((c - 0x10000) >> 10));
+    *state = 0xdc00 + int((c - 0x10000) & 0x3ff);
+    return 3;
+}
