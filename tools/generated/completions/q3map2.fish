@@ -347,6 +347,8 @@ complete -c q3map2 -n 'string match -q -- "* -minimap *" (commandline)" "' -o sh
 complete -c q3map2 -n 'string match -q -- "* -analyze *" (commandline)" "' -o lumpswap -d 'The directory holds the length of each lump before its offset'
 complete -c q3map2 -n 'string match -q -- "* -shreport *" (commandline)" "' -o texturesize -x -d 'Longer side of a texture at most; 0: no textures'
 complete -c q3map2 -n 'string match -q -- "* -shreport *" (commandline)" "' -o o -r -F -d 'The page'
+complete -c q3map2 -n 'string match -q -- "* -shreport *" (commandline)" "' -o explain -d 'Explain places all over the map, for clicks on their surfaces'
+complete -c q3map2 -n 'string match -q -- "* -shreport *" (commandline)" "' -o places -x -d 'Places that -explain explains, at most. They are spread evenly over the surfaces'
 complete -c q3map2 -n 'string match -q -- "* -ssbump *" (commandline)" "' -o bumpscale -x -d 'Height of white over black; below 0: white is deep'
 complete -c q3map2 -n 'string match -q -- "* -ssbump *" (commandline)" "' -o notile -d 'The image does not repeat: nothing beyond its edges casts a shadow'
 complete -c q3map2 -n 'string match -q -- "* -ssbump *" (commandline)" "' -o rays -x -d 'Directions all around along which a texel looks for its horizon'
