@@ -9,8 +9,8 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kTexelBytes = 3;       ///< of lightmaps in lump 14: RGB
-constexpr std::size_t kCodeBytes = 4;        ///< of an E5BGR9 code
+constexpr std::size_t kTexelBytes = 3; ///< of lightmaps in lump 14: RGB
+constexpr std::size_t kCodeBytes = 4;  ///< of an E5BGR9 code
 /// Texels of the smallest pages; larger ones have a multiple of them.
 constexpr std::size_t kLeastPageTexels = kLightmapPageBytes / kTexelBytes;
 

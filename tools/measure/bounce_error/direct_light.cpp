@@ -50,7 +50,8 @@ UnshadowedLight AreaAt(const Light &light, const SurfacePoint &at) {
         return Colored(light, at, float(factor) * light.radiosity, light.origin);
     if (!at.twoSided && !light.twoSided)
         return {};
-    UnshadowedLight back = Colored(light, at, float(-factor) * light.radiosity, light.origin - light.normal * kOriginToBack);
+    UnshadowedLight back =
+        Colored(light, at, float(-factor) * light.radiosity, light.origin - light.normal * kOriginToBack);
     return back.distance < light.envelope ? back : UnshadowedLight{};
 }
 

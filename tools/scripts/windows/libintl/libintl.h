@@ -1,5 +1,5 @@
-/* GPL-2.0-or-later. The functions of GNU libintl that GLib calls: its build asks for them even with -Dnls=disabled. They
-   return the text that they are given, so every text stays English. */
+/* GPL-2.0-or-later. The functions of GNU libintl that GLib calls: its build asks for them even with -Dnls=disabled.
+   They return the text that they are given, so every text stays English. */
 #ifndef LIBINTL_H
 #define LIBINTL_H
 
