@@ -17,6 +17,7 @@
 
 namespace q3 {
 
+/// The numbers are those of the protocol of -connect.
 enum class LogLevel { Normal = 1, Warning = 2, Error = 3 };
 
 /// A position in the map source that an editor marks along with a message.
@@ -37,7 +38,8 @@ class LogObserver {
     virtual void OnWarning(std::string_view kind, std::string_view text, const LogMark *mark) = 0;
 };
 
-/// Prints to standard output and, when set, to a second sink (the editor). Safe to call from worker threads.
+/// Hands text to its sinks: standard output or another one, and those that are added, such as an editor. Safe to call
+/// from worker threads.
 class Log {
   public:
     using Sink = std::function<void(LogLevel, std::string_view)>;

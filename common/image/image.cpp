@@ -183,7 +183,7 @@ class DdsDecoder {
         image_.width = int(Word(kWidthAt));
         at_ = kDdsHeader;
         if ((Word(kFlagsAt) & kHasFourCc) != 0)
-            ReadCompressed(Word(kFourCcAt));
+            ReadByFormatCode(Word(kFourCcAt));
         else
             ReadMasked(MasksOfHeader());
         return std::move(image_);
@@ -205,7 +205,7 @@ class DdsDecoder {
             throw Error("{}: DDS with a {} of {}, expected {}", name_, what, found, expected);
     }
 
-    void ReadCompressed(unsigned fourCc) {
+    void ReadByFormatCode(unsigned fourCc) {
         if (fourCc == FourCc("DX10")) {
             Need(kDx10Header, "extended header");
             const unsigned format = Word(at_);

@@ -62,7 +62,8 @@ static inline bspx_result bspx_slot(const bspx_file *bsp, unsigned slot, bspx_lu
         return BSPX_ABSENT;
     /* Numbers above 2^31 - 1 are negative in the format. */
     if (offset > INT32_MAX || length > INT32_MAX || offset + length > bsp->size || (length > 0 && offset < header))
-        /* Other compilers have text where slots 17 and 18 would be. */
+        /* Other compilers have text where slots 17 and 18 would be. There is no room for it if the first lump begins
+           right behind the slot: then this is a slot, and it is damaged. */
         return slot >= 17 && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
     lump->data = bsp->data + offset;
     lump->size = (size_t)length;
@@ -163,7 +164,9 @@ typedef enum {
 /* Points into the caller's memory: keep the file or the lumps as long as this. */
 typedef struct {
     uint32_t leafCount, sampleCount;
-    const unsigned char *index;   /* AMBIENT_CUBES_LEAF_BYTES for each leaf */
+    /* AMBIENT_CUBES_LEAF_BYTES for each leaf: number of its samples and number of the first one, 16 bits each. A leaf
+       with 0 samples has the number of the leaf whose samples it uses in place of the second. */
+    const unsigned char *index;
     const unsigned char *samples; /* AMBIENT_CUBES_SAMPLE_BYTES each */
     const unsigned char *leafs;   /* the lump of leafs, AMBIENT_CUBES_BSP_LEAF_BYTES each */
 } ambient_cubes;
@@ -203,7 +206,8 @@ static inline uint32_t ambient_cubes_u16_(const unsigned char *p) {
     return (uint32_t)p[0] | (uint32_t)p[1] << 8;
 }
 
-static inline float ambient_cubes_i32_(const unsigned char *p) {
+/* A signed number of 32 bits; negative ones without signed overflow. */
+static inline float ambient_cubes_float_of_i32_(const unsigned char *p) {
     const uint32_t bits = bspx_u32(p);
     return bits < 0x80000000u ? (float)bits : -(float)(0xffffffffu - bits) - 1;
 }
@@ -306,7 +310,8 @@ static inline void ambient_cubes_sample(const ambient_cubes *cubes, uint32_t sam
     for (i = 0; i < 6; i++)
         ambient_cubes_color_(p + 4 * i, cube->side[i]);
     for (i = 0; i < 3; i++) {
-        const float mins = ambient_cubes_i32_(leaf + 8 + 4 * i), maxs = ambient_cubes_i32_(leaf + 20 + 4 * i);
+        const float mins = ambient_cubes_float_of_i32_(leaf + 8 + 4 * i),
+                    maxs = ambient_cubes_float_of_i32_(leaf + 20 + 4 * i);
         position[i] = mins + (maxs > mins ? maxs - mins : 0) * ((float)p[24 + i] / 255);
     }
 }

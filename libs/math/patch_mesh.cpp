@@ -23,7 +23,7 @@ float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
     const Vec3f nab = (b - a) / ab;
     if (Dot(nab, (c - b) / bc) > kStraightCosine && Dot(nab, (c - a) / ac) > kStraightCosine)
         return 0;
-    constexpr float kTime = 0.875f;
+    constexpr float kTime = 0.875f; // see the declaration
     return ab + kTime * Length((c - b) - (b - a));
 }
 

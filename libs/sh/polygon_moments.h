@@ -30,7 +30,7 @@ struct PolygonMoments {
     SHVector Projection() const { return SHFromMoments<double>(solidAngle, first, xy, yz, zz, xz, xx - yy); }
 };
 
-/// atan2(y, x) for y >= 0 or x > 0; for small angles by its series, exact to 1e-13 and many times faster.
+/// atan2(y, x); for small angles by its series, exact to 1e-13 and many times faster.
 inline double FastAtan2(double y, double x) {
     if (!(x > 0 && std::abs(y) < 0.125 * x))
         return std::atan2(y, x);
@@ -82,11 +82,11 @@ inline void AddFarTriangle(PolygonMoments &m, const Vec3d &a, const Vec3d &ab, c
     constexpr double kRoot15 = 3.872983346207417;
     constexpr double kInner = (6 - kRoot15) / 21, kOuter = (6 + kRoot15) / 21;
     constexpr double kInnerWeight = (155 - kRoot15) / 1200, kOuterWeight = (155 + kRoot15) / 1200;
-    const double volume = Dot(a, Cross(ab, ac)) * 0.5;
-    const auto add = [&](double b, double c, double weight) { // barycentric coordinates
+    const double areaTimesHeight = Dot(a, Cross(ab, ac)) * 0.5; // d omega = height dA / |x|^3
+    const auto add = [&](double b, double c, double weight) {   // barycentric coordinates
         const Vec3d at = a + ab * b + ac * c;
         const double inverse = 1 / Length(at);
-        m.Add(at * inverse, volume * weight * inverse * inverse * inverse);
+        m.Add(at * inverse, areaTimesHeight * weight * inverse * inverse * inverse);
     };
     add(1.0 / 3, 1.0 / 3, 9.0 / 40);
     for (const auto &[b, weight] : {std::pair(kInner, kInnerWeight), std::pair(kOuter, kOuterWeight)}) {

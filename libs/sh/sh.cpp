@@ -8,8 +8,8 @@ namespace q3 {
 
 namespace {
 
-/// Minimum left above zero, divided by the mean: rounding nine coefficients to float changes their sum by less than
-/// 5e-7 of the mean.
+/// Minimum left above zero after rounding to float, divided by the mean; twice as much is left before. Rounding nine
+/// coefficients changes their sum by less than 5e-7 of the mean.
 constexpr double kMargin = 1e-6;
 /// Below this mean, floats may have too few digits to stay above zero.
 constexpr double kLeastMean = 1e-30;

@@ -64,7 +64,7 @@ void GridStats::Print(Log &log) const {
     count(skippedSmooth, "points and samples with weak light interpolated (-noskipsmooth)");
     count(counts.pairs, "pairs of point and light");
     count(counts.skippedPvs, "hidden by visibility data, skipped (-noskippvs)");
-    count(counts.skippedFacing, "out of reach, cone or side");
+    count(counts.skippedReach, "out of reach, cone or side");
     count(counts.skippedFaint, "too faint, represented by others (-noskipfaint)");
     count(counts.skippedProbes, "with a faint area light, judged by one ray (-noskipprobes)");
     count(counts.skippedMoments, "with a far area light, approximated by points (-noskipmoments)");

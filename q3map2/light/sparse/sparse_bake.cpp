@@ -188,7 +188,7 @@ RefinementStop SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats 
         const PrunedTree pruned = Pruned(minPrice_);
         const PruningStats &stats = pruned.stats;
         if (MeetsGoal(pruned))
-            return RefinementStop::GoalMet;
+            return RefinementStop::ExpectedToMeetGoal;
         if (EstimatedBytes(pruned) >= maxBytes_) {
             if (!NearLightsTakeTooMuch(pruned))
                 return RefinementStop::ByteLimit;
@@ -295,7 +295,7 @@ SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTrace
         nearLightSlack_ = 1;
         result.stop = Refine(tracer, work);
         float price = minPrice_;
-        if (result.stop == RefinementStop::GoalMet)
+        if (result.stop == RefinementStop::ExpectedToMeetGoal)
             price = FindPrice();
         else if (result.stop == RefinementStop::NoMeasuredGain)
             price = leastErrorPrice_;
@@ -306,7 +306,7 @@ SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTrace
             if (interpolationError > 0)
                 errorRatio_ = result.measured->rms / interpolationError;
         }
-        if (result.stop != RefinementStop::GoalMet || goal_.budget || !exact_ || round == kMaxRounds ||
+        if (result.stop != RefinementStop::ExpectedToMeetGoal || goal_.budget || !exact_ || round == kMaxRounds ||
             result.measured->rms <= kTargetSlack * double(goal_.error)) {
             MeasureNearLights(grid, result);
             return grid;
@@ -344,7 +344,7 @@ std::string_view WhyNotFiner(RefinementStop stop) {
     switch (stop) {
     case RefinementStop::ByteLimit:
         return "smaller cells would take more than half of the bytes of the uniform grid, or 0.08 MB if that is more";
-    case RefinementStop::GoalMet:
+    case RefinementStop::ExpectedToMeetGoal:
         static_assert(kMaxRounds == 3);
         return "three attempts came no nearer";
     case RefinementStop::NotRefined:

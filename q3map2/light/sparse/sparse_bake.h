@@ -14,11 +14,11 @@ namespace q3 {
 
 /// Why a sparse grid is not finer than it is.
 enum class RefinementStop {
-    GoalMet,            ///< it meets the goal, or is the last attempt to meet it as measured
-    ByteLimit,          ///< without a budget: it would take too many bytes
+    ExpectedToMeetGoal, ///< its expected error meets the goal; the measured one may not, after all attempts
+    ByteLimit,          ///< without a budget: it would take more than half of the bytes of the uniform grid
     LittleExpectedGain, ///< smaller cells would hardly reduce its expected error
     NoMeasuredGain,     ///< more cells did not reduce its measured error
-    LastThreshold,      ///< cells are split down to the last threshold
+    LastThreshold,      ///< all cells are split whose expected squared error times volume is above the last threshold
     NotRefined          ///< it is made from a uniform grid, whose cells are not split
 };
 
@@ -31,7 +31,7 @@ struct SparseStats {
     std::optional<GridSHError> measured; ///< of the finished grid, where players can be; none: nothing was traced
     std::size_t nearLightSamples = 0;    ///< positions near lights
     double nearLightError = 0;           ///< displayed error there: RMS, bytes
-    RefinementStop stop = RefinementStop::GoalMet;
+    RefinementStop stop = RefinementStop::ExpectedToMeetGoal;
     DeringStats dering; ///< with -shdering
 };
 

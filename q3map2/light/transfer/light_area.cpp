@@ -433,7 +433,7 @@ void AreaContribution::Evaluate(ReceiverBatch &receivers, ProbeIncidentLight &in
     incident_->live = {};
     const int inSight = live_.Count();
     const bool any = light_.polygon.size() >= 3 && EstimateUnoccluded();
-    counts_.skippedFacing += std::uint64_t(any ? inSight - live_.Count() : inSight);
+    counts_.skippedReach += std::uint64_t(any ? inSight - live_.Count() : inSight);
     if (!any)
         return;
     if (!SelectFaintLight(settings_.faint, brightest_, receivers_->faintResidual, weight_)) {

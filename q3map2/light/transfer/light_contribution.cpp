@@ -140,7 +140,7 @@ class SingleRayLight {
     SingleRayLight(const Light &light, float weight, const LightSettings &settings, const LightScene &scene,
                    std::span<ReceiverBatch> batches, std::span<ProbeIncidentLight> incident, ContributionCounts &counts)
         : light_(light), weight_(weight), settings_(settings), scene_(scene), batches_(batches), incident_(incident),
-          counts_(counts), exact_(settings.pass == LightPass::GridSH), rays_(Trace{*this}) {}
+          counts_(counts), isGridSH_(settings.pass == LightPass::GridSH), rays_(Trace{*this}) {}
 
     /// Sets `incident` of the live receivers; those that get nothing are live no longer.
     void Evaluate() {
@@ -155,7 +155,7 @@ class SingleRayLight {
                 Queue(batch, incident_[batch].live.Bits());
         rays_.Flush();
         for (ProbeIncidentLight &one : incident_)
-            if (exact_ && one.live.Any())
+            if (isGridSH_ && one.live.Any())
                 ProjectDirections(one, settings_.radiance);
     }
 
@@ -180,12 +180,13 @@ class SingleRayLight {
     float Prepare(std::size_t batch);
     /// Whether coarse visibility is good enough for a light that gives at most `strongest`.
     bool IsDim(float strongest) const {
-        return exact_ && settings_.skip.coarse && strongest * MaxAbsComponent(light_.color) * settings_.samples < kDim;
+        return isGridSH_ && settings_.skip.coarse &&
+               strongest * MaxAbsComponent(light_.color) * settings_.samples < kDim;
     }
     void Cast(RayPacket &rays) const {
         if (!settings_.shadows)
             return;
-        const ShadowRules rules = exact_ ? ShadowRules::Exact : ShadowRules::LegacyGrid;
+        const ShadowRules rules = isGridSH_ ? ShadowRules::Exact : ShadowRules::LegacyGrid;
         if (light_.type == LightType::Sun)
             scene_.TraceToSky(rays, light_.skyIndex, rules, counts_);
         else
@@ -202,7 +203,7 @@ class SingleRayLight {
     std::span<ReceiverBatch> batches_;
     std::span<ProbeIncidentLight> incident_;
     ContributionCounts &counts_;
-    bool exact_;
+    bool isGridSH_;
     RayBatcher<Receiver, Trace> rays_;
 };
 
@@ -222,7 +223,7 @@ float SingleRayLight::Prepare(std::size_t batch) {
     SetUnshadowedLight(light_, settings_, receivers, incident);
     CullBelowTolerance(light_, incident);
     const int inReach = incident.live.Count();
-    counts_.skippedFacing += std::uint64_t(inSight - inReach);
+    counts_.skippedReach += std::uint64_t(inSight - inReach);
     if (inReach == 0 || !ApplyFaintSelection(light_, settings_.faint, weight_, receivers, incident, counts_))
         return 0;
     ReduceToPart(light_, settings_, incident);

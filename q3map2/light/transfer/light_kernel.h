@@ -11,7 +11,7 @@ namespace q3 {
 /// Pairs of a light and a receiver by outcome. Each worker has its own; they are summed for the log.
 struct ContributionCounts : RayCounts {
     std::uint64_t pairs = 0;          ///< pairs considered
-    std::uint64_t skippedFacing = 0;  ///< behind an emitter, outside a cone or beyond the reach
+    std::uint64_t skippedReach = 0;   ///< behind an emitter, outside a cone or beyond the reach
     std::uint64_t skippedPvs = 0;     ///< hidden from each other by the visibility lump
     std::uint64_t skippedFaint = 0;   ///< with a light so faint that others represent it
     std::uint64_t skippedMoments = 0; ///< with an emitter approximated by a point or a few samples
@@ -20,7 +20,7 @@ struct ContributionCounts : RayCounts {
     std::uint64_t refined = 0;        ///< with an area light partly hidden, its visibility from many rays
 
     ContributionCounts &operator+=(const ContributionCounts &o) {
-        rays += o.rays, pairs += o.pairs, skippedFacing += o.skippedFacing, skippedPvs += o.skippedPvs;
+        rays += o.rays, pairs += o.pairs, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
         skippedFaint += o.skippedFaint, skippedMoments += o.skippedMoments, skippedProbes += o.skippedProbes;
         skippedCoarse += o.skippedCoarse, refined += o.refined;
         return *this;

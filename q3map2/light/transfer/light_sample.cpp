@@ -209,7 +209,7 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
     SetUnshadowedLight(transfer);
     CullBelowTolerance(light, incident);
     const int inReach = incident.live.Count();
-    counts.skippedFacing += std::uint64_t(inSight - inReach);
+    counts.skippedReach += std::uint64_t(inSight - inReach);
     if (inReach > 0 && ApplyFaintSelection(light, settings.faint, 1, receivers, incident, counts) && traced)
         TraceShadows(light, settings, scene, receivers, incident, counts);
     if (settings.directional && incident.live.Any())

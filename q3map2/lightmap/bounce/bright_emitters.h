@@ -65,7 +65,8 @@ class BrightTree {
     std::vector<BrightPatch> patches_; // sorted so that the patches of a node are consecutive
     std::vector<double> powerBefore_;  // prefix sums of luminance * area over patches_
     std::vector<Node> nodes_;
-    std::vector<std::uint32_t> roots_; // one for each FacingOf patches, so that normals within a node are similar
+    std::vector<std::uint32_t>
+        roots_; // one for each main direction that patches face, so that normals within a node are similar
 };
 
 /// Patches for the emitters with a nonzero radiosity `excess` (by emitter, byte scale): texels of raw lightmaps cut

@@ -86,7 +86,7 @@ struct LuxelIncidentLight {
     Lanes3 color{};
     Lanes3 direction{}; ///< unit vector to the source times the luminance of its light here; 0 unless deluxe
     LaneMask lit{};
-    LaneMask filtered{}; ///< gets light above 1 before color, by a shadow ray that met a transparent surface
+    LaneMask filtered{}; ///< lit through a transparent surface, by more than 1 (byte scale, before color)
 };
 
 /// Settings of a pass over one raw lightmap.

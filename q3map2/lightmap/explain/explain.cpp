@@ -44,7 +44,7 @@ PlaceAccount Explainer::PlaceOf(const Vec3f &p) const {
     return place;
 }
 
-std::optional<SurfacePlace> Explainer::PlaceBefore(const SurfaceTriangle &triangle, const Vec3f &p) const {
+std::optional<SurfacePlace> Explainer::PlaceInFrontOf(const SurfaceTriangle &triangle, const Vec3f &p) const {
     constexpr float kPlayerOrigin = 24; // height of a player's origin over the floor. Game units
     constexpr float kStart = 0.5f;      // off the surface, so that rays do not meet it. Game units
     const Vec3f from = p + triangle.normal * kStart;
@@ -139,7 +139,7 @@ std::vector<SurfacePlace> PlacesOfLattice(const Explainer &explainer, const std:
     for (const Candidate &candidate : candidates) {
         if (taken && *taken == candidate.key)
             continue;
-        if (const auto place = explainer.PlaceBefore(*candidate.triangle, candidate.at)) {
+        if (const auto place = explainer.PlaceInFrontOf(*candidate.triangle, candidate.at)) {
             taken = &candidate.key;
             places.push_back(*place);
         }
@@ -172,7 +172,7 @@ Json RaysOf(const std::vector<LightAccount> &lights, std::size_t most) {
 
 } // namespace
 
-std::vector<SurfacePlace> PlacesBeforeSurfaces(const Explainer &explainer, std::size_t count) {
+std::vector<SurfacePlace> PlacesInFrontOfSurfaces(const Explainer &explainer, std::size_t count) {
     const std::vector<SurfaceTriangle> triangles = explainer.LightmappedTriangles();
     float area = 0;
     for (const SurfaceTriangle &triangle : triangles)

@@ -176,12 +176,12 @@ struct SurfaceVertex {
 /// `super` on both axes; arrays of it have superWidth * superHeight elements, row by row.
 struct RawLightmap {
     // Set up once: lightmap_setup.cpp.
-    std::vector<int> surfaces; ///< draw surface numbers, by shader name
-    std::vector<int> clusters; ///< of all leafs that hold the surfaces; empty: visibility is not tested
-    int entity = 0, receiveShadows = 1;
-    float sampleSize = 16;       ///< requested by map or options, game units per luxel
-    float actualSampleSize = 16; ///< after growing to fit
-    Vec3f ambient;               ///< byte scale
+    std::vector<int> surfaces;          ///< draw surface numbers, sorted by shader name
+    std::vector<int> clusters;          ///< of all leafs that hold the surfaces; empty: visibility is not tested
+    int entity = 0, receiveShadows = 1; ///< of the surfaces; shadow group
+    float sampleSize = 16;              ///< requested by map or options, game units per luxel
+    float actualSampleSize = 16;        ///< after growing to fit
+    Vec3f ambient;                      ///< byte scale
     float brightness = 1, filterRadius = 0;
     bool splotchFix = false, noDirt = false, twoSided = false;
     std::array<int, 2> pageSize{128, 128};
@@ -213,8 +213,8 @@ struct RawLightmap {
     // Super grid, once: luxel_occlusion.cpp. Empty when off.
     std::vector<float> dirt;       ///< factor of the light, 0 to 1
     std::vector<Vec3f> floodlight; ///< byte scale
-    ChannelImages floodChannels;
-    float floodDirectionScale = 1;
+    ChannelImages floodChannels;   ///< `channels` of floodlight
+    float floodDirectionScale = 1; ///< factor of the directions of floodlight, as in WorldLight
 
     // Super grid, each pass: luxel_light.cpp. Byte scale; empty for styles that are not used.
     Styles styles = kOnlyStyle0;

@@ -283,7 +283,7 @@ void LuxelMapper::MapLuxel(int x, int y, const SurfaceVertex &v, const LuxelPlan
     const std::size_t luxel = raw_.SuperIndex(x, y);
     const int cluster = raw_.luxelClusters[luxel];
     if (cluster >= 0 ? allOneNormal_ && !normals.Active() : cluster == kOccluded && raw_.planar)
-        return; // nothing would change
+        return; // no normal to add; or a planar lightmap, whose other faces give the same positions to try
     const auto normal = [&] { return normals.Active() ? normals.Perturbed(v) : v.normal; };
     if (cluster >= 0) {
         raw_.normals[luxel] += normal();

@@ -27,18 +27,18 @@ namespace {
 /// Writes the layers of all pages.
 class PageLightWriter {
   public:
-    PageLightWriter(const SurfaceInputs &in, const LightmapLayers &stored, std::vector<LightmapPage> &pages)
-        : in_(in), stored_(stored), pages_(pages), tone_(StoredTone(in)) {}
+    PageLightWriter(const SurfaceInputs &in, const LightmapLayers &layers, std::vector<LightmapPage> &pages)
+        : in_(in), layers_(layers), pages_(pages), tone_(StoredTone(in)) {}
 
     void Run() {
-        for (const LightmapLayer &layer : stored_.layers)
+        for (const LightmapLayer &layer : layers_.layers)
             if (layer.page >= 0 && layer.kinds.basis)
                 for (std::vector<Vec3f> &map : pages_[std::size_t(layer.page)].basis)
                     map.resize(pages_[std::size_t(layer.page)].Texels());
         for (LightmapPage &page : pages_)
             page.light.resize(in_.lightmap.hdr ? page.Texels() : 0);
-        in_.jobs.For(std::int64_t(stored_.layers.size()), [&](std::int64_t i, int) {
-            if (const LightmapLayer &layer = stored_.layers[std::size_t(i)]; layer.twin < 0 && layer.page >= 0)
+        in_.jobs.For(std::int64_t(layers_.layers.size()), [&](std::int64_t i, int) {
+            if (const LightmapLayer &layer = layers_.layers[std::size_t(i)]; layer.twin < 0 && layer.page >= 0)
                 Write(layer);
         });
     }
@@ -79,15 +79,15 @@ class PageLightWriter {
     }
 
     const SurfaceInputs &in_;
-    const LightmapLayers &stored_;
+    const LightmapLayers &layers_;
     std::vector<LightmapPage> &pages_;
     const ToneOptions tone_;
 };
 
 } // namespace
 
-void SetPageLight(const SurfaceInputs &in, const LightmapLayers &stored, std::vector<LightmapPage> &pages) {
-    PageLightWriter(in, stored, pages).Run();
+void SetPageLight(const SurfaceInputs &in, const LightmapLayers &layers, std::vector<LightmapPage> &pages) {
+    PageLightWriter(in, layers, pages).Run();
 }
 
 Vec3f VertexLightOf(const SurfaceInputs &in, const ShaderInfo &shader, const Vec3f &light, const ToneOptions &tone) {

@@ -11,9 +11,9 @@
 
 namespace q3 {
 
-/// Sets `light` and `basis` of the pages on which `stored` was packed, as far as the options ask for them. Unit scale:
+/// Sets `light` and `basis` of the pages on which `layers` were packed, as far as the options ask for them. Unit scale:
 /// light times brightness over -compensate, without the rest of the tone mapping.
-void SetPageLight(const SurfaceInputs &in, const LightmapLayers &stored, std::vector<LightmapPage> &pages);
+void SetPageLight(const SurfaceInputs &in, const LightmapLayers &layers, std::vector<LightmapPage> &pages);
 
 /// Light in full range at the draw vertices of a surface, on the unit scale; see VertexBytes.
 Vec3f VertexLightOf(const SurfaceInputs &in, const ShaderInfo &shader, const Vec3f &light, const ToneOptions &tone);

@@ -192,25 +192,25 @@ bool ShowsNothing(const SurfaceInputs &in, const RawLightmap &lightmap, std::siz
 } // namespace
 
 LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces) {
-    LightmapLayers stored;
-    stored.layerOf.resize(surfaces.lightmaps.size());
+    LightmapLayers layers;
+    layers.layerOf.resize(surfaces.lightmaps.size());
     for (std::size_t i = 0; i < surfaces.lightmaps.size(); ++i)
         for (std::size_t slot = 0; slot < kStyles; ++slot) {
             const RawLightmap &lightmap = surfaces.lightmaps[i];
             const bool used = lightmap.styles[slot] != kNoStyle && !lightmap.result[slot].empty() &&
-                              (slot == 0 || (stored.layerOf[i][0] >= 0 && !ShowsNothing(in, lightmap, slot)));
-            stored.layerOf[i][slot] = used ? int(stored.layers.size()) : -1;
+                              (slot == 0 || (layers.layerOf[i][0] >= 0 && !ShowsNothing(in, lightmap, slot)));
+            layers.layerOf[i][slot] = used ? int(layers.layers.size()) : -1;
             if (!used)
                 continue;
-            LightmapLayer &layer = stored.layers.emplace_back();
+            LightmapLayer &layer = layers.layers.emplace_back();
             layer.lightmap = int(i), layer.slot = slot;
             layer.width = lightmap.width, layer.height = lightmap.height, layer.pageSize = lightmap.pageSize;
             layer.brightness = lightmap.brightness;
             layer.kinds = lightmap.channels;
         }
     const bool collapse = in.lightmap.collapse && !surfaces.styled;
-    in.jobs.For(std::int64_t(stored.layers.size()), [&](std::int64_t i, int) {
-        LightmapLayer &layer = stored.layers[std::size_t(i)];
+    in.jobs.For(std::int64_t(layers.layers.size()), [&](std::int64_t i, int) {
+        LightmapLayer &layer = layers.layers[std::size_t(i)];
         RawLightmap &lightmap = surfaces.lightmaps[std::size_t(layer.lightmap)];
         layer.texels = lightmap.result[layer.slot];
         layer.channels = std::move(lightmap.resultChannels[layer.slot]);
@@ -223,7 +223,7 @@ LightmapLayers MakeLayers(const SurfaceInputs &in, SurfaceLight &surfaces) {
         if (collapse && layer.channels.empty())
             FindSolid(layer);
     });
-    return stored;
+    return layers;
 }
 
 void JoinTwins(std::vector<LightmapLayer> &layers) {
@@ -242,7 +242,7 @@ void JoinTwins(std::vector<LightmapLayer> &layers) {
 }
 
 std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces,
-                                      const LightmapLayers &stored) {
+                                      const LightmapLayers &layers) {
     std::map<std::string_view, int> rankOf;
     for (const SurfaceEntry &entry : in.table)
         rankOf[entry.shader->name] = 0;
@@ -266,11 +266,11 @@ std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLigh
         keys[i].minusArea = -lightmap.width * lightmap.height;
     }
     std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < stored.layers.size(); ++i)
-        if (stored.layers[i].twin < 0 && !stored.layers[i].byVertex)
+    for (std::size_t i = 0; i < layers.layers.size(); ++i)
+        if (layers.layers[i].twin < 0 && !layers.layers[i].byVertex)
             order.push_back(i);
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        const Key &x = keys[std::size_t(stored.layers[a].lightmap)], &y = keys[std::size_t(stored.layers[b].lightmap)];
+        const Key &x = keys[std::size_t(layers.layers[a].lightmap)], &y = keys[std::size_t(layers.layers[b].lightmap)];
         return std::tie(x.shaders, x.minusStyles, x.minusArea) < std::tie(y.shaders, y.minusStyles, y.minusArea);
     });
     return order;

@@ -51,7 +51,7 @@ void JoinTwins(std::vector<LightmapLayer> &layers);
 /// Indices of layers that need texels, in packing order: by shader names, then styles (few first), then area (large
 /// first).
 std::vector<std::size_t> PackingOrder(const SurfaceInputs &in, const SurfaceLight &surfaces,
-                                      const LightmapLayers &stored);
+                                      const LightmapLayers &layers);
 
 /// Whether vertex colors replace a lightmap.
 enum class VertexStandIn {

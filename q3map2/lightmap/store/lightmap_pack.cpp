@@ -121,13 +121,13 @@ namespace {
 
 class Packer {
   public:
-    Packer(const LightmapOptions &options, LightmapLayers &stored) : options_(options), stored_(stored) {}
+    Packer(const LightmapOptions &options, LightmapLayers &layers) : options_(options), layers_(layers) {}
 
     void Pack(LightmapLayer &layer) {
         const Stamp stamp = MakeStamp(layer);
         const LightmapLayer *firstStyle = nullptr;
         if (layer.slot > 0)
-            firstStyle = &stored_.layers[std::size_t(stored_.layerOf[std::size_t(layer.lightmap)][0])];
+            firstStyle = &layers_.layers[std::size_t(layers_.layerOf[std::size_t(layer.lightmap)][0])];
         if ((firstStyle && PackAlignedWithFirst(*firstStyle, stamp, layer)) || PackAnywhere(stamp, layer))
             return;
         AddPage(layer);
@@ -206,20 +206,20 @@ class Packer {
     }
 
     const LightmapOptions &options_;
-    LightmapLayers &stored_;
+    LightmapLayers &layers_;
     std::vector<Page> pages_;
 };
 
 } // namespace
 
 std::vector<std::array<int, 2>> PackLayers(const std::vector<std::size_t> &order, const LightmapOptions &options,
-                                           LightmapLayers &stored) {
-    Packer packer(options, stored);
+                                           LightmapLayers &layers) {
+    Packer packer(options, layers);
     for (const std::size_t i : order)
-        packer.Pack(stored.layers[i]);
-    for (LightmapLayer &layer : stored.layers)
+        packer.Pack(layers.layers[i]);
+    for (LightmapLayer &layer : layers.layers)
         if (layer.twin >= 0) {
-            const LightmapLayer &first = stored.layers[std::size_t(layer.twin)];
+            const LightmapLayer &first = layers.layers[std::size_t(layer.twin)];
             layer.page = first.page, layer.x = first.x, layer.y = first.y;
         }
     return packer.Sizes();

@@ -55,6 +55,6 @@ class PageSpace {
 /// Sets page, x and y of every layer in `order`; twins take those of the layer whose texels they share. Returns the
 /// sizes of the pages.
 std::vector<std::array<int, 2>> PackLayers(const std::vector<std::size_t> &order, const LightmapOptions &options,
-                                           LightmapLayers &stored);
+                                           LightmapLayers &layers);
 
 } // namespace q3

@@ -96,9 +96,10 @@ std::string MapPath(std::string_view mapName, std::string_view name) {
     return fmt::format("maps/{}/{}", mapName, name);
 }
 
-/// Shaders of mipmap hints are named by this and a number.
+/// Shaders of mipmap hints are named by this and a number. Long names of maps are cut, so that shader records hold it.
 std::string HintPrefix(std::string_view mapName) {
-    return MapPath(mapName, "nomipmaps");
+    constexpr std::size_t kRest = std::string_view("maps//nomipmaps000").size();
+    return MapPath(mapName.substr(0, kMaxShaderName - kRest), "nomipmaps");
 }
 
 /// Names of generated shaders begin with this; the checksum follows.

@@ -81,17 +81,17 @@ class Storer {
     }
 
     StoredLightmaps Run() {
-        stored_ = MakeLayers(in_, surfaces_);
+        layers_ = MakeLayers(in_, surfaces_);
         CountUsedLuxels();
         ApplyStandIns();
         if (in_.lightmap.collapse && !surfaces_.styled && !in_.lightmap.deluxe)
-            JoinTwins(stored_.layers);
-        MakePages(PackLayers(PackingOrder(in_, surfaces_, stored_), in_.lightmap, stored_));
+            JoinTwins(layers_.layers);
+        MakePages(PackLayers(PackingOrder(in_, surfaces_, layers_), in_.lightmap, layers_));
         FillTexels();
         if (in_.lightmap.lightmass)
             MakeLightmassPages();
-        SetPageLight(in_, stored_, result_.pages);
-        for (LightmapLayer &layer : stored_.layers)
+        SetPageLight(in_, layers_, result_.pages);
+        for (LightmapLayer &layer : layers_.layers)
             layer.channels = {};
         StartVertexLight();
         for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i)
@@ -107,14 +107,14 @@ class Storer {
 
   private:
     void CountUsedLuxels() {
-        for (const LightmapLayer &layer : stored_.layers)
+        for (const LightmapLayer &layer : layers_.layers)
             usedLuxels_ +=
                 std::count_if(layer.texels.begin(), layer.texels.end(), [](const Vec3f &t) { return t.x >= 0; });
     }
 
     void ApplyStandIns() {
         const std::vector<VertexStandIn> standIns = FindVertexStandIns(in_, surfaces_);
-        for (LightmapLayer &layer : stored_.layers) {
+        for (LightmapLayer &layer : layers_.layers) {
             const VertexStandIn kind = standIns[std::size_t(layer.lightmap)];
             const bool tooLarge = layer.width > layer.pageSize[0] || layer.height > layer.pageSize[1];
             layer.byVertex = kind != VertexStandIn::No || tooLarge;
@@ -158,39 +158,39 @@ class Storer {
             to.number = page.number, to.file = page.file;
             to.width = page.width, to.height = page.height;
         }
-        EncodeLightmass(in_, surfaces_, stored_, result_.lightmass);
-        for (LightmapLayer &layer : stored_.layers) // frees memory for HDR pages and basis maps
+        EncodeLightmass(in_, surfaces_, layers_, result_.lightmass);
+        for (LightmapLayer &layer : layers_.layers) // frees memory for HDR pages and basis maps
             for (std::size_t c = 0; c < layer.channels.size(); ++c)
                 if (layer.kinds.IsSH(c))
                     layer.channels[c] = {};
     }
 
     void FillTexels() {
-        in_.jobs.For(std::int64_t(stored_.layers.size()), [&](std::int64_t i, int) {
-            const LightmapLayer &layer = stored_.layers[std::size_t(i)];
+        in_.jobs.For(std::int64_t(layers_.layers.size()), [&](std::int64_t i, int) {
+            const LightmapLayer &layer = layers_.layers[std::size_t(i)];
             if (layer.twin >= 0 || layer.page < 0)
                 return;
-            const ToneMapper bytes(1, layer.brightness, tone_);
+            const ToneMapper mapper(1, layer.brightness, tone_);
             if (layer.solid)
-                return PutTexel(layer, 0, 0, layer.color, layer.direction, bytes);
+                return PutTexel(layer, 0, 0, layer.color, layer.direction, mapper);
             for (int y = 0; y < layer.height; ++y)
                 for (int x = 0; x < layer.width; ++x)
                     if (const std::size_t at = std::size_t(y) * std::size_t(layer.width) + std::size_t(x);
                         layer.Used(at))
                         PutTexel(layer, x, y, layer.texels[at],
-                                 layer.directions.empty() ? Vec3f{} : layer.directions[at], bytes);
+                                 layer.directions.empty() ? Vec3f{} : layer.directions[at], mapper);
         });
         in_.jobs.For(std::int64_t(fills_.size()),
                      [&](std::int64_t i, int) { FillPage(result_.pages[std::size_t(i)], fills_[std::size_t(i)]); });
     }
 
     void PutTexel(const LightmapLayer &layer, int x, int y, const Vec3f &color, const Vec3f &direction,
-                  const ToneMapper &bytes) {
+                  const ToneMapper &mapper) {
         LightmapPage &page = result_.pages[std::size_t(layer.page)];
         const std::size_t at = page.Index(layer.x + x, layer.y + y);
         const Vec3f least = layer.slot == 0 ? in_.world.minLight : Vec3f{};
         if (!page.colors.empty())
-            Put(page.colors, at, bytes.Bytes(Max(color, least)));
+            Put(page.colors, at, mapper.Bytes(Max(color, least)));
         if (!page.directions.empty())
             Put(page.directions, at, DirectionBytes(direction));
         if (!fills_.empty())
@@ -200,8 +200,8 @@ class Storer {
     /// The packed layer of a surface; null: none, or it is lit at its vertices.
     const LightmapLayer *LayerOf(std::size_t surface, std::size_t slot) const {
         const int lightmap = surfaces_.lightmapOf[surface];
-        const int layer = lightmap < 0 ? -1 : stored_.layerOf[std::size_t(lightmap)][slot];
-        return layer < 0 || stored_.layers[std::size_t(layer)].page < 0 ? nullptr : &stored_.layers[std::size_t(layer)];
+        const int layer = lightmap < 0 ? -1 : layers_.layerOf[std::size_t(lightmap)][slot];
+        return layer < 0 || layers_.layers[std::size_t(layer)].page < 0 ? nullptr : &layers_.layers[std::size_t(layer)];
     }
 
     std::array<float, 2> Coordinates(const LightmapLayer &layer, std::size_t vertex) const {
@@ -344,7 +344,7 @@ class Storer {
 
     void Print() const {
         long long stored = (long long)(bsp_.lightmaps.size() / 3), solid = 0, twins = 0, twinLuxels = 0, numbered = 0;
-        for (const LightmapLayer &layer : stored_.layers) {
+        for (const LightmapLayer &layer : layers_.layers) {
             solid += layer.solid;
             twins += layer.twin >= 0;
             twinLuxels += layer.twin >= 0 ? (long long)(layer.texels.size()) : 0;
@@ -371,7 +371,7 @@ class Storer {
     Bsp &bsp_;
     ToneOptions tone_;
     Entity world_;
-    LightmapLayers stored_;
+    LightmapLayers layers_;
     StoredLightmaps result_;
     std::vector<std::vector<TexelFill>> fills_;   ///< by page, texel; only with -fill
     std::set<std::pair<int, int>> combinations_;  ///< of page and shader

@@ -138,7 +138,7 @@ Json PlaceAsJson(const LightmassPlace &place) {
 
 } // namespace
 
-void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &stored,
+void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &layers,
                      LightmassPages &out) {
     out.shadowLights = in.lightmap.shadowMaps;
     const bool anyDirt = std::any_of(surfaces.lightmaps.begin(), surfaces.lightmaps.end(),
@@ -152,14 +152,14 @@ void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, cons
         page.coverage.resize(texels);
         page.shadows.assign(out.shadowLights.size(), std::vector<std::uint8_t>(texels));
     }
-    std::vector<const LightmapLayer *> layers;
-    for (const LightmapLayer &layer : stored.layers)
+    std::vector<const LightmapLayer *> withSH;
+    for (const LightmapLayer &layer : layers.layers)
         if (layer.page >= 0 && layer.kinds.sh)
-            layers.push_back(&layer);
-    out.places.resize(layers.size());
+            withSH.push_back(&layer);
+    out.places.resize(withSH.size());
     const Encoder encoder(in, surfaces, out);
-    in.jobs.For(std::int64_t(layers.size()),
-                [&](std::int64_t i, int) { out.places[std::size_t(i)] = encoder.Encode(*layers[std::size_t(i)]); });
+    in.jobs.For(std::int64_t(withSH.size()),
+                [&](std::int64_t i, int) { out.places[std::size_t(i)] = encoder.Encode(*withSH[std::size_t(i)]); });
 }
 
 void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &stored,

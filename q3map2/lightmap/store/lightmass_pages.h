@@ -39,7 +39,7 @@ struct LightmassPages {
 };
 
 /// Encodes the packed layers that have L1 light. `pages` must have sizes and numbers; their images are made here.
-void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &stored,
+void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, const LightmapLayers &layers,
                      LightmassPages &pages);
 
 /// Writes the images as FOLDER/lm_NNNN_WHAT.tga, NNNN the number of the page, and lightmass.json, which names them and

@@ -20,10 +20,10 @@ class VertexPlaces {
     /// Where shadow rays of a vertex start: 1/8 unit over it, and 1/4 unit towards the middle of the vertices that it
     /// shares edges with, clear of solids that touch it; right over it if only that is in the open.
     const Vec3f &RayOrigin(std::size_t vertex) const { return rayOrigins_[vertex]; }
-    /// Cluster of the ray origin moved by `offset`, or kSolidCluster if the vertex may not be lit from there. Without
-    /// an offset it may if the ray origin or the vertex is in the open. With one, for vertices in solids, the place
-    /// must be in the open, in front of the surface, and on the side of walls on which the surface comes out of the
-    /// solid.
+    /// Cluster of the ray origin moved by `offset`, or kSolidCluster if the vertex may not be lit from there:
+    /// - offset 0, the usual place: the ray origin or the vertex must be in the open;
+    /// - other offsets, tried for vertices in solids: the place must be in the open, in front of the surface, and on
+    ///   that side of a wall on which the surface comes out of the solid.
     int ClusterAt(std::size_t vertex, const Vec3f &offset);
     /// Pairs of vertices with an edge between them; an edge of two triangles occurs twice.
     const std::vector<std::pair<std::size_t, std::size_t>> &Edges() const { return edges_; }

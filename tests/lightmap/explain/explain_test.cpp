@@ -246,7 +246,7 @@ TEST_F(ExplainTest, TheDirectLightOfALuxelIsThatOfThePage) {
 /// A room of 500 x 372 x 256 units without a wall: 16 places or more for each of its six sides.
 TEST_F(ExplainTest, PlacesCoverAllSidesOfARoom) {
     Explain(Room({-250, -186, -60}, {250, 186, 196}), "", [](const Explainer &explainer, const JobPool &) {
-        const std::vector<SurfacePlace> places = PlacesBeforeSurfaces(explainer, 200);
+        const std::vector<SurfacePlace> places = PlacesInFrontOfSurfaces(explainer, 200);
         EXPECT_LE(places.size(), 200u);
         std::map<std::array<int, 3>, int> byDirection;
         for (const SurfacePlace &place : places) {
@@ -258,7 +258,7 @@ TEST_F(ExplainTest, PlacesCoverAllSidesOfARoom) {
         EXPECT_EQ(byDirection.size(), 6u);
         for (const auto &[direction, count] : byDirection)
             EXPECT_GE(count, 16) << direction[0] << ' ' << direction[1] << ' ' << direction[2];
-        EXPECT_EQ(PlacesBeforeSurfaces(explainer, 1).size(), 1u);
+        EXPECT_EQ(PlacesInFrontOfSurfaces(explainer, 1).size(), 1u);
     });
 }
 
@@ -268,7 +268,7 @@ TEST_F(ExplainTest, PlacesAreOnTheSideOfTheirSurface) {
     scene.AddBox({-250, -186, -50}, {250, 186, -40}, TestShader("textures/test/block"));
     Explain(scene, "", [](const Explainer &explainer, const JobPool &) {
         int between = 0;
-        for (const SurfacePlace &place : PlacesBeforeSurfaces(explainer, 300)) {
+        for (const SurfacePlace &place : PlacesInFrontOfSurfaces(explainer, 300)) {
             EXPECT_TRUE(place.point.z < -50 || place.point.z > -40) << place.point.z;
             EXPECT_EQ(place.point.z < -50, place.onSurface.z < -45) << place.onSurface.z;
             between += place.point.z < -50 ? 1 : 0;

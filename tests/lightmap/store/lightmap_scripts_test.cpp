@@ -95,6 +95,21 @@ TEST_F(ScriptsTest, HintsKeepPagesWithoutMipmapsAndGoAgain) {
     EXPECT_EQ(WriteBsp(bsp, {}), WriteBsp(before, {}));
 }
 
+TEST_F(ScriptsTest, HintsOfALongMapNameAreFoundByTheirShaderAndGoAgain) {
+    const std::string map(60, 'm');
+    lightmap.pageSize = {256, 256};
+    MakeLightmaps(200, 200);
+    for (std::uint32_t i = 0; i < 6; ++i)
+        FillNoise(surfaces.lightmaps[i], i);
+    StoredLightmaps stored = Finish();
+    const std::size_t count = bsp.drawSurfaces.size();
+    FinishForFile(lightmap, map, stored, bsp);
+    ASSERT_EQ(bsp.drawSurfaces.size(), count + 1);
+    EXPECT_EQ(FieldName(bsp.shaders[std::size_t(bsp.drawSurfaces[0].shaderNum)].shader), stored.scripts.back().shader);
+    RemoveMipmapHints(map, bsp);
+    EXPECT_EQ(bsp.drawSurfaces.size(), count);
+}
+
 TEST_F(ScriptsTest, NamesDependOnTheTextAlone) {
     EXPECT_EQ(ShaderNameFor("a", "room"), ShaderNameFor("a", "room"));
     EXPECT_NE(ShaderNameFor("a", "room"), ShaderNameFor("b", "room"));

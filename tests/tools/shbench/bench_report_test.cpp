@@ -89,7 +89,7 @@ TEST(Errors, TheWorstAgainstTheProjectionAreWhereTheGridIsOff) {
     truth.points = {Uniform({1, 0, 0}, 0.9f), Uniform({2, 0, 0}, 0.4f)};
     truth.points[0].projection[0] = Vec3f{0.5f, 0.5f, 0.5f} / float(kY0); // what is shown is all that can be
     EXPECT_EQ(WorstPositions(truth, Always(0.5f), 1)[0].point, 0u);
-    EXPECT_EQ(WorstPositions(truth, Always(0.5f), 1, WorstBy::Grid)[0].point, 1u);
+    EXPECT_EQ(WorstPositions(truth, Always(0.5f), 1, WorstBy::Projection)[0].point, 1u);
     const PositionErrors errors = ErrorsByPlace(truth, Always(0.5f))[0];
     EXPECT_NEAR(errors.shown, 0.4 * 255, 1e-3);
     EXPECT_NEAR(errors.floor, 0.4 * 255, 1e-3);

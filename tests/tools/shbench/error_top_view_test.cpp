@@ -36,7 +36,7 @@ class ErrorTopViewTest : public BenchTest {
         worst_ = {{1, 0, 40, {}}, {2, 0, 20, {}}};
     }
     ErrorTopView Plan() const {
-        return MakeErrorTopView(*map_, {truth_, errors_, causes_, worst_, WorstBy::Shown, "SH grid", "default"},
+        return MakeErrorTopView(*map_, {truth_, errors_, causes_, worst_, WorstBy::Reference, "SH grid", "default"},
                                 JobPool(2));
     }
     /// Pixel of a PNG, so far beside the place of a position on the map.

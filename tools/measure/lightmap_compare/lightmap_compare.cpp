@@ -19,10 +19,9 @@ constexpr std::string_view kUsage = R"(usage: lightmap_compare [options] A.bsp B
   --json FILE     the same as JSON
 Both files must be of one map. Pages are those of the file, or lm_NNNN.tga in the folder of its name. Samples that are
 black in one file, in solids where nobody sees them, or on texels that no luxel of their surface covers, are counted, not
-compared. Every surface has as many samples;
-the line "by area" weighs them by the area of their surface. Vertex colors of skies and of surfaces that no engine
-draws have a line of their own, and with the game's files, -fs_basepath DIR [-fs_game MOD] [-game NAME], so have those
-that the shader does not draw.
+compared. Every surface has as many samples; the line "by area" weighs them by the area of their surface. Vertex colors
+of skies and of surfaces that no engine draws have a line of their own, and with the game's files,
+-fs_basepath DIR [-fs_game MOD] [-game NAME], so have those that the shader does not draw.
 )";
 
 int Run(const std::vector<std::string> &words) {
@@ -38,10 +37,11 @@ int Run(const std::vector<std::string> &words) {
     const GlobalOptions game = ParseGlobalOptions(arguments, log);
     if (arguments.Rest().size() != 2)
         throw Error("expected two files, got {} words", arguments.Rest().size());
+    std::optional<VirtualFileSystem> files; // the library keeps a reference
     std::optional<ShaderLibrary> shaders;
     if (!game.basePaths.empty()) {
-        const VirtualFileSystem files = OpenGameFiles(game, GameFolders(game, {}, {}), log);
-        shaders.emplace(files, *game.game, ShaderOptions{}, log);
+        files.emplace(OpenGameFiles(game, GameFolders(game, {}, {}), log));
+        shaders.emplace(*files, *game.game, ShaderOptions{}, log);
     }
     const LitMap a = LitMap::Load(arguments.Rest()[0], side, log), b = LitMap::Load(arguments.Rest()[1], side, log);
     const Comparison comparison = Compare(a, b, samples, std::size_t(worst), shaders ? &*shaders : nullptr);

@@ -6,7 +6,6 @@
 #include "q3map2/light/sources/light_sources.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <sstream>
 
 namespace q3::bench {
@@ -36,7 +35,7 @@ std::vector<Entity> WithLights(std::vector<Entity> entities, const LightInputs &
     return entities;
 }
 
-std::vector<Light> LightsInReach(const BenchMap &map) {
+std::vector<Light> LightsOfStyle0(const BenchMap &map) {
     int culled = 0;
     auto lights = SetupEnvelopes(map.created, LightPass::GridSH, map.options, map.space, {}, culled);
     std::erase_if(lights, [](const Light &light) { return light.style != 0; });
@@ -51,7 +50,7 @@ BenchMap::BenchMap(Bsp map, LightInputs files, const LightOptions &lightOptions,
       table(MakeSurfaceTable(bsp, stored, inputs.surfaceFile, inputs.name + ".srf", library, log)),
       space(bsp, OpaqueBrushes(bsp, library)),
       created(CreateLights(space, WithLights(stored, inputs), table, options, world, library, log)),
-      scene(bsp, table, options, 0), lights(LightsInReach(*this)) {}
+      scene(bsp, table, options, 0), lights(LightsOfStyle0(*this)) {}
 
 std::vector<std::string> WordsOf(std::string_view text) {
     std::istringstream in{std::string(text)};
@@ -83,13 +82,6 @@ LightOptions LightOptionsFrom(std::string_view text, const Game &game) {
     ParseOptionWords(words, text,
                      [&](Arguments &arguments, Log &log) { options = ParseLightOptions(arguments, game, log); });
     return options;
-}
-
-Log::Sink WarningsOnly() {
-    return [](LogLevel level, std::string_view text) {
-        if (level != LogLevel::Normal)
-            std::fwrite(text.data(), 1, text.size(), stderr);
-    };
 }
 
 } // namespace q3::bench

@@ -48,7 +48,4 @@ void ParseOptionWords(const std::vector<std::string> &words, std::string_view te
 /// Options of -light with -sh in front of them. Errors: words that ParseLightOptions does not know.
 LightOptions LightOptionsFrom(std::string_view text, const Game &game);
 
-/// A log that prints nothing but warnings, to standard error.
-Log::Sink WarningsOnly();
-
 } // namespace q3::bench

@@ -27,7 +27,7 @@ struct BenchSettings {
     std::string worstOf = std::string(kDefaultName);
     std::size_t worstCount = 0; ///< worst positions to list
     bool drawWorst = false;     ///< draws them on the map as seen from above
-    WorstBy worstBy = WorstBy::Shown;
+    WorstBy worstBy = WorstBy::Reference;
     bool listErrors = false; ///< of all positions
     std::string errorsOf;    ///< the setting whose errors are listed; empty: the first
 };

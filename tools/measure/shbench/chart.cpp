@@ -121,7 +121,8 @@ void Painter::DrawReferences() {
     if (chart_.level && y_.Shows(*chart_.level)) {
         const double y = y_.At(*chart_.level);
         drawing_.Line(kLeft, y, kRight, y);
-        drawing_.Text(kRight - 6, y + kText + 3, 1, chart_.levelLabel); // no value lies below a floor
+        drawing_.Text(kRight - 6, y + kText + 3, 1,
+                      chart_.levelLabel); // below it, where no dots are if it is the least value that there can be
         const double width = drawing_.TextWidth(chart_.levelLabel);
         labels_.Take({kRight - 8 - width, y, kRight, y + kText + 8});
         labels_.Take({kLeft, y - 1, kRight, y + 1});

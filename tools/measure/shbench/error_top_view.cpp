@@ -13,8 +13,8 @@ constexpr double kViewLeft = 24, kViewTop = 102, kMaxWidth = 616, kMaxHeight = 7
 constexpr int kCellsPerUnit = 2;      ///< of the ground, per picture unit: one per PNG pixel
 constexpr float kMargin = 48;         ///< of the area around the positions, game units
 constexpr int kMaxLevels = 24;        ///< heights at which open space is searched for
-constexpr float kFloorStep = 20;      ///< floors that differ by more get an edge; over a stair step, game units
 constexpr float kLevelSpacing = 32;   ///< least spacing of these heights, game units
+constexpr float kFloorStep = 20;      ///< floors that differ by more get an edge; over a stair step, game units
 constexpr double kScaledShare = 0.98; ///< of the positions: within the color scale
 
 /// Rounds up to 1, 1.5, 2, 3, 5 or 7 times a power of ten.
@@ -184,8 +184,8 @@ ErrorTopView MakeErrorTopView(const BenchMap &map, const TopViewInputs &in, cons
     view.subtitle = fmt::format("{}; {} positions; RMSE {:.2f}, floor {:.2f}, grid error {:.2f} bytes of 255",
                                 in.setting, in.truth.points.size(), RmsOver(in.errors, &PositionErrors::shown),
                                 RmsOver(in.errors, &PositionErrors::floor), RmsOver(in.errors, &PositionErrors::grid));
-    view.errorName = in.by == WorstBy::Shown ? "displayed error of a position, RMS in bytes"
-                                             : "grid error of a position, RMS in bytes";
+    view.errorName = in.by == WorstBy::Reference ? "displayed error of a position, RMS in bytes"
+                                                 : "grid error of a position, RMS in bytes";
     for (std::size_t i = 0; i < in.truth.points.size(); ++i)
         view.dots.push_back({in.truth.points[i].position, ErrorOf(in.errors[i], in.by)});
     for (const WorstPosition &place : in.worst)

@@ -55,7 +55,7 @@ struct TopViewInputs {
     const std::vector<PositionErrors> &errors;
     const std::vector<Cause> &causes;
     const std::vector<WorstPosition> &worst;
-    WorstBy by = WorstBy::Shown;
+    WorstBy by = WorstBy::Reference;
     std::string grid, setting; ///< "SH grid", and name and options of the setting
 };
 /// The view is at the median height of the worst positions.

@@ -116,7 +116,7 @@ std::vector<PositionErrors> ErrorsByPlace(const Truth &truth, const ShownLight &
 }
 
 double ErrorOf(const PositionErrors &errors, WorstBy by) {
-    return by == WorstBy::Shown ? errors.shown : errors.grid;
+    return by == WorstBy::Reference ? errors.shown : errors.grid;
 }
 
 std::vector<WorstPosition> WorstPositions(const Truth &truth, const ShownLight &shown, std::size_t count, WorstBy by) {
@@ -130,7 +130,7 @@ std::vector<WorstPosition> WorstPositions(const Truth &truth, const ShownLight &
     for (const std::size_t p : order) {
         const TruthPoint &point = truth.points[p];
         const NormalLight light = shown(point.position), projected = ProjectedLight(point);
-        const NormalLight &against = by == WorstBy::Shown ? point.light : projected;
+        const NormalLight &against = by == WorstBy::Reference ? point.light : projected;
         WorstPosition worst{p, 0, -1, {}};
         for (std::size_t i = 0; i < kNormals; ++i)
             for (std::size_t channel = 0; channel < 3; ++channel) {

@@ -62,6 +62,6 @@ struct WorstPosition {
 };
 /// The `count` positions with the largest ErrorOf(errors, by), which is an RMS, the worst first.
 std::vector<WorstPosition> WorstPositions(const Truth &truth, const ShownLight &shown, std::size_t count,
-                                          WorstBy by = WorstBy::Shown);
+                                          WorstBy by = WorstBy::Reference);
 
 } // namespace q3::bench

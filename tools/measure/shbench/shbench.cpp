@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. shbench: error of the SH light grid against time and size.
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/tool_main.h"
 #include "q3map2/cli/program.h"
 #include "q3map2/cli/stage_files.h"
 #include "tools/measure/shbench/bench_run.h"
@@ -74,7 +75,7 @@ void ParseWorst(Arguments &arguments, Command &command) {
         settings.worstOf = of;
     if (!by.empty() && by != "reference" && by != "projection")
         throw Error("--worst-by {}: expected reference or projection", by);
-    settings.worstBy = by == "projection" ? WorstBy::Grid : WorstBy::Shown;
+    settings.worstBy = by == "projection" ? WorstBy::Projection : WorstBy::Reference;
 }
 
 void ParseErrorList(Arguments &arguments, Command &command) {
@@ -150,7 +151,7 @@ void RunLightmaps(const Command &command, const LightmapSettings &settings, Benc
 }
 
 int Run(const std::vector<std::string> &words, const std::filesystem::path &program) {
-    Log log(WarningsOnly());
+    Log log(PrintWarnings);
     Command command = ParseCommand(Arguments(words), log);
     if (command.global.help || (command.map.empty() && !command.scaleLights)) {
         Print(std::string(kUsage), command.global.help ? stdout : stderr);

@@ -23,23 +23,21 @@ int Run(const std::vector<std::string> &words) {
         fmt::print("{}", kUsage);
         return 0;
     }
-    const auto number = [&](std::string_view name, double fallback) {
-        const auto text = arguments.TakeValue(name);
-        return text ? NumberFromText(*text) : fallback;
-    };
-    const auto pairs = std::int64_t(number("--pairs", 1e6));
-    const auto margin = float(number("--margin", 0.5));
-    const auto seed = std::uint32_t(number("--seed", 1));
-    if (pairs < 1)
-        throw Error("--pairs: expected at least 1");
+    const auto marginText = arguments.TakeValue("--margin").value_or("0.5");
+    std::string_view rest = marginText;
+    const std::optional<double> margin = TakeNumber(rest);
+    if (!margin || *margin < 0 || !rest.empty())
+        throw Error("--margin {}: expected a number from 0 up", marginText);
+    const int pairs = arguments.TakeWhole("--pairs", 1000000, 1);
+    const auto seed = std::uint32_t(arguments.TakeWhole("--seed", 1, 0));
     bool anyMissing = false;
     Log log(PrintWarnings);
     while (!arguments.Empty()) {
         const std::string path = arguments.TakeFirst();
-        const SightCheck check = CheckSight(ReadBspFile(path, {}, log), pairs, margin, seed);
+        const SightCheck check = CheckSight(ReadBspFile(path, {}, log), pairs, float(*margin), seed);
         fmt::print("{}: {} pairs, {} with a clear line of sight, {} of them hidden by the PVS, {} of those with lines "
                    "{} units around clear too",
-                   path, check.pairs, check.clear, check.hidden, check.missing, margin);
+                   path, check.pairs, check.clear, check.hidden, check.missing, *margin);
         if (check.missing > 0)
             fmt::print(" (the first: clusters {} and {})", check.from, check.to);
         fmt::print("\n");
