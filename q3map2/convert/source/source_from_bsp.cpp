@@ -95,6 +95,7 @@ Vec3d UnitStoredAs(const Vec3d &normal) {
 
 /// Whether the planes are the same once they are stored as float.
 bool AreSameStored(const Plane &a, const Plane &b) {
+    // HalfStep / 2 is at most half the distance from the float b.dist to the next one.
     return Vec3f(a.normal) == Vec3f(b.normal) &&
            std::abs(a.dist - b.dist) <= std::max(kSameDistance, HalfStep(b.dist) / 2);
 }
