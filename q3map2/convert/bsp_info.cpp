@@ -99,7 +99,7 @@ std::vector<FoundLump> FindLumps(std::span<const std::byte> file, bool lumpSwap,
 
 std::vector<std::string> GuessLump(std::span<const std::byte> lump) {
     const std::string_view text = AsText(lump);
-    if (text.size() > 2 && text[0] == '{' && text[2] == '"')
+    if (text.size() > 2 && text[0] == '{' && text[2] == '"') // a brace, a line end, and the quote of the first key
         return {"entities"};
     if (text.find("textures/") != std::string_view::npos)
         return {"shaders"};
@@ -255,10 +255,10 @@ class InfoTable {
              WithoutNegativeZero(last[1]), WithoutNegativeZero(last[2]));
         Note("stored in {}", bsp_.gridSHContainer == GridSHContainer::Lump ? "lump 18" : "BSPX lump LIGHTGRID_SH");
         NoteConvolution(world);
-        const GridShares shares = CountGridShares(bsp_, grid);
-        PointsLine(shares.open, "lit points", grid.points.size());
-        PointsLine(shares.filled, "filled points", grid.points.size());
-        PointsLine(shares.darkVoid, "void points", grid.points.size());
+        const GridPointCounts counts = CountGridPoints(bsp_, grid);
+        PointsLine(counts.open, "lit points", grid.points.size());
+        PointsLine(counts.filled, "filled points", grid.points.size());
+        PointsLine(counts.darkVoid, "void points", grid.points.size());
     }
 
     void PrintSparseGrid(const Entity &world) const {
@@ -293,7 +293,7 @@ class InfoTable {
                    double(count * sizeof(bspGridPointSH_t)) / kMegabyte);
     }
 
-    void PrintHdrLightmaps(const Entity &) const {
+    void PrintHdrLightmaps(const Entity &) const { // kLightmapPageBytes has 3 bytes a texel, HDR pages a code each
         Line(bsp_.lightmapsE5bgr9.size() * 3 / kLightmapPageBytes, "HDR lightmaps", 4 * bsp_.lightmapsE5bgr9.size());
     }
 

@@ -35,10 +35,10 @@ struct ConvertOptions {
     std::string format; ///< empty: ase
     bool readBsp = false, readMap = false;
     bool meta = false, patchMeta = false;
-    std::optional<double> normalEpsilon, distanceEpsilon;
-    bool fast = false;          ///< sides of a .bsp get default texture axes
-    bool keepModelClip = false; ///< keep the brushes that the compiler made to clip models
-    bool markUnknown = false;   ///< -wtf: mark sides whose texture axes are unknown
+    std::optional<double> normalEpsilon, distanceEpsilon; ///< nothing: the option was not given
+    bool fast = false;                                    ///< sides of a .bsp get default texture axes
+    bool keepModelClip = false;                           ///< keep the brushes that the compiler made to clip models
+    bool markUnknown = false;                             ///< -wtf: mark sides whose texture axes are unknown
     bool shadersAsBitmap = false, lightmapsAsTexCoord = false, deluxemapsAsTexCoord = false;
 };
 

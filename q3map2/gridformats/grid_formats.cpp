@@ -104,7 +104,7 @@ class GridConversion {
     SparseGridSH MakeSparse() const {
         const SparseGoal goal = storing_.sparse.value_or(SparseGoal{});
         SparseStats stats;
-        SparseGridSH grid = SparseFromUniform(space_, stored_.grid, stored_.radiance, goal, jobs_, stats);
+        SparseGridSH grid = SparseFromUniform(space_, stored_.grid, stored_.isRadiance, goal, jobs_, stats);
         PrintSparseStats(stats, goal, log_);
         return grid;
     }
@@ -137,17 +137,17 @@ constexpr double kRend2Scale = std::numbers::pi / 255; ///< it divides by pi, an
 /// deluxemaps.
 constexpr double kDaemonDirected = 0.4, kDaemonDeluxeDirected = 0.25;
 
-void StoreFull(const GridConversion &from, Bsp &bsp, GridSHContainer container) {
+void StoreUniform(const GridConversion &from, Bsp &bsp, GridSHContainer container) {
     bsp.gridSH = from.Stored();
     bsp.gridSHContainer = container;
 }
 
 void StoreSH(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
-    StoreFull(from, bsp, GridSHContainer::Lump);
+    StoreUniform(from, bsp, GridSHContainer::Lump);
 }
 
 void StoreSHBspx(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
-    StoreFull(from, bsp, GridSHContainer::Bspx);
+    StoreUniform(from, bsp, GridSHContainer::Bspx);
 }
 
 void StoreSparse(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
@@ -192,8 +192,8 @@ void StoreGrids(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
 }
 
 constexpr GridFormat kGridFormats[] = {
-    {"sh", GridPlace::Full, GridFormat::Convertible::Yes, StoreSH},
-    {"shbspx", GridPlace::Full, GridFormat::Convertible::Yes, StoreSHBspx},
+    {"sh", GridPlace::Uniform, GridFormat::Convertible::Yes, StoreSH},
+    {"shbspx", GridPlace::Uniform, GridFormat::Convertible::Yes, StoreSHBspx},
     {"sparse", GridPlace::Sparse, GridFormat::Convertible::Yes, StoreSparse},
     {"legacy", GridPlace::Lump15, GridFormat::Convertible::No, StoreLegacy},
     {"legacy-ioq3", GridPlace::Lump15, GridFormat::Convertible::No, StoreLegacyIoquake3},

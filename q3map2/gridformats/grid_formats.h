@@ -52,7 +52,14 @@ struct GridFile {
 };
 
 /// Where a format stores its grid. A map has each once, so two formats of the same place exclude each other.
-enum class GridPlace { Full, Sparse, Lump15, RawFile, OctreeLump, GridsLump };
+enum class GridPlace {
+    Uniform,    ///< the uniform SH grid, in lump 18 or in a BSPX lump
+    Sparse,     ///< the sparse SH grid
+    Lump15,     ///< the legacy grid
+    RawFile,    ///< lightgrid.raw
+    OctreeLump, ///< BSPX LIGHTGRID_OCTREE
+    GridsLump   ///< BSPX LIGHTGRIDS
+};
 
 /// A row of the table of formats.
 struct GridFormat {
@@ -70,7 +77,7 @@ using GridFormats = std::vector<const GridFormat *>;
 
 /// All formats.
 std::span<const GridFormat> AllGridFormats();
-/// Words separated by commas. Errors: none, an unknown one, two for one place.
+/// Words separated by commas. Errors: no word, an unknown one, two for one place.
 GridFormats ParseGridFormats(std::string_view list);
 bool HasPlace(const GridFormats &formats, GridPlace place);
 /// Whether one of them can be converted again.
@@ -78,7 +85,7 @@ bool AnyConvertible(const GridFormats &formats);
 /// Whether lump 15 is written, by its own format or for a raw file.
 bool AnyWritesLegacyGrid(const GridFormats &formats);
 
-/// Options of the conversion.
+/// How the grids are made.
 struct GridStoring {
     double ambientFactor = 1; ///< of the ambient light of lump 15 and of raw files
     /// Goal of the sparse grid, which is made from the uniform one. None: a sparse grid of the map stays as it is; if

@@ -16,6 +16,8 @@ namespace q3 {
 
 namespace {
 
+/// References to boxes are numbers of nodes; with the first bit, numbers of leafs; the second alone is any box whose
+/// points are all occluded.
 constexpr std::uint32_t kLeafReference = 1u << 31, kOccludedReference = 1u << 30;
 constexpr int kMinSplitPoints = 4; ///< boxes with fewer on an axis are not split
 constexpr int kMaxSplits = 5;
@@ -87,7 +89,7 @@ class OctreeWriter {
         std::array<std::uint32_t, 8> children{};
         for (unsigned child = 0; child < 8; ++child)
             children[child] = AddBox(ChildOf(box, child), splits + 1);
-        Append(ChildOf(box, 7).mins, nodes_);
+        Append(ChildOf(box, 7).mins, nodes_); // the middle: where the upper parts begin
         Append(children, nodes_);
         return nodeCount_++;
     }

@@ -23,12 +23,15 @@ struct OctreePoints {
     std::vector<bool> occluded; ///< by point: without light; engines blend the others
     /// Appends the bytes of a point that is not occluded.
     std::function<void(std::size_t point, std::vector<std::byte> &bytes)> append;
-    bool leafHasStyles = false; ///< leafs begin with their number of styles: LIGHTGRIDS
+    bool leafHasStyles = false; ///< leafs have their number of styles before their points: LIGHTGRIDS
 };
 
-/// Header, nodes and leafs, without padding. A box is split in the middle until an axis has fewer than 4 points, fewer
-/// than 8 points are occluded or it was split five times; boxes of occluded points alone have no leaf. A point has one
-/// style at most. Errors: all points are occluded.
+/// Without padding: size of a cell (3 floats), points per axis (3 int32), mins (3 floats), number of styles (1 byte),
+/// reference to the root (uint32); number of nodes (uint32), for each its middle (3 int32, in lattice steps) and
+/// references to eight parts; number of leafs (uint32), for each mins and size (3 int32 each), with `leafHasStyles` a
+/// byte, and its points, x fastest. References: kLeafReference in the source. A box is split in the middle until an
+/// axis has fewer than 4 points, fewer than 8 points are occluded or it was split five times; boxes of occluded points
+/// alone have no leaf. A point has one style at most. Errors: all points are occluded.
 std::vector<std::byte> EncodeGridOctree(const OctreePoints &points);
 
 /// The points of the SH grid, each with the mean of its light over all normals; those that are void are occluded.

@@ -212,7 +212,7 @@ GridSource::GridSource(const StoredGridSH &stored, const std::vector<bool> &isSo
       points_(stored.grid.points), void_(points_.size()) {
     for (std::size_t i = 0; i < points_.size(); ++i) {
         void_[i] = isSolid[i] && IsBlack(points_[i]);
-        if (stored.radiance)
+        if (stored.isRadiance)
             for (std::size_t k = 0; k < 9; ++k)
                 for (float &value : points_[i].coeffs[k])
                     value *= float(kCosineLobe[k]);
@@ -239,7 +239,7 @@ bool GridSource::Sample(const Vec3f &position, bspGridPointSH_t &light) const {
             at[axis] += upper;
             weight *= upper ? fraction[axis] : 1 - fraction[axis];
         }
-        if (!(weight > 0)) // past the last point, too
+        if (!(weight > 0)) // also of corners past the last point, which have no index
             continue;
         const auto index = std::size_t(layout_.Index(at[0], at[1], at[2]));
         if (void_[index])

@@ -59,7 +59,7 @@ class GridTone {
 /// The SH grid of a file as it is stored.
 struct StoredGridSH {
     LightGridSH grid;
-    bool radiance = false; ///< not convolved with the cosine: -shradiance
+    bool isRadiance = false; ///< not convolved with the cosine: -shradiance
 };
 
 /// Cell size of the legacy grid of the map: the key gridsize, else 64 64 128. Game units.

@@ -76,7 +76,8 @@ class PointSampler {
   private:
     Vec3f Cell() const { return Vec3f(points_.layout.size); }
 
-    /// Marks the corners of the cell above a point, if it has open space but all corners are in solids.
+    /// Marks the corners of the cell whose lowest corner is the point, if it has open space but all corners are in
+    /// solids.
     void MarkSoleSources(int x, int y, int z) {
         const GridLayout &layout = points_.layout;
         std::array<std::size_t, 8> corners{};

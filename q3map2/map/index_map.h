@@ -13,8 +13,9 @@ namespace q3 {
 
 /// An image of layer numbers over a terrain.
 struct IndexMap {
-    Boundsf bounds; ///< extent of the image, game units; its top row is at the largest y
-    int width = 0, height = 0, layers = 1;
+    Boundsf bounds;                   ///< extent of the image, game units; its top row is at the largest y
+    int width = 0, height = 0;        ///< texels
+    int layers = 1;                   ///< number of layers
     std::vector<std::uint8_t> pixels; ///< layer numbers, row by row
     std::vector<float> offsets;       ///< heights of layers, game units; missing ones are 0
     std::string shader;               ///< without "textures/" and the layer's number

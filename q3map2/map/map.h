@@ -29,12 +29,12 @@ struct IndexMap;
 
 /// Settings of all surfaces of an entity, from its keys.
 struct SurfaceSettings {
-    int entity = 0; ///< number in the map source
-    int castShadows = 1, receiveShadows = 1;
-    int sampleSize = 0;      ///< 0: unset
-    float lightmapScale = 0; ///< 0: unset
-    float shadeAngle = 0;    ///< degrees
-    Vec3f ambient;           ///< byte scale
+    int entity = 0;                          ///< number in the map source
+    int castShadows = 1, receiveShadows = 1; ///< numbers of shadow groups; 0: none
+    int sampleSize = 0;                      ///< 0: unset
+    float lightmapScale = 0;                 ///< 0: unset
+    float shadeAngle = 0;                    ///< degrees
+    Vec3f ambient;                           ///< byte scale
     const ShaderInfo *celShader = nullptr;
     std::shared_ptr<const IndexMap> indexMap; ///< of terrain; see index_map.h
     bool operator==(const SurfaceSettings &) const = default;
@@ -78,7 +78,7 @@ struct Brush {
 /// A curved surface: a grid of control points, of which every 3 x 3 that share borders are a biquadratic Bezier patch.
 struct Patch {
     SurfaceSettings settings;
-    int primitive = 0;
+    int primitive = 0; ///< as in Brush
     const ShaderInfo *shader = nullptr;
     int width = 0, height = 0;   ///< odd, 3 to 31
     std::vector<DrawVert> verts; ///< row * width + column
@@ -98,7 +98,7 @@ struct MapEntity {
     std::vector<Brush> colorVolumes; ///< brushes whose shader modifies vertex colors inside them
     Vec3f origin;                    ///< value of the key origin plus the center of the origin brush
     Vec3f brushOrigin;               ///< center of the origin brush; primitives were moved by its negative
-    int model = -1;                  ///< 0 the world; -1 none
+    int model = -1;                  ///< number in the .bsp; 0: the world; -1: none
     /// Start of messages about the entity: "Entity 3: maps/x.map:120".
     std::string MessagePrefix() const;
 };

@@ -131,8 +131,8 @@ void WeldShortEdges(Winding<double> &w) {
     }
 }
 
-/// Rank of a shader: liquid, fog, clip, not solid, solid. The content shader of a brush is the one of its sides with
-/// the highest rank.
+/// Rank of a shader, from the highest: liquid, fog, clip, not solid, solid. The content shader of a brush is the one of
+/// its sides with the highest rank.
 int ContentRank(const ShaderInfo &shader, const Game &game) {
     const SurfaceParm *clip = game.FindParm("playerclip");
     if (shader.compileFlags & C_LIQUID)
@@ -280,7 +280,7 @@ int AxialPlane(const Brush &brush, std::size_t axis, int direction, PlaneTable &
     Vec3d normal;
     normal[axis] = direction;
     double dist = direction > 0 ? double(brush.bounds.maxs[axis]) : -double(brush.bounds.mins[axis]);
-    if (snap > 0)
+    if (snap > 0) // towards the inside
         dist = direction > 0 ? std::floor(dist / snap) * snap : -std::ceil(-dist / snap) * snap;
     return planes.Find(normal, dist);
 }
@@ -321,6 +321,7 @@ Vec3d SlantedEdge(const Vec3f &from, const Vec3f &to, const PlaneTable &planes) 
 enum class BevelFit { New, OnBevel, Rejected };
 
 /// New: the whole brush is behind the plane, and no side has this plane. OnBevel: side `match` is a bevel with it.
+/// Rejected: neither.
 BevelFit FitBevel(const Brush &brush, const Plane &plane, const PlaneTable &planes, std::size_t &match) {
     for (std::size_t i = 0; i < brush.sides.size(); ++i) {
         const BrushSide &side = brush.sides[i];

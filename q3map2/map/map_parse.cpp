@@ -327,6 +327,7 @@ void MapReader::FinishEntity(MapEntity &entity) {
     }
     entity.origin = originKey();
     SurfaceSettings settings = SettingsOf(entity, map_, context_);
+    // JoinWorld moves the primitives of groups by the origin.
     settings.indexMap = ReadIndexMap(entity, isGroup ? entity.origin : Vec3f{}, context_);
     const auto finish = [&](Brush &brush) {
         brush.settings = settings;

@@ -15,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxSides = 1024; ///< of a brush
+constexpr std::size_t kMaxSides = 1024; ///< of a brush; limit of this program, chosen
 constexpr int kMaxPatchSize = 31;       ///< control points a side: the greatest odd number below the 32 of engines
 constexpr std::string_view kTextures = "textures/";
 /// CONTENTS_DETAIL, the only bit that still has a meaning in the contents word of a side.

@@ -26,7 +26,9 @@ class MapScanner {
     bool NextOnLine(std::string &token);
     /// NextOnLine for the value of a key, which may have any length.
     bool Value(std::string &token);
+    /// Whether the last token was in quotes.
     bool IsQuoted() const { return scanner_.IsQuoted(); }
+    /// The next call returns the last token again.
     void PushBack() { scanner_.PushBack(); }
     /// The next token, on any line. Throws Error, which names `what` as expected, at the end of the text.
     std::string Need(std::string_view what);

@@ -23,7 +23,7 @@ constexpr double kClearlyLarger = 0.0001; ///< difference of dot products
 constexpr double kVertical = 1e-6;        ///< x and y of vertical normals are smaller
 /// Larger values times a coordinate would exceed the range of float.
 constexpr double kMaxProjection = 1e30;
-/// Images per game unit. Along a shorter axis the whole world spans less than a ten-thousandth of an image.
+/// Images per game unit. Along a shorter axis the whole world spans about a ten-thousandth of an image.
 constexpr double kMinAxis = 1e-9;
 /// Least sine of the angle between axes on a side.
 constexpr double kMinAxisSine = 1e-4;

@@ -40,7 +40,7 @@ class PlaneTable {
     bool SnapNormal(Vec3d &normal) const;
 
   private:
-    static constexpr std::size_t kHashes = 8192;
+    static constexpr std::size_t kHashes = 8192; ///< number of hash chains, chosen
     int Append(const Vec3d &normal, double dist);
 
     double normalEpsilon_, distanceEpsilon_;

@@ -94,7 +94,8 @@ GridFormats TakeGridFormats(LightOptions &options) {
     const std::string_view stored = options.shBspx ? "shbspx" : "sh";
     const GridFormats named = ParseGridFormats(list);
     const auto same = [&](const GridFormat *format) { return format->word == stored; };
-    const bool namesStored = std::ranges::any_of(named, same) || (!options.shBspx && HasPlace(named, GridPlace::Full));
+    const bool namesStored =
+        std::ranges::any_of(named, same) || (!options.shBspx && HasPlace(named, GridPlace::Uniform));
     const bool keepRadiance = options.shRadiance && !options.shAdaptive && !AnyConvertible(named);
     if ((options.keepSH || keepRadiance) && !namesStored)
         list += fmt::format(",{}", stored);
@@ -166,7 +167,7 @@ struct LostLump {
 constexpr LostLump kLostLumps[] = {
     {BspxId::LightGridSH, "SH grid dropped", "SH light grid", "-shbspx",
      [](const BakeSettings &run) {
-         return run.formats.empty() ? run.options.sh : HasPlace(run.formats, GridPlace::Full);
+         return run.formats.empty() ? run.options.sh : HasPlace(run.formats, GridPlace::Uniform);
      }},
     {BspxId::SparseGridSH, "sparse SH grid dropped", "sparse SH light grid", "-shadaptive",
      [](const BakeSettings &run) { return run.options.shAdaptive; }},

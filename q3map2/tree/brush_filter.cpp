@@ -41,7 +41,7 @@ double VolumeOf(const BrushFragment &piece, const PlaneTable &planes) {
     return sum / 3;
 }
 
-/// Whether the piece has at least three sides, and bounds with a volume inside the world.
+/// Whether the piece has at least three sides (its section is added later), and bounds with a volume inside the world.
 bool IsSolid(const BrushFragment &piece) {
     if (piece.sides.size() < 3)
         return false;

@@ -224,7 +224,7 @@ int NumberClusters(Tree &tree, bool deep) {
         int node = 0;
         int group = -1; ///< the detail node above; its leafs share a number
     };
-    std::vector<int> shared(tree.nodes.size(), -1);
+    std::vector<int> shared(tree.nodes.size(), -1); // by group: the number of its leafs; -1: none yet
     std::vector<Visit> pending{{tree.head, -1}};
     while (!pending.empty()) {
         Visit at = pending.back();
@@ -310,7 +310,7 @@ int FloodAreas(Tree &tree) {
 
 namespace {
 
-/// Whether the portal lies on the side of a brush with these bounds that makes it an area portal.
+/// Whether the portal is a part of this side of an area portal brush.
 bool IsOfAreaPortal(const TreePortal &portal, const Brush &brush, const BrushSide &side) {
     constexpr float kSlack = 1; // a portal may reach this far beyond the brush; game units
     if (portal.polygon.empty() || !(portal.compileFlags & C_AREAPORTAL) ||

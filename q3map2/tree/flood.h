@@ -9,8 +9,9 @@
 
 namespace q3 {
 
+/// Result of FloodEntities.
 enum class Sealing {
-    Sealed,
+    Sealed, ///< or it leaks and the world has the key _ignoreleaks
     Leaked, ///< the flood from an entity reaches the outside
     Empty   ///< no entity stands in the open
 };

@@ -17,10 +17,10 @@ namespace q3 {
 
 namespace {
 
-constexpr double kPadding = 8;         ///< around the bounds of the tree, game units
-constexpr double kNodeEpsilon = 0.001; ///< for cuts by planes of nodes, game units
-constexpr double kBorderEpsilon = 0.1; ///< for cuts by portals around the node, game units
-constexpr std::size_t kMaxPortals = 1 << 24;
+constexpr double kPadding = 8;               ///< around the bounds of the tree, game units
+constexpr double kNodeEpsilon = 0.001;       ///< for cuts by planes of nodes, game units
+constexpr double kBorderEpsilon = 0.1;       ///< for cuts by portals around the node, game units
+constexpr std::size_t kMaxPortals = 1 << 24; ///< bounds memory; chosen
 
 Plane Flipped(const Plane &plane) {
     return {-plane.normal, -plane.dist};

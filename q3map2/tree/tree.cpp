@@ -314,7 +314,7 @@ namespace {
 
 constexpr std::size_t kMinSides = 4; ///< fewest sides that enclose a volume
 
-/// Faces with higher priority split earlier: hints, other structural faces, portals, detail.
+/// Faces with higher priority split earlier: hints, other structural faces, area portals and antiportals, detail.
 int PriorityOf(std::uint32_t flags) {
     int priority = 0;
     if (flags & C_HINT)

@@ -60,6 +60,7 @@ struct Tree {
     int head = 0, outside = -1;
     Boundsf bounds;
     std::int64_t sideTests = 0; ///< plane-face tests made to choose split planes
+    /// Number of the leaf that holds the point; points on a plane are in front of it.
     int LeafAt(const Vec3f &p, const PlaneTable &planes) const;
 };
 

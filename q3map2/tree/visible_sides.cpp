@@ -40,6 +40,7 @@ bool IsHidden(const BrushSide &side, const Brush &other, const PlaneTable &plane
                 return false;
             isInPlane = isInPlane && d >= -kOnPlane;
         }
+        // A culled side in the same plane is not drawn in place of this one.
         if (isInPlane && cover.culled && Dot(normal, plane.normal) > 0)
             return false;
     }
@@ -100,7 +101,7 @@ void CullCoincident(Brush &a, Brush &b, Culled &culled) {
                 continue;
             if (HidesCoincident(second))
                 first.culled = true, culled.coincident++;
-            if (first.planeNum == second.planeNum && first.culled)
+            if (first.planeNum == second.planeNum && first.culled) // of two that face the same way one stays
                 continue;
             if (HidesCoincident(first))
                 second.culled = true, culled.coincident++;

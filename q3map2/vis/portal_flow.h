@@ -38,14 +38,14 @@ struct ChainLink {
     std::vector<std::uint32_t> unseenStorage; ///< of unseenWords
     const BitWord *mightSee;                  ///< portals that may be seen through the chain
     std::size_t low = 0, high = 0;            ///< range of words of `mightSee` that may be nonzero; others are not read
-    std::span<const std::uint32_t> unseenWords; ///< words of `mightSee` that may hold portals not seen yet
-    std::size_t lastPortal = 0;                 ///< the last portal of the chain
-    std::span<const int> candidates;            ///< portals that lead out of the leaf behind lastPortal
-    std::size_t nextCandidate = 0;              ///< index in `candidates` of the portal to try next
-    int length = 1;                             ///< number of portals of the chain
-    WindingView source, pass;                   ///< clipped windings of the first and of the last portal
-    WindingBuffer sourceBuffers[2], passBuffers[2];
-    Separators separators[2]; ///< source against pass, pass against source
+    std::span<const std::uint32_t> unseenWords;     ///< words of `mightSee` that may hold portals not seen yet
+    std::size_t lastPortal = 0;                     ///< the last portal of the chain
+    std::span<const int> candidates;                ///< portals that lead out of the leaf behind lastPortal
+    std::size_t nextCandidate = 0;                  ///< index in `candidates` of the portal to try next
+    int length = 1;                                 ///< number of portals of the chain
+    WindingView source, pass;                       ///< clipped windings of the first and of the last portal
+    WindingBuffer sourceBuffers[2], passBuffers[2]; ///< storage of `source` and `pass`, by turns
+    Separators separators[2];                       ///< source against pass, pass against source
 
     /// Whether the whole portal is behind one of the separators.
     bool Hides(const FlowPortal &portal) const {
@@ -62,7 +62,10 @@ struct ChainLink {
             }
         return false;
     }
-    bool MaySee(std::size_t q) const { return q >> 6 >= low && q >> 6 < high && TestBit(mightSee, q); }
+    bool MaySee(std::size_t q) const {
+        return q / kBitsPerWord >= low && q / kBitsPerWord < high && TestBit(mightSee, q);
+    }
+    /// Whether the chain has a last portal other than its first.
     bool HasPass() const { return length > 1; }
     /// Clip the last portal (pass) or the first (source) to the front of a plane. False: nothing is left.
     bool ClipPass(const VisPlane &plane) { return Clip(pass, passBuffers, plane); }

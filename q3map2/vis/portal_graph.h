@@ -18,8 +18,8 @@ struct GraphPortal {
     float radius = 0;
     int leaf = 0; ///< leaf to which the portal leads
     bool hint = false, sky = false;
-    bool removed = false;
-    bool joined = false; ///< merged with another portal, so its twin may have another winding
+    bool removed = false; ///< by MergeLeafs or MergePortals
+    bool joined = false;  ///< merged with another portal, so its twin may have another winding
 
     /// Sets center (mean of the points) and radius from the winding.
     void UpdateBoundingSphere();

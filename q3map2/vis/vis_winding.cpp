@@ -26,7 +26,7 @@ struct InwardEdge {
     }
     /// The greatest slope u / v of the points of `t`, given their v; stores their u. Points on the edge do not count.
     float MaxSlope(const WindingView &t, const float *v, float *u) const {
-        const float near = kOnEpsilon * kOnEpsilon * squaredLength;
+        const float squaredNear = kOnEpsilon * kOnEpsilon * squaredLength;
         const PointLanes none = {kNoSlope, kNoSlope, kNoSlope, kNoSlope};
         const PointLanes lowest = {kMinHeight, kMinHeight, kMinHeight, kMinHeight};
         PointLanes slope = none;
@@ -34,7 +34,7 @@ struct InwardEdge {
             const PointLanes across = t.Project(inward, i) - origin, height = LoadLanes(v + i);
             StoreLanes(across, u + i);
             const PointLanes ratio = across / MaxLanes(height, lowest);
-            slope = MaxLanes(across * across + height * height * squaredLength < near ? none : ratio, slope);
+            slope = MaxLanes(across * across + height * height * squaredLength < squaredNear ? none : ratio, slope);
         }
         return MaxLane(slope);
     }

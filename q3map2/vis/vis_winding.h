@@ -16,7 +16,7 @@ namespace q3 {
 inline constexpr float kOnEpsilon = 0.1f;
 /// A clip that would give more points is skipped. The winding then stays too large, which is safe.
 inline constexpr int kMaxCutPoints = 24;
-/// Largest number of points of a portal.
+/// Largest number of points of a portal: the reader of .prt files and MergePortals give no more.
 inline constexpr int kMaxPortalPoints = 512;
 /// Loops process points in groups of this size; arrays are padded to whole groups.
 inline constexpr int kPointGroup = 4;

@@ -245,7 +245,7 @@ TEST(LegacyGridFromSH, RadianceIsConvolvedFirst) {
             value = float(2 / std::sqrt(std::numbers::pi)); // of radiance 1/pi, so light 1 on all surfaces
         return light;
     });
-    stored.radiance = true;
+    stored.isRadiance = true;
     const GridSource source(stored, std::vector<bool>(8));
     EXPECT_NEAR(MeanLight(source.Point(0)).x, 1, 1e-6);
 }

@@ -205,6 +205,7 @@ class Packer {
             if (entry.name.size() > kBspxNameBytes || entry.name.find('\0') != entry.name.npos)
                 source.Fail(fmt::format("name: expected at most {} bytes without NUL", kBspxNameBytes));
             const BspxRow *row = FindBspxRow(entry.name);
+            // A file of an unknown lump is an error, which ReadBspxGrid reports.
             if ((row != nullptr && row->id == BspxId::LightGridSH) || (row == nullptr && !entry.file.empty())) {
                 ReadBspxGrid(source, entry);
                 return;

@@ -72,17 +72,17 @@ void JsonRecordWriter::Pairs(std::string_view name, const std::vector<std::pair<
 
 void JsonRecordWriter::NoteNan(float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
-    oddNans_ |= bits != kPlainNan;
+    hasOddNans_ |= bits != kPlainNan;
     nanBits_.push_back(BitsText(bits));
 }
 
 void JsonRecordWriter::Finish() {
-    if (whole_)
+    if (isBareValue_)
         return;
     for (const auto &[name, bytes] : nameBytes_)
         Text(name, bytes);
     Open();
-    if (oddNans_) {
+    if (hasOddNans_) {
         writer_.Member(kJsonNanBits);
         writer_.Value(nanBits_);
     }
@@ -133,9 +133,9 @@ bool JsonRecordReader::Read(std::size_t node, float &value) {
         return false;
     value = source.real;
     if (std::isnan(value)) {
-        if (nans_ < nanBits_.size())
-            value = std::bit_cast<float>(nanBits_[nans_]);
-        nans_++;
+        if (nanCount_ < nanBits_.size())
+            value = std::bit_cast<float>(nanBits_[nanCount_]);
+        nanCount_++;
     }
     return true;
 }
@@ -230,8 +230,8 @@ void JsonRecordReader::Pairs(std::string_view name, std::vector<std::pair<std::s
 }
 
 void JsonRecordReader::Finish() {
-    if (!nanBits_.empty() && nans_ != nanBits_.size())
-        record_.Fail(fmt::format("nanBits: expected {} entries, one for every NaN of the record, found {}", nans_,
+    if (!nanBits_.empty() && nanCount_ != nanBits_.size())
+        record_.Fail(fmt::format("nanBits: expected {} entries, one for every NaN of the record, found {}", nanCount_,
                                  nanBits_.size()));
 }
 

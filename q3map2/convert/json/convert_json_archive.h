@@ -17,6 +17,7 @@
 
 namespace q3 {
 
+/// Extra member of a record with a NaN other than the usual one: the bits of all its NaNs, in member order.
 inline constexpr std::string_view kJsonNanBits = "nanBits";
 
 /// Writes one record. Bytes behind the NUL of a name and bits of unusual NaNs follow as extra members.
@@ -32,9 +33,10 @@ class JsonRecordWriter {
     }
     /// Writes the record as a bare value instead of an object.
     template <typename T> void Whole(const T &value) {
-        whole_ = true;
+        isBareValue_ = true;
         writer_.Value(value);
     }
+    /// Writes an object with what `members` writes.
     template <typename Members> void Group(std::string_view name, const Members &members) {
         Open();
         writer_.Member(name);
@@ -43,11 +45,14 @@ class JsonRecordWriter {
         writer_.EndObject();
     }
     void Text(std::string_view name, const std::string &value) { Field(name, std::string_view(value)); }
+    /// Writes member `second` if `other` is not empty, else member `first`.
     void OneOf(std::string_view first, const std::string &value, std::string_view second, const std::string &other) {
         other.empty() ? Text(first, value) : Text(second, other);
     }
     void Name(std::string_view name, const std::array<char, 64> &field);
+    /// An object with a member for each named part of the value: see SplitFlags.
     void Flags(std::string_view name, std::uint32_t value, FlagKind kind);
+    /// A member of that name for each pair, an array of key and value.
     void Pairs(std::string_view name, const std::vector<std::pair<std::string, std::string>> &pairs);
     /// Values of the program itself are in range.
     void Check(bool, std::string_view) {}
@@ -72,7 +77,8 @@ class JsonRecordWriter {
 
     JsonWriter &writer_;
     const Game &game_;
-    bool open_ = false, whole_ = false, oddNans_ = false;
+    bool open_ = false, isBareValue_ = false, hasOddNans_ = false;
+    /// Extra members: all bytes, in hexadecimal, of name fields that the name and zeros do not reproduce.
     std::vector<std::pair<std::string, std::string>> nameBytes_;
     std::vector<std::string> nanBits_; ///< of every NaN of the record, in member order
 };
@@ -89,6 +95,7 @@ class JsonRecordReader {
   public:
     JsonRecordReader(const JsonRecord &record, const JsonReadRules &rules);
 
+    // Each function down to Finish is the counterpart of the writer's function of the same name.
     template <typename T> void Field(std::string_view name, T &value) {
         if (!Read(Require(name), value))
             Fail(name, "expected " + Expected<T>());
@@ -169,10 +176,10 @@ class JsonRecordReader {
 
     const JsonRecord &record_;
     const JsonReadRules &rules_;
-    std::size_t object_ = 0; ///< node whose members are read
-    std::string_view group_; ///< name of object_; empty: the record itself
-    std::vector<std::uint32_t> nanBits_;
-    std::size_t nans_ = 0; ///< NaNs read so far
+    std::size_t object_ = 0;             ///< node whose members are read
+    std::string_view group_;             ///< name of object_; empty: the record itself
+    std::vector<std::uint32_t> nanBits_; ///< from kJsonNanBits; empty: all NaNs are the usual one
+    std::size_t nanCount_ = 0;           ///< NaNs read so far
 };
 
 /// Parses hexadecimal text. False: an odd number of digits or any other character.

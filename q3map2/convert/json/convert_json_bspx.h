@@ -20,7 +20,7 @@ struct JsonLump {
     void (*write)(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
     /// Reads it into its member. Errors: Error with file, member and what was expected.
     void (*read)(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
-    /// False: the lump stays in hexadecimal, after a warning if it is damaged. Null: it never does.
+    /// False: the lump stays in hexadecimal, after a warning if it is damaged. Null: every lump fits.
     bool (*fitsFile)(const Bsp &bsp, Log &log);
     /// Reads what stayed in hexadecimal. Errors: Error without names.
     void (*readBytes)(std::span<const std::byte> bytes, Bsp &bsp);

@@ -10,7 +10,7 @@ namespace q3 {
 
 namespace {
 
-/// A point of the SH light grid takes at least this many bytes of text: 27 digits, commas and brackets.
+/// A point of the SH light grid takes at least this many bytes of text: 27 digits, 26 commas and 20 brackets are 73.
 constexpr std::uintmax_t kMinPointText = 72;
 
 template <typename Record> void WriteGridRecord(JsonWriter &writer, const Game &game, Record record) {
@@ -43,6 +43,7 @@ std::int32_t CountPoints(const std::filesystem::path &path, const LightGridSH &g
     for (const std::int32_t bound : bounds) {
         if (bound < 1)
             throw Error("{}: header: gridBounds: expected 3 integers of at least 1", path.string());
+        // Limited, so that the next factor cannot overflow: no int32 counts more points.
         product = std::min<std::uint64_t>(product * std::uint64_t(bound), std::uint64_t(1) << 31);
     }
     if (product != grid.points.size())
@@ -72,13 +73,13 @@ void WriteJsonGridSH(const std::filesystem::path &path, const Bsp &bsp, const Ga
 
 void ReadJsonGridSH(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {
     LightGridSH grid;
-    bool header = false, points = false;
+    bool hasHeader = false, hasPoints = false;
     ReadJsonRecords(path, kJsonGridSHPoints, [&](const JsonRecord &source) {
         if (source.inList) {
-            points = true;
+            hasPoints = true;
             ReadGridRecord(source, rules, grid.points.emplace_back());
         } else if (source.name == kJsonGridSHHeader) {
-            if (std::exchange(header, true))
+            if (std::exchange(hasHeader, true))
                 source.Fail("is given twice");
             ReadGridRecord(source, rules, grid.header);
             Reserve(path, grid);
@@ -86,9 +87,9 @@ void ReadJsonGridSH(const std::filesystem::path &path, const JsonReadRules &rule
             source.Fail("expected an array");
         }
     });
-    if (!header)
+    if (!hasHeader)
         throw Error("{}: {}: missing", path.string(), kJsonGridSHHeader);
-    if (!points)
+    if (!hasPoints)
         throw Error("{}: {}: missing or empty", path.string(), kJsonGridSHPoints);
     grid.header.numPoints = CountPoints(path, grid);
     bsp.gridSH = std::move(grid);

@@ -70,6 +70,7 @@ class RnmJsonReader {
     }
 
   private:
+    /// Reads one top-level member, or one color.
     void Take(const JsonRecord &source) {
         if (source.inList) {
             codes_.push_back(ReadCode(source, rules_));
@@ -79,19 +80,19 @@ class RnmJsonReader {
                 source.Fail(fmt::format("expected \"{}\" or \"{}\"", kJsonRnmRaw, kJsonRnmRescaled));
             rnm_.header.storage = word == kJsonRnmRaw ? RnmStorage::Raw : RnmStorage::Rescaled;
         } else if (source.name == kJsonRnmSide) {
-            rnm_.header.side = std::uint32_t(Whole(source, source.nodes[0], std::int32_t(kMaxRnmSide)));
+            rnm_.header.side = std::uint32_t(IntegerUpTo(source, source.nodes[0], std::int32_t(kMaxRnmSide)));
         } else if (source.name == kJsonRnmPages) {
             if (source.nodes[0].kind != JsonNode::Array)
                 source.Fail("expected an array");
             for (std::size_t at = 1; at < source.nodes.size(); ++at)
-                rnm_.pages.push_back({Whole(source, source.nodes[at], INT32_MAX), {}});
+                rnm_.pages.push_back({IntegerUpTo(source, source.nodes[at], INT32_MAX), {}});
             rnm_.header.pageCount = std::uint32_t(rnm_.pages.size());
         } else if (source.name == kJsonCodes) {
             source.Fail("expected an array");
         }
     }
 
-    static std::int32_t Whole(const JsonRecord &source, const JsonNode &node, std::int32_t most) {
+    static std::int32_t IntegerUpTo(const JsonRecord &source, const JsonNode &node, std::int32_t most) {
         if (node.kind != JsonNode::Integer || node.integer < 0 || node.integer > most)
             source.Fail(fmt::format("expected an integer in 0..{}", most));
         return std::int32_t(node.integer);

@@ -120,13 +120,13 @@ void WriteProp(JsonWriter &writer, const PropLight &light, const bspPropLight_t 
 
 bool PropsFitJson(const Bsp &bsp, Log &log) {
     const PropLight &light = *bsp.propLight;
-    // PropLight.json must not be empty, so a lump without props stays in hexadecimal.
     std::string fault = PropLightFault(bsp);
     if (fault.empty() && !light.props.empty() &&
         light.props.back().entity > INT32_MAX) // entities are in ascending order
         fault = fmt::format("entity {}, expected at most {}", light.props.back().entity, INT32_MAX);
     if (!fault.empty())
         log.Warn(kBspxPropLight, "BSPX lump {} stays in hexadecimal: {}", kBspxPropLight, fault);
+    // PropLight.json must not be empty, so a lump without props stays in hexadecimal.
     return fault.empty() && !light.props.empty();
 }
 

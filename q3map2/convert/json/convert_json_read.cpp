@@ -166,6 +166,7 @@ void JsonFilter::EmitHeldComma(char next) {
         return;
     heldComma_ = false;
     const bool closes = next == '}' || next == ']';
+    // After anything but a value the parser gets the comma and reports it.
     const bool afterValue = std::string_view("[{:,").find(previous_) == std::string_view::npos;
     if (closes && afterValue)
         return;
@@ -240,7 +241,8 @@ class RecordBuilder {
     bool number_float(double value, const std::string &token) {
         JsonNode &node = Add(JsonNode::Real);
         const auto result = std::from_chars(token.data(), token.data() + token.size(), node.real);
-        if (result.ec == std::errc::result_out_of_range && std::abs(value) < 1)
+        if (result.ec == std::errc::result_out_of_range &&
+            std::abs(value) < 1) // too near to 0 for a float; others are too large
             node.real = float(value);
         else if (result.ec != std::errc())
             node.kind = JsonNode::Other;

@@ -93,6 +93,7 @@ class JsonFilterIterator {
 
 /// One value of a record; the children of objects and arrays follow it.
 struct JsonNode {
+    /// Other: null, true, false, and numbers too large for a float.
     enum Kind : std::uint8_t { Object, Array, Integer, Real, Text, Other };
     Kind kind = Other;
     std::size_t nameAt = 0, nameLength = 0; ///< of a member, in JsonRecord::chars
@@ -109,7 +110,7 @@ struct JsonRecord {
     std::string file;            ///< path, for messages
     std::string name;            ///< of the top-level member
     bool inList = false;         ///< an element of the list `name`
-    std::size_t index = 0;       ///< index among the records of that kind
+    std::size_t index = 0;       ///< among the top-level members, or among the elements of the list
     std::vector<JsonNode> nodes; ///< the first is the record itself
     std::string chars;           ///< names and texts
 

@@ -162,7 +162,7 @@ template <typename JsonArchive> void Describe(JsonArchive &a, bspGridPointSH_t &
     a.Whole(point.coeffs);
 }
 
-/// An E5BGR9 color: mantissas of red, green and blue, and the exponent.
+/// An E5BGR9 color: from the lowest bit, mantissas of red, green and blue of 9 bits each, and 5 bits of exponent.
 struct JsonE5bgr9 {
     std::uint32_t code = 0;
 };

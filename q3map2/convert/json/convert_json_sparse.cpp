@@ -56,7 +56,7 @@ std::vector<SparseGridNode> SparseNodes(const JsonRecord &source) {
             source.Fail(fmt::format("expected integers in 0..{}", UINT8_MAX));
         return std::uint8_t(node.integer);
     };
-    std::vector<SparseGridNode> nodes;
+    std::vector<SparseGridNode> nodes; // NumberSparseNodes sets their first two members
     for (std::size_t at = 1; at + kNodeNumbers <= source.nodes.size(); at += kNodeNumbers)
         nodes.push_back({0, 0, byte(at), byte(at + 1), byte(at + 2), byte(at + 3)});
     return nodes;
@@ -96,7 +96,7 @@ void WriteJsonSparseGrid(const std::filesystem::path &path, const Bsp &bsp, cons
 
 void ReadJsonSparseGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {
     SparseGridSH grid;
-    bool header = false;
+    bool hasHeader = false;
     const auto read = [&](const JsonRecord &source, auto &record) {
         JsonRecordReader archive(source, rules);
         DescribeSparse(archive, record);
@@ -106,7 +106,7 @@ void ReadJsonSparseGrid(const std::filesystem::path &path, const JsonReadRules &
         if (source.inList) {
             read(source, grid.points.emplace_back());
         } else if (source.name == kJsonGridSHHeader) {
-            if (std::exchange(header, true))
+            if (std::exchange(hasHeader, true))
                 source.Fail("is given twice");
             bspSparseGridHeader_t head;
             read(source, head);
@@ -122,7 +122,7 @@ void ReadJsonSparseGrid(const std::filesystem::path &path, const JsonReadRules &
             source.Fail("expected an array");
         }
     });
-    if (!header || grid.nodes.empty())
+    if (!hasHeader || grid.nodes.empty())
         throw Error("{}: {} or {}: missing or empty", path.string(), kJsonGridSHHeader, kJsonSparseNodes);
     NumberSparseNodes(grid);
     CheckSparseGrid(grid, path.string());

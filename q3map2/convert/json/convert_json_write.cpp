@@ -13,9 +13,9 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kFlushBytes = 1 << 18;
-constexpr std::size_t kIndent = 4;
-// Numbers from 1e-6 up to 21 digits before the point are written without an exponent.
+constexpr std::size_t kFlushBytes = 1 << 18; ///< text is written to the file in blocks of at least this size
+constexpr std::size_t kIndent = 4;           ///< blanks
+// Numbers from 1e-6 up to 21 digits before the point are written without an exponent: ECMA-262, Number::toString.
 constexpr int kMaxPlainDigits = 21, kMinPlainPoint = -6;
 constexpr std::string_view kHexDigits = "0123456789abcdef";
 

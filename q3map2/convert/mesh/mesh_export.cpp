@@ -133,7 +133,7 @@ class MeshSceneBuilder {
         MeshMaterial &material = scene_.materials.emplace_back();
         material.name = MeshName(name);
         material.color = library_.GetWithImage(name).color;
-        material.isShaderName = options_.shadersAsBitmap;
+        material.isNamedByShader = options_.shadersAsBitmap;
         if (options_.shadersAsBitmap) {
             material.image = material.name;
         } else {
@@ -142,7 +142,7 @@ class MeshSceneBuilder {
         }
     }
 
-    /// Materials of all lightmaps of the map, used or not.
+    /// Finds the lightmaps of the map and adds a material for each, used or not.
     void FindLightmaps() {
         const auto script =
             bspPath_.parent_path().parent_path() / options_.shaderFolder / fmt::format("q3map2_{}.shader", scene_.name);
@@ -356,7 +356,7 @@ class AseWriter {
 
 std::string AseImage(const MeshMaterial &material) {
     std::string image = material.image;
-    if (!material.isShaderName)
+    if (!material.isNamedByShader)
         std::ranges::replace(image, '/', '\\');
     return image;
 }

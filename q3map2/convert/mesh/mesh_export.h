@@ -64,7 +64,7 @@ struct MeshMaterial {
     std::string name;
     Vec3f color{1, 1, 1}; ///< diffuse, largest component 1
     std::string image; ///< path with '/', relative to the folder of the map or as MeshExportOptions says; may be empty
-    bool isShaderName = false; ///< the image is named by its shader, so there is no path to turn into that of a system
+    bool isNamedByShader = false; ///< `image` is a shader name, not a path: its '/' stay in every format
 };
 
 /// A vertex of a model file.

@@ -118,11 +118,11 @@ void DrawSphere(Canvas &canvas, float x, float y, float radius, const View &view
             for (int sample = 0; sample < kSubsamples * kSubsamples; sample++) {
                 const float u = float(column) + (float(sample % kSubsamples) + 0.5f) / kSubsamples - x;
                 const float v = float(row) + (float(sample / kSubsamples) + 0.5f) / kSubsamples - y;
-                const float height = radius * radius - u * u - v * v;
-                if (height < 0)
+                const float squaredHeight = radius * radius - u * u - v * v;
+                if (squaredHeight < 0)
                     continue;
                 covered++;
-                sum += light((view.right * u - view.up * v + view.toCamera * std::sqrt(height)) / radius);
+                sum += light((view.right * u - view.up * v + view.toCamera * std::sqrt(squaredHeight)) / radius);
             }
             if (covered > 0)
                 canvas.Blend(column, row, ToDisplay(sum / float(covered)),

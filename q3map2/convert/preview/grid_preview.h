@@ -12,7 +12,8 @@
 
 namespace q3 {
 
-/// Colors of the picture are display values (sRGB) in 0..1.
+/// A picture to draw on. Positions and sizes are in pixels from the top left corner; colors are display values (sRGB)
+/// in 0..1.
 class Canvas {
   public:
     static constexpr int kGlyphWidth = 6, kGlyphHeight = 7; ///< pixels at scale 1, space between letters included

@@ -31,6 +31,7 @@ std::optional<SparseCell> SparseCellAt(const SparseGridSH &grid, const Vec3f &po
         root += stride * std::size_t(cell.low[axis] >> grid.levels);
         stride *= std::size_t(grid.roots[axis]);
     }
+    // A node's octants are nodes or cells. `inner` has the bit of each that is a node; these are stored in a row.
     const SparseGridNode *node = &grid.nodes[root];
     for (cell.size = grid.levels - 1;; --cell.size) {
         const auto bit = [&](std::size_t axis) { return unsigned(cell.low[axis] >> cell.size & 1); };
@@ -79,7 +80,7 @@ SHPreview::SHPreview(const Bsp &bsp) {
         throw Error("the map has no SH light grid to show: light it with -sh first");
     }
     const Entity world = StoredWorld(bsp.entities);
-    radiance_ = world.Value(kGridSHKey) == kRadiance;
+    needsConvolution_ = world.Value(kGridSHKey) == kRadiance;
     shgrid_tone tone;
     if (world.Has(kToneKey) && shgrid_parse_tone(std::string(world.Value(kToneKey)).c_str(), &tone) == SHGRID_OK)
         tone_ = tone;
@@ -89,7 +90,7 @@ SHSample SHPreview::At(const Vec3f &position) const {
     const float at[3] = {position.x, position.y, position.z};
     SHSample sample{{}, tone_};
     shgrid_sample(&grid_, at, &sample.coeffs);
-    if (radiance_)
+    if (needsConvolution_)
         shgrid_convolve(&sample.coeffs);
     return sample;
 }

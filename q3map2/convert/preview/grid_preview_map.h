@@ -51,7 +51,7 @@ class SHPreview {
   private:
     std::vector<std::byte> sparseLump_;
     shgrid_grid grid_{};
-    bool radiance_ = false; ///< not convolved yet
+    bool needsConvolution_ = false; ///< the coefficients are radiance
     std::optional<shgrid_tone> tone_;
 };
 
@@ -60,6 +60,7 @@ struct LegacySample {
     Vec3f ambient, directed;
     Vec3f direction; ///< toward the light, unit or zero
 };
+/// Light on a surface with this unit normal; 1.0 is byte 255. Unclamped.
 Vec3f LightOn(const LegacySample &sample, const Vec3f &normal);
 
 /// The legacy grid as an engine blends it: corners without ambient light are left out, the rest is renormalized.

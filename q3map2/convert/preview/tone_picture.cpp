@@ -11,7 +11,7 @@ namespace q3 {
 namespace {
 
 constexpr std::string_view kFilmic = "filmic";
-constexpr double kMostStops = 64;
+constexpr double kMostStops = 64;   ///< limit of -exposure, chosen
 constexpr float kMostLight = 1e30f; ///< infinity becomes this, so that ratios of channels stay numbers
 
 /// The ACES curve as fitted by Narkowicz, "ACES Filmic Tone Mapping Curve", 2016: 0.8 at 1, never above 1.

@@ -95,6 +95,7 @@ Vec3d UnitStoredAs(const Vec3d &normal) {
 
 /// Whether the planes are the same once they are stored as float.
 bool AreSameStored(const Plane &a, const Plane &b) {
+    // HalfStep / 2 is at most half the distance from the float b.dist to the next one.
     return Vec3f(a.normal) == Vec3f(b.normal) &&
            std::abs(a.dist - b.dist) <= std::max(kSameDistance, HalfStep(b.dist) / 2);
 }
@@ -320,6 +321,7 @@ void Decompiler::WriteEntity(const Entity &entity, std::size_t number) {
         const TextureSamples samples(bsp_, *model, context_.shaders, context_.options.distanceEpsilon);
         for (const std::size_t brush : SourceOrder(record))
             WriteBrush(brush, *model, origin, samples);
+        // A compiler writes the patch that it read last first.
         for (std::int32_t i = record.numBSPSurfaces - 1; i >= 0; --i)
             WritePatch(std::size_t(record.firstBSPSurface + i), origin);
     }
@@ -422,7 +424,7 @@ SideWords Decompiler::WordsOfSide(const RebuiltSide &side, const Vec3d &origin, 
     for (Vec3d &p : corners)
         p += origin;
     const PlanePoints points = PointsOfPlane(moved, corners);
-    SideWords words{points.points, std::string(WithoutTextures(side.shader)), {}, {contents, 0, 0}};
+    SideWords words{points.points, std::string(WithoutTexturesFolder(side.shader)), {}, {contents, 0, 0}};
     ++sideCount_;
     if (IsUnnamed(side.shader))
         words.shader = kUnnamedTexture;
@@ -449,7 +451,7 @@ void Decompiler::WritePatch(std::size_t surface, const Vec3d &origin) {
         return;
     const std::string_view name = FieldName(bsp_.shaders[std::size_t(record.shaderNum)].shader);
     const GeometryDirectives &directives = context_.shaders.Get(name).geometry;
-    PatchWords patch{.shader = std::string(WithoutTextures(name)),
+    PatchWords patch{.shader = std::string(WithoutTexturesFolder(name)),
                      .header = {"0", "0", "0"},
                      .width = record.patchWidth,
                      .height = record.patchHeight};

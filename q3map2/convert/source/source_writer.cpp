@@ -38,7 +38,7 @@ std::string NameToken(std::string_view name) {
 
 } // namespace
 
-std::string_view WithoutTextures(std::string_view shader) {
+std::string_view WithoutTexturesFolder(std::string_view shader) {
     constexpr std::string_view folder = "textures/";
     return StartsWithNoCase(shader, folder) ? shader.substr(folder.size()) : shader;
 }
@@ -164,7 +164,8 @@ void SourceConverter::OnBrush(int primitive, const std::string &first) {
 SideWords SourceConverter::WordsOfSide(const BrushSide &side, const SideText &text,
                                        std::span<const Vec3d> winding) const {
     SideWords words;
-    words.shader = text.hasPoints ? std::string_view(text.shader) : WithoutTextures(text.shader);
+    // Readers add "textures/" to every name, except that in brushDef3, which has no points, it may be there already.
+    words.shader = text.hasPoints ? std::string_view(text.shader) : WithoutTexturesFolder(text.shader);
     words.flags = text.flags;
     for (std::size_t i = 0; i < 3; ++i)
         words.points[i] = PointText(text.points[i]);
@@ -204,7 +205,7 @@ void SourceConverter::OnPatch(int primitive, bool hasTolerances) {
     std::optional<Patch> patch = primitives_.ReadPatch(&text);
     if (!patch)
         return;
-    writer_.WritePatch(primitive, {.shader = std::string(WithoutTextures(text.shader)),
+    writer_.WritePatch(primitive, {.shader = std::string(WithoutTexturesFolder(text.shader)),
                                    .hasTolerances = hasTolerances,
                                    .header = std::move(text.header),
                                    .width = patch->width,

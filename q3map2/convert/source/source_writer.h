@@ -52,7 +52,7 @@ class SourceWriter {
 };
 
 /// The name without a leading "textures/", which readers of map text add.
-std::string_view WithoutTextures(std::string_view shader);
+std::string_view WithoutTexturesFolder(std::string_view shader);
 
 /// The text of a map with the texture axes of all sides in one form. Everything else stays: entities, keys, the order
 /// and the points of brushes, flags, patches, groups, origin brushes. Warns of textures that the form cannot hold.

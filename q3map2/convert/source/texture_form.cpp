@@ -312,6 +312,8 @@ struct PlaneFactors {
 };
 
 PlaneFactors FactorsOnPlane(const std::array<double, 4> &row, const Plane &plane, const ProjectionAxes &axes) {
+    // On the plane, a multiple of its normal only adds a constant. Subtracts the one that leaves a vector in the span
+    // of s and t.
     const Vec3d vector{row[0], row[1], row[2]}, across = Cross(axes.s, axes.t);
     const double alongNormal = Dot(across, vector) / Dot(across, plane.normal);
     const Vec3d within = vector - plane.normal * alongNormal;

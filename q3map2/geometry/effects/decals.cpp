@@ -15,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxProjectors = 1024; ///< of a map
+constexpr std::size_t kMaxProjectors = 1024; ///< of a map; limit of this program, chosen
 constexpr std::string_view kLostDecal = "decal without surface";
 constexpr double kMinDistance = 0.125;    ///< from a decal to its target, game units
 constexpr double kClipEpsilon = 0.0625;   ///< game units
@@ -65,7 +65,8 @@ Plane PlaneAt(const Vec3d &normal, const Vec3d &point) {
     return {unit, Dot(unit, point)};
 }
 
-/// Sets the prism of a triangle extruded by the vector `projection`; its planes face outward.
+/// Sets the prism of a triangle extruded by the vector `projection`; its planes face outward. False: the vector is
+/// parallel to the triangle.
 bool MakeProjector(std::array<DrawVert, 3> verts, const Vec3f &origin, const Vec3d &projection,
                    DecalProjector &projector) {
     std::array<Vec3d, 3> corners;
@@ -152,10 +153,11 @@ std::optional<Vec3d> ProjectionOf(const MapEntity &entity, const Map &map, const
 
 // ---- Decals on surfaces: the parts of their polygons in a projector ----
 
+/// A face or a triangle of a surface, or what is left of it in a prism.
 struct DecalFragment {
     Polygon polygon;
     Plane plane;
-    int planeNum = -1;
+    int planeNum = -1; ///< in the plane table; -1: unknown
 };
 
 DecalFragment TriangleFragment(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
@@ -309,13 +311,14 @@ void WarnOfLostDecals(const std::vector<DecalProjector> &projectors, const BspCo
     for (auto first = projectors.begin(); first != projectors.end();) {
         const auto end = std::find_if_not(first, projectors.end(),
                                           [&](const DecalProjector &other) { return isOfPatch(*first, other); });
+        const double depth = first->planes[0].dist + first->planes[1].dist; // front and back face away from each other
         if (std::none_of(first, end, [](const DecalProjector &projector) { return projector.hit; }))
             context.WarnAt(
                 kLostDecal, first->entity, first->primitive,
                 fmt::format("the patch of the _decal hits no surface and makes no decal: no surface that takes "
                             "marks faces it within the distance of its target, {:.4g} units; put the target "
                             "behind the surface",
-                            first->planes[0].dist + first->planes[1].dist));
+                            depth));
         first = end;
     }
 }

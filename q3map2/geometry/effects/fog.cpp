@@ -170,7 +170,9 @@ Boundsf BoundsOf(const DrawSurface &surface) {
 }
 
 struct FogCounts {
-    int polygons = 0, patches = 0, fogged = 0;
+    int polygons = 0; ///< parts of faces outside a fog
+    int patches = 0;  ///< cuts of patches
+    int fogged = 0;   ///< surfaces in a fog
 };
 
 /// Cuts the surfaces of the world at one fog brush and sets fogNum of the parts inside.
@@ -216,7 +218,7 @@ class WorldFogger {
     }
 
     /// Appends a face of the same brush side as surface `number` and returns its index.
-    std::size_t Fragment(std::size_t number, const Polygon &w) {
+    std::size_t AppendFragment(std::size_t number, const Polygon &w) {
         const DrawSurface original = geometry_.surfaces[number];
         const std::size_t made =
             std::size_t(MakeFaceSurface(map_.World(), original.brush, original.side, w, geometry_, planes_, context_));
@@ -238,6 +240,7 @@ class WorldFogger {
         const int planeNum = geometry_.surfaces[number].planeNum;
         std::vector<Polygon> outside;
         for (const BrushSide &side : brush.sides) {
+            // A face in the plane of a side is inside if it faces into the brush, else outside.
             if (side.planeNum < 0 || (planeNum >= 0 && side.planeNum == OppositePlane(planeNum)))
                 continue;
             if (side.planeNum == planeNum)
@@ -252,15 +255,15 @@ class WorldFogger {
         if (outside.empty() || geometry_.surfaces[number].brush < 0)
             return true;
         for (const Polygon &w : outside)
-            Fragment(number, w);
+            AppendFragment(number, w);
         counts.polygons += int(outside.size());
-        const std::size_t rest = Fragment(number, inside);
+        const std::size_t rest = AppendFragment(number, inside);
         geometry_.surfaces[number] = std::move(geometry_.surfaces[rest]);
         geometry_.surfaces.pop_back();
         return true;
     }
 
-    /// At the bottom and the top of the brush only.
+    /// Cuts the patch at the bottom and the top of the brush only.
     bool CutPatch(std::size_t number, const Brush &brush) {
         constexpr std::size_t kBottom = 4, kTop = 5; // numbers of sides, see Brush
         for (std::size_t i = kBottom; i <= kTop && i < brush.sides.size(); ++i) {

@@ -17,8 +17,7 @@ struct PatchCut {
 
 /// Cuts the control grid of a patch at the plane. The plane must cross every row once and between the same two columns,
 /// or every column between the same two rows; else the result is Impossible. Both parts have odd sizes, none larger
-/// than the patch. Points within
-/// `epsilon` count as behind.
+/// than the patch. Points within `epsilon` count as behind.
 PatchCut CutPatchSurface(const DrawSurface &surface, const Plane &plane, double epsilon);
 
 /// Fog volumes of the map. `defaultFog` becomes the index of the global fog, or -1 without one. Throws Error if the

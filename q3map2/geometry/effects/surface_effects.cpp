@@ -20,7 +20,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMaxCopyDepth = 16; ///< of copies of copies
+constexpr int kMaxCopyDepth = 16; ///< of copies of copies; limit of this program, chosen
 
 DrawSurface CopyOf(const DrawSurface &surface, const ShaderInfo &shader) {
     DrawSurface copy = surface;
@@ -90,6 +90,7 @@ DrawSurface FlareAt(const Vec3f &position, const Vec3f &normal, const Vec3f &col
     return flare;
 }
 
+/// Unit vector from the light to the entity that it targets; down without one.
 Vec3f DirectionOf(const MapEntity &light, const Map &map) {
     const std::string_view name = light.pairs.Value({"target", "_target"});
     if (!name.empty())
@@ -141,7 +142,7 @@ void MakeShaderFlare(std::size_t surface, const Vec3f &origin, Geometry &geometr
 
 namespace {
 
-constexpr std::size_t kMaxInstances = 8192; ///< on one surface
+constexpr std::size_t kMaxInstances = 8192; ///< on one surface; limit of this program, chosen
 constexpr double kMinUp = 0.5;              ///< z of the normal: on steeper triangles nothing grows
 constexpr double kMinAlpha = 0.75;          ///< mean vertex alpha of a triangle on which something grows
 
@@ -229,7 +230,7 @@ void MakeFoliage(std::size_t surface, Geometry &geometry, const BspContext &cont
 
 namespace {
 
-constexpr int kMaxFurLayers = 256;
+constexpr int kMaxFurLayers = 256; ///< limit of this program, chosen
 
 /// Moves each vertex along its normal by `distance` times its alpha.
 void MoveAlongNormals(DrawSurface &surface, float distance) {

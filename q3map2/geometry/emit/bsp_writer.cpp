@@ -151,6 +151,7 @@ void BspWriter::FixSideShaders(const MapEntity &entity, const Geometry &geometry
 
 int BspWriter::EmitLeaf(const MapEntity &entity, const TreeNode &leaf, const Boundsf &bounds) {
     bspLeaf_t record{};
+    // The one leaf of a brush entity has no numbers and gets 0.
     record.cluster = leaf.opaque ? -1 : std::max(leaf.cluster, 0);
     record.area = leaf.opaque ? -1 : std::max(leaf.area, 0);
     SetBounds(bounds, record.mins, record.maxs);

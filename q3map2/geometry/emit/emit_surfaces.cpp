@@ -378,7 +378,7 @@ class VertexCache {
         entries_.front() = index;
     }
 
-    static constexpr std::size_t kSize = 16;
+    static constexpr std::size_t kSize = 16; ///< vertices
 
   private:
     bool Holds(int index) const { return std::find(entries_.begin(), entries_.end(), index) != entries_.end(); }
@@ -412,6 +412,7 @@ std::vector<int> OrderTriangles(const std::vector<int> &indexes) {
         std::array<int, kIndexesPerTriangle> triangle{corner[0], corner[1], corner[2]};
         for (const int index : triangle)
             cache.Use(index);
+        // Each begins with its smallest index; its orientation stays.
         std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
         ordered.insert(ordered.end(), triangle.begin(), triangle.end());
     }

@@ -17,7 +17,7 @@
 namespace q3 {
 
 /// Where a surface comes from and how it is processed. ForcedMeta: triangles that go through the meta step, Meta: what
-/// it makes.
+/// it makes. Bad: not written. Shader: a kind of .srf files that no step makes.
 enum class SurfaceKind { Bad, Face, Patch, Triangles, ForcedMeta, Meta, FogHull, Decal, Flare, Foliage, Shader };
 
 /// One draw surface. Indexes are relative to its first vertex. Faces are polygons until they are triangulated.
@@ -32,7 +32,7 @@ struct DrawSurface {
     bool planar = false;       ///< all vertices are in one plane
     int fogNum = -1;           ///< index in Geometry::fogs; -1: none
     Vec3f lightmapAxis;        ///< zero: none
-    int sampleSize = 0;        ///< 0: lit at vertices
+    int sampleSize = 0;        ///< edge of a luxel, game units; 0: lit at vertices
     /// As in the .bsp: the normal of a planar surface is the last; patches have the bounds of their level of detail
     /// first, flares their color.
     std::array<Vec3f, 3> lightmapVecs{};

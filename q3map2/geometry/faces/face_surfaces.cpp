@@ -138,7 +138,7 @@ int MakeFaceSurface(const MapEntity &entity, int brush, int side, const Polygon 
     surface.shader = from.shader;
     surface.settings = solid.settings;
     surface.brush = brush, surface.side = side, surface.primitive = solid.primitive;
-    surface.planeNum = IsBackFace(from, w, planes) ? from.planeNum ^ 1 : from.planeNum;
+    surface.planeNum = IsBackFace(from, w, planes) ? OppositePlane(from.planeNum) : from.planeNum;
     surface.planar = true;
     const Vec3f normal(planes[surface.planeNum].normal);
     for (const Vec3f &p : w) {

@@ -32,9 +32,9 @@ struct MetaTriangle {
     std::array<int, 3> verts{}; ///< indexes in Verts(), clockwise seen from the front
     int key = 0;                ///< index in Keys()
     int surface = 0;            ///< index in Geometry::surfaces of its source
-    int planeNum = -1;
+    int planeNum = -1;          ///< of a planar source; -1: not in the plane table
     Plane plane;
-    Vec3f lightmapAxis;
+    Vec3f lightmapAxis; ///< zero: lit at its vertices
 };
 
 /// The triangles of an entity's faces and ForcedMeta surfaces, with shared vertices, before they are merged.

@@ -130,7 +130,7 @@ struct Edge {
     Vec3d direction{};
     double length = 0;
     bool isAxial = false;
-    int line = -1;
+    int line = -1; ///< index in EdgeLines; -1: not there yet
 };
 
 struct RepairCounts {

@@ -136,7 +136,7 @@ class PolygonMerger {
 
     std::vector<Vec3f> positions_;
     std::vector<ConvexPolygon> polygons_;
-    std::unordered_map<std::uint64_t, std::size_t> edges_;
+    std::unordered_map<std::uint64_t, std::size_t> edges_; ///< by directed Edge: the polygon that it bounds
 };
 
 } // namespace
@@ -159,6 +159,7 @@ struct Extrusion {
     Boundsd bounds;    ///< of the model
 };
 
+/// Whether the flags combine to one shape; with other combinations no clip brushes are made.
 bool IsKnownMode(unsigned mode) {
     constexpr unsigned up = kModelClipUp, down = kModelClipDown, terrain = kModelClipTerrain;
     constexpr std::array<unsigned, 8> plain{0,

@@ -15,7 +15,7 @@
 
 namespace q3 {
 
-/// Spawnflags of misc_model.
+/// Spawnflags of misc_model; their numbers are those in maps. What each does: help of the key, keys::kModelFlags.
 enum ModelFlags : unsigned {
     kModelRenameRmg = 1,
     kModelClip = 2,
@@ -44,7 +44,7 @@ struct ModelPlacement {
     SurfaceSettings settings;
     unsigned flags = 0;
     double clipDepth = 2; ///< of clip brushes behind the triangles, game units
-    ShaderRemap shaders;
+    ShaderRemap shaders;  ///< new names of the model's shaders
     int fogNum = -1;
 };
 
