@@ -14,8 +14,8 @@
 
 namespace q3 {
 
-/// A place before a surface, in the open.
-struct SurfacePlace {
+/// A place in front of a surface, in the open.
+struct PlaceInFront {
     int surface = -1; ///< draw surface
     Vec3f onSurface;
     Vec3f point; ///< on the normal there
@@ -24,19 +24,21 @@ struct SurfacePlace {
 /// A map whose light is asked for, set up as by the light stage; nothing of it changes. Keeps references.
 class Explainer {
   public:
-    /// mapText: of the map source, empty without one; mapName: its file, for lines. Errors: as LightWorld.
+    /// mapText: of the map source, empty without one; mapName: its file name, which reports give with the line of a
+    /// brush or entity. Errors: as LightWorld.
     Explainer(const Bsp &bsp, const LightInputs &inputs, const std::string &mapText, const std::string &mapName,
               const LightOptions &options, const LightmapOptions &lightmap, ShaderLibrary &library, const Game &game,
               const JobPool &jobs, Log &log);
     Explainer(const Explainer &) = delete;
     Explainer &operator=(const Explainer &) = delete;
 
+    /// Why the light at p is as it is: lights, grids and the nearest luxel.
     Explanation Explain(const Vec3f &p) const;
     /// Triangles of all surfaces with lightmaps.
     std::vector<SurfaceTriangle> LightmappedTriangles() const { return luxels_.Triangles(); }
-    /// A place before p, which is on the triangle: where a player who stands on it is lit if it is a floor, nearer
+    /// A place in front of p, which is on the triangle: where a player who stands on it is lit if it is a floor, nearer
     /// where something is in the way; none if p is covered.
-    std::optional<SurfacePlace> PlaceBefore(const SurfaceTriangle &triangle, const Vec3f &p) const;
+    std::optional<PlaceInFront> PlaceInFrontOf(const SurfaceTriangle &triangle, const Vec3f &p) const;
 
   private:
     PlaceAccount PlaceOf(const Vec3f &p) const;
@@ -55,13 +57,13 @@ class Explainer {
 
 // ---- Places all over a map ----
 
-/// Places before the lightmapped surfaces of the map, spread evenly over their area: at most `count` of them, at least
-/// one if a surface has one. They depend on nothing else.
-std::vector<SurfacePlace> PlacesBeforeSurfaces(const Explainer &explainer, std::size_t count);
+/// Places in front of the lightmapped surfaces of the map, spread evenly over their area: at most `count` of them, at
+/// least one if a surface has one. They depend on nothing else.
+std::vector<PlaceInFront> PlacesInFrontOfSurfaces(const Explainer &explainer, std::size_t count);
 
-/// The explanations of all `places` as JSON, for the viewer (docs/viewer.md): the reports, and the ways of the
+/// The explanations of all `places` as JSON, for the viewer (docs/viewer.md): the reports, and the rays to the
 /// strongest lights. map: path of the .bsp in the package; options: of the light run, to be shown.
-std::string ExplanationsJson(const Explainer &explainer, std::span<const SurfacePlace> places, std::string_view map,
+std::string ExplanationsJson(const Explainer &explainer, std::span<const PlaceInFront> places, std::string_view map,
                              std::string_view options, const JobPool &jobs);
 
 } // namespace q3

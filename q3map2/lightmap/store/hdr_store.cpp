@@ -354,6 +354,7 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
         if (options.hdr) {
             const std::vector<std::uint32_t> codes = EncodeE5bgr9(page.light);
             bsp.lightmapsE5bgr9.insert(bsp.lightmapsE5bgr9.end(), codes.begin(), codes.end());
+            // Zeros in the place of the page of directions, so that page numbers are those of the 8-bit lump.
             bsp.lightmapsE5bgr9.resize(bsp.lightmapsE5bgr9.size() + (page.directions.empty() ? 0 : page.Texels()));
         }
         if (page.HasBasis())

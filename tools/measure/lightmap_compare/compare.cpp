@@ -50,7 +50,7 @@ class Comparer {
             if (inA && inB)
                 CompareLightmaps(i);
             if (inA == inB)
-                CompareVertices(i, inA ? lightmapVertices_ : VerticesLike(i));
+                CompareVertices(i, inA ? lightmapVertices_ : VertexSumFor(i));
         }
         result_.lightmaps = lightmaps_.Summary();
         result_.surfaces = surfaces_.Summary();
@@ -104,7 +104,8 @@ class Comparer {
         result_.worst.push_back(std::move(difference));
     }
 
-    Differences &VerticesLike(std::size_t surface) {
+    /// The sum that vertices of a surface without lightmap belong to.
+    Differences &VertexSumFor(std::size_t surface) {
         if (IsUndrawn(a_.Map(), surface))
             return undrawnVertices_;
         const bool seen = !shaders_ || DrawsVertexColors(shaders_->Get(a_.ShaderOf(surface)));
@@ -203,6 +204,7 @@ std::string ToText(const Comparison &c) {
     std::string text = fmt::format("surfaces with lightmap in both {}, only in A {}, only in B {}, in neither {}\n",
                                    c.lightmapped.both, c.lightmapped.onlyA, c.lightmapped.onlyB, c.lightmapped.neither);
     text += Line("lightmap samples", c.lightmaps);
+    // A sample that is lit in B only is black in A only.
     text += fmt::format("  left out: in solids {}, without a luxel {}, black in A only {}, in B only {}, in both {}\n",
                         c.buried, c.uncovered, c.lit.onlyB, c.lit.onlyA, c.lit.neither);
     text += fmt::format("  by area: mean {:.2f}, within 8 {:.2f} %\n", c.byArea.mean, 100 * c.byArea.within8);
