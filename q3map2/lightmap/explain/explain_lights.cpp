@@ -173,8 +173,8 @@ class LightExplainer::Accounts {
             });
         // Lights that may arrive, the strongest first; then the others, the nearest first.
         const auto rank = [&](const Group &group) {
-            const bool counts = IsCandidate(group);
-            return std::tuple(counts ? 0 : 1, counts ? -MaxComponent(group.unshadowed) : 0.0f,
+            const bool mayArrive = IsCandidate(group);
+            return std::tuple(mayArrive ? 0 : 1, mayArrive ? -MaxComponent(group.unshadowed) : 0.0f,
                               DistanceOf(lights_[group.parts.front().light].light, p_));
         };
         std::ranges::stable_sort(groups_, [&](const Group &a, const Group &b) { return rank(a) < rank(b); });
@@ -303,7 +303,7 @@ std::vector<LightAccount> LightExplainer::AtLuxel(const std::vector<PreparedLigh
         Vec3f sum;
         float count = 0;
         for (std::size_t i = 0; i < receivers.size(); ++i)
-            if (receivers[i].counts)
+            if (receivers[i].inMean)
                 sum += values[i], ++count;
         return count > 0 ? sum / count : sum;
     };

@@ -146,7 +146,7 @@ nlohmann::json Json(const Spread &s) {
     return json;
 }
 
-nlohmann::json Json(const Sides &s) {
+nlohmann::json Json(const PresenceCounts &s) {
     return {{"both", s.both}, {"onlyA", s.onlyA}, {"onlyB", s.onlyB}, {"neither", s.neither}};
 }
 
@@ -158,9 +158,9 @@ nlohmann::json Json(const Vec3d &v) {
 
 void Differences::Add(const Vec3d &a, const Vec3d &b) {
     const Vec3d d = a - b;
-    colors_ = true;
+    hasColors_ = true;
     sum_ += (std::abs(d.x) + std::abs(d.y) + std::abs(d.z)) / 3;
-    signed_ += (d.x + d.y + d.z) / 3;
+    signedSum_ += (d.x + d.y + d.z) / 3;
     largest_.push_back(float(std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)})));
 }
 
@@ -186,8 +186,8 @@ Spread Differences::Summary() const {
     std::sort(sorted.begin(), sorted.end());
     const auto at = [&](double share) { return double(sorted[std::size_t(std::ceil(share * double(s.count))) - 1]); };
     s.mean = sum_ / double(s.count);
-    if (colors_)
-        s.bias = signed_ / double(s.count);
+    if (hasColors_)
+        s.bias = signedSum_ / double(s.count);
     s.within8 =
         double(std::upper_bound(sorted.begin(), sorted.end(), float(kCloseSample)) - sorted.begin()) / double(s.count);
     s.percentile95 = at(0.95), s.percentile99 = at(0.99), s.worst = sorted.back();
