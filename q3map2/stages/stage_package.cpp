@@ -242,7 +242,7 @@ std::string ExplainPlaces(const Bsp &bsp, const fs::path &bspPath, const LightRu
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
     std::string text;
     WithExplainer(bsp, bspPath, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &jobs) {
-        const std::vector<SurfacePlace> places = PlacesInFrontOfSurfaces(explainer, std::size_t(options.places));
+        const std::vector<PlaceInFront> places = PlacesInFrontOfSurfaces(explainer, std::size_t(options.places));
         text = ExplanationsJson(explainer, places, PathInPackage(bspPath), lightWords, jobs);
         log.Count(places.size(), "places explained");
     });

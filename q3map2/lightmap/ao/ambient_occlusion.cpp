@@ -247,8 +247,9 @@ const AmbientOcclusion::Nearby &AmbientOcclusion::AllBlockers() const {
 
 void AmbientOcclusion::Dirt(std::span<const OcclusionReceivers> blocks, std::vector<Lanes> &dirt,
                             RayCounts &counts) const {
+    // BlockerTriangles are those of shadow group 1.
     const auto mayUseNearby = [](const OcclusionReceivers &receivers) {
-        return receivers.receiveShadows == 1 && !receivers.vertices;
+        return receivers.receiveShadows == 1 && !receivers.atVertices;
     };
     dirt.resize(blocks.size());
     Boundsf box;
@@ -275,7 +276,7 @@ void AmbientOcclusion::Dirt(std::span<const OcclusionReceivers> blocks, std::vec
 void AmbientOcclusion::Dirt(const OcclusionReceivers &receivers, Nearby *nearby, Lanes &dirt, RayCounts &counts) const {
     constexpr auto kSolids = LightScene::BlockerKind::LegacySolids;
     const NearHitRules rules =
-        receivers.vertices ? NearHitRules{kSolids, kNearHit, 0} : NearHitRules{kSolids, kTouching, kOwnSurface};
+        receivers.atVertices ? NearHitRules{kSolids, kNearHit, 0} : NearHitRules{kSolids, kTouching, kOwnSurface};
     ReceiverFrames frames;
     SetReceiverFrames(receivers.normal, frames);
     RayPacket rays;
@@ -284,6 +285,7 @@ void AmbientOcclusion::Dirt(const OcclusionReceivers &receivers, Nearby *nearby,
         rays.live[i] = -1;
     if (nearby && nearby->solids.Count() + nearby->surfaces.Count() == 0) {
         dirt.fill(1);
+        // As traced: each ray once for solids and once for surfaces.
         counts.rays += 2 * receivers.count * dirtDirections_.size();
         return;
     }
@@ -317,7 +319,7 @@ void AmbientOcclusion::SkyVisibility(const OcclusionReceivers &receivers, float 
     for (std::size_t i = 0; i < receivers.count; ++i)
         rays.live[i] = -1;
     const NearHitRules rules{
-        receivers.vertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids, kNearHit, 0};
+        receivers.atVertices ? LightScene::BlockerKind::Solids : LightScene::BlockerKind::LegacySolids, kNearHit, 0};
     Lanes occlusion{};
     Lanes3 local{};
     for (const Vec3f &direction : floodDirections_) {

@@ -17,9 +17,9 @@ struct OcclusionReceivers {
     std::size_t count = 0;
     Lanes3 position{}, normal{};
     std::array<std::uint32_t, kPacketSize> seed{}; ///< of directions under -dirtmode 1
-    int receiveShadows = 1;
-    std::span<const int> surfaces; ///< draw surfaces that hold the receivers
-    bool vertices = false;         ///< they are vertices, not lifted off their surface
+    int receiveShadows = 1;                        ///< shadow group; 0: nothing occludes them
+    std::span<const int> surfaces;                 ///< draw surfaces that hold the receivers
+    bool atVertices = false;                       ///< at vertices, not lifted off their surface
 
     void Add(const Vec3f &at, const Vec3f &n, std::uint32_t number) {
         position.Set(count, at), normal.Set(count, n);

@@ -15,7 +15,7 @@ namespace q3 {
 /// Vertices gather at points moved this far (at most a quarter of the way) toward the center of their surface, since
 /// the edge of a surface often lies in the plane of another. Not along the normal: the center of a closed model lies
 /// inside it. Game units.
-inline constexpr float kInward = 2;
+inline constexpr float kVertexInset = 2;
 
 /// Whether the surface is lit at its vertices.
 inline bool IsLitAtVertices(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface) {
@@ -32,7 +32,7 @@ void ForVertexReceivers(const SurfaceInputs &in, const SurfaceLight &surfaces, s
     for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {
         const auto &[at, normal, st, luxel] = surfaces.verts[std::size_t(v)];
         const Vec3f offset = center - at, inward = offset - normal * Dot(offset, normal);
-        use(v, at + inward * std::min(0.25f, kInward / std::max(1.0f, Length(inward))));
+        use(v, at + inward * std::min(0.25f, kVertexInset / std::max(1.0f, Length(inward))));
     }
 }
 

@@ -146,7 +146,7 @@ namespace {
 
 /// Texels are cut into this many pieces on each axis.
 constexpr int kPieces = 2;
-/// Triangles whose doubled area in the lightmap is smaller make no patches. Square pieces.
+/// Triangles whose doubled area in the lightmap is smaller make no patches. In areas of a piece.
 constexpr float kMinTwiceArea = 1e-6f;
 
 float TwiceArea(const LuxelTriangle &t) {

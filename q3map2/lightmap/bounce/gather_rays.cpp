@@ -80,7 +80,7 @@ class OriginFinder {
         const Vec3f v = raw_.hasVectors ? raw_.step[1] : frame.up * spacing;
         Vec3f best = raw_.positions[luxel];
         int fewest = TouchesSolid(best) ? kTestRays + 1 : CountBackHitsFrom(best, frame);
-        for (const float distance : {0.25f, 0.5f})
+        for (const float distance : {0.25f, 0.5f}) // luxels
             for (const auto &[x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
                 const Vec3f aside = raw_.positions[luxel] + (u * float(x) + v * float(y)) * distance;
                 if (TouchesSolid(aside) ||

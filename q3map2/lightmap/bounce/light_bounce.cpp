@@ -173,6 +173,7 @@ std::unique_ptr<IndirectLight> Bounces::ForPoints() const {
     const auto radiosity = byStyle_.find(0);
     if (radiosity == byStyle_.end())
         return nullptr;
+    // 3 / 2: the ratio of the defaults, 96 rays from a point and 64 from a luxel.
     const int rays = in_.lightmap.bounceRays ? std::max(1, *in_.lightmap.bounceRays * 3 / 2) : PointGather::kRays;
     return std::make_unique<PointGather>(scene_, radiosity->second.rest, *radiosity->second.bright, rays);
 }

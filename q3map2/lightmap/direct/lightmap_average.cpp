@@ -148,8 +148,8 @@ void FinishLuxels(const SurfaceInputs &in, const SurfacePass &pass, SurfaceLight
 
 namespace {
 
-constexpr Vec3f kUnused{-1, -1, -1};
-constexpr Vec3f kBorderColor{255, 0, 0};
+constexpr Vec3f kUnused{-1, -1, -1};     ///< result of a luxel with no surface on it or beside it
+constexpr Vec3f kBorderColor{255, 0, 0}; ///< -border; -debug: corner of a further style
 
 /// -debug: color of luxels without a cluster.
 Vec3f NoClusterColor(int cluster) {

@@ -40,7 +40,7 @@ struct LightReach {
           envelope(light.envelope), area(light.type == LightType::Area), oneSided(!light.twoSided),
           endsAtTolerance(area && light.endsAtTolerance && !pointAreas), areaRadius(light.shape.radius + kMaxPush),
           strength(light.radiosity * light.shape.area / std::numbers::pi_v<float>), tolerance(light.tolerance) {
-        // A two-sided light is also seen from 2 units behind.
+        // Rays to the back of a two-sided light end 2 units behind `origin`: both ends are 1 unit off the polygon.
         envelope += area && light.twoSided ? 2 : 0;
     }
 };
@@ -68,6 +68,7 @@ Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSph
         const float cx = light.center.x - spheres.x[i], cy = light.center.y - spheres.y[i],
                     cz = light.center.z - spheres.z[i];
         const float near = std::sqrt(cx * cx + cy * cy + cz * cz) - r - light.areaRadius;
+        // + 1: the polygon is 1 unit behind the plane through the origin.
         const float height = std::max(std::abs(signedHeight) + r + 1, kAreaPush);
         const float most = light.strength * std::min(height, std::max(near, 0.0f)) + extraStrength;
         const std::int32_t faint = SignBits(1 - near) & SignBits(most - light.tolerance * near * near * near);

@@ -59,9 +59,9 @@ void LuxelFilter::Apply(const LuxelSurroundings &around, float radius, const std
         const std::size_t first = std::size_t(y) * std::size_t(width);
         for (int x = around.Reach(); x < width - around.Reach(); ++x)
             ForBox(around, first, 1, width, x, radius, [&](std::size_t from, float weight) {
-                const float counts = holds(from) ? weight : 0;
-                rows_[first + std::size_t(x)] += values[from] * counts;
-                rowWeight_[first + std::size_t(x)] += counts;
+                const float counted = holds(from) ? weight : 0;
+                rows_[first + std::size_t(x)] += values[from] * counted;
+                rowWeight_[first + std::size_t(x)] += counted;
             });
     }
     for (int y = around.Reach(); y < height - around.Reach(); ++y)

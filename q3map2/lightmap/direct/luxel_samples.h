@@ -38,7 +38,7 @@ class LuxelSampler {
         std::array<Vec3f, kMaxChannels> channels{};
         int depth = 1;         ///< 1 for the sample of a luxel, one more for each level of subsamples; at most -samples
         bool lit = false;      ///< light arrives
-        bool filtered = false; ///< by a shadow ray that met a transparent surface
+        bool filtered = false; ///< light arrives by a shadow ray that met a transparent surface
     };
     /// A sample of luxel (x, y) that is refined.
     struct Refinement {

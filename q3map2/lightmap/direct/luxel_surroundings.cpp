@@ -111,6 +111,7 @@ constexpr float kLift = 1, kLiftFraction = 0.125f;
 /// surface.
 constexpr float kLeastSlant = 0.1f;
 
+/// In tapOf_ and footingOf_: the cell has none.
 constexpr std::uint32_t kNone = ~std::uint32_t(0);
 
 /// Steps to the cells around one, those at its corners last.
@@ -125,14 +126,14 @@ Vec3f IntoPlane(const Vec3f &v, const Vec3f &n) {
 } // namespace
 
 /// Whether a surface was found that faces about the same way and moves together with the lightmap's own.
-bool LuxelSurroundings::Faces(const Vec3f &normal, const SurfacePlace &place) const {
+bool LuxelSurroundings::FacesAlike(const Vec3f &normal, const SurfacePlace &place) const {
     return place.surface >= 0 && Dot(normal, place.normal) >= kMostTurnCosine &&
            finder_.MoveTogether(place.surface, raw_->surfaces.front());
 }
 
 /// Whether a place that was found from `from` continues the same surface.
 bool LuxelSurroundings::Continues(const Footing &from, const SurfacePlace &place) const {
-    if (!Faces(from.normal, place))
+    if (!FacesAlike(from.normal, place))
         return false;
     // Curves are drawn as facets: the segment lies in the plane of one of them, or between both.
     const Vec3f offset = place.position - from.position;
@@ -200,7 +201,7 @@ void LuxelSurroundings::LookAtBorder(const LuxelMask &nearBorder) {
         const SurfaceFinder::Places places = finder_.FirstHits(packet, kind_);
         for (std::size_t i = 0; i < looks.size(); ++i) {
             Footing &at = footings_[looks[i].footing];
-            if (!Faces(at.normal, places[i])) { // beside the surface: nothing to walk on
+            if (!FacesAlike(at.normal, places[i])) { // beside the surface: nothing to walk on
                 footingOf_[looks[i].cell] = kNone;
                 continue;
             }

@@ -113,7 +113,7 @@ class LuxelSurroundings {
         Vec3f target; ///< in the tangent plane of `from`
         SurfacePlace found{};
     };
-    bool Faces(const Vec3f &normal, const SurfacePlace &place) const;
+    bool FacesAlike(const Vec3f &normal, const SurfacePlace &place) const;
     bool Continues(const Footing &from, const SurfacePlace &place) const;
     void Tap(std::size_t cell, const LuxelTap &tap);
     Footing FootingOf(int x, int y) const;

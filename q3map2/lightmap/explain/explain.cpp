@@ -44,16 +44,17 @@ PlaceAccount Explainer::PlaceOf(const Vec3f &p) const {
     return place;
 }
 
-std::optional<SurfacePlace> Explainer::PlaceInFrontOf(const SurfaceTriangle &triangle, const Vec3f &p) const {
+std::optional<PlaceInFront> Explainer::PlaceInFrontOf(const SurfaceTriangle &triangle, const Vec3f &p) const {
     constexpr float kPlayerOrigin = 24; // height of a player's origin over the floor. Game units
+    constexpr float kLeast = 2;         // height of the last try. Game units
     constexpr float kStart = 0.5f;      // off the surface, so that rays do not meet it. Game units
     const Vec3f from = p + triangle.normal * kStart;
-    for (const float height : {kPlayerOrigin, kPlayerOrigin / 3, 2.0f}) {
+    for (const float height : {kPlayerOrigin, kPlayerOrigin / 3, kLeast}) {
         const Vec3f point = p + triangle.normal * height;
         const ShadowRay ray{triangle.normal, height - kStart};
         if (PlaceInOpen(setup_.space, point).state == PointState::Open &&
             obstacles_.Blocking(from, {&ray, 1}, {}).empty())
-            return SurfacePlace{triangle.surface, p, point};
+            return PlaceInFront{triangle.surface, p, point};
     }
     return {};
 }
@@ -128,13 +129,13 @@ void AddCandidates(const SurfaceTriangle &triangle, float cell, std::vector<Cand
 }
 
 /// One place in each cell of a lattice for each side that surfaces face there, the nearest to the middle of the cell.
-std::vector<SurfacePlace> PlacesOfLattice(const Explainer &explainer, const std::vector<SurfaceTriangle> &triangles,
+std::vector<PlaceInFront> PlacesOfLattice(const Explainer &explainer, const std::vector<SurfaceTriangle> &triangles,
                                           float cell) {
     std::vector<Candidate> candidates;
     for (const SurfaceTriangle &triangle : triangles)
         AddCandidates(triangle, cell, candidates);
     std::ranges::stable_sort(candidates, {}, [](const Candidate &c) { return std::pair(c.key, c.fromMiddle); });
-    std::vector<SurfacePlace> places;
+    std::vector<PlaceInFront> places;
     const LatticeKey *taken = nullptr;
     for (const Candidate &candidate : candidates) {
         if (taken && *taken == candidate.key)
@@ -172,34 +173,35 @@ Json RaysOf(const std::vector<LightAccount> &lights, std::size_t most) {
 
 } // namespace
 
-std::vector<SurfacePlace> PlacesInFrontOfSurfaces(const Explainer &explainer, std::size_t count) {
+std::vector<PlaceInFront> PlacesInFrontOfSurfaces(const Explainer &explainer, std::size_t count) {
     const std::vector<SurfaceTriangle> triangles = explainer.LightmappedTriangles();
     float area = 0;
     for (const SurfaceTriangle &triangle : triangles)
         area += AreaOf(triangle);
     if (!(area > 0) || count == 0)
         return {};
-    // Coarser lattices until there are few enough places. A cell takes up to six, so some of a few must go at last.
+    // Lattices of larger and larger cells, until there are few enough places. Each cell takes up to six, one for each
+    // side, so if even the last lattice has more than `count`, only some of its places are kept.
     constexpr float kGrowth = 1.1f; // of the cell from try to try: up to a fifth of the places stays unused
-    constexpr int kTries = 24;      // which makes the cells 9 times as large
+    constexpr int kTries = 24;      // which make the cells 9.8 times as large
     float cell = std::sqrt(area / float(count));
-    std::vector<SurfacePlace> places = PlacesOfLattice(explainer, triangles, cell);
+    std::vector<PlaceInFront> places = PlacesOfLattice(explainer, triangles, cell);
     for (int i = 0; i < kTries && places.size() > count; ++i)
         places = PlacesOfLattice(explainer, triangles, cell *= kGrowth);
     if (places.size() <= count)
         return places;
-    std::vector<SurfacePlace> kept(count);
+    std::vector<PlaceInFront> kept(count);
     for (std::size_t i = 0; i < count; ++i)
         kept[i] = places[i * places.size() / count];
     return kept;
 }
 
-std::string ExplanationsJson(const Explainer &explainer, std::span<const SurfacePlace> places, std::string_view map,
+std::string ExplanationsJson(const Explainer &explainer, std::span<const PlaceInFront> places, std::string_view map,
                              std::string_view options, const JobPool &jobs) {
     std::vector<Json> list(places.size());
     jobs.For(std::int64_t(places.size()), [&](std::int64_t i, int) {
         const ReportLimits limits{.lights = 8, .nothing = 6, .sources = 4};
-        const SurfacePlace &place = places[std::size_t(i)];
+        const PlaceInFront &place = places[std::size_t(i)];
         const Explanation explanation = explainer.Explain(place.point);
         list[std::size_t(i)] = {{"at", Rounded(place.point)},
                                 {"on", Rounded(place.onSurface)},

@@ -15,7 +15,7 @@
 namespace q3 {
 
 /// A place in front of a surface, in the open.
-struct SurfacePlace {
+struct PlaceInFront {
     int surface = -1; ///< draw surface
     Vec3f onSurface;
     Vec3f point; ///< on the normal there
@@ -32,12 +32,13 @@ class Explainer {
     Explainer(const Explainer &) = delete;
     Explainer &operator=(const Explainer &) = delete;
 
+    /// Why the light at p is as it is: lights, grids and the nearest luxel.
     Explanation Explain(const Vec3f &p) const;
     /// Triangles of all surfaces with lightmaps.
     std::vector<SurfaceTriangle> LightmappedTriangles() const { return luxels_.Triangles(); }
     /// A place in front of p, which is on the triangle: 24 units away, where a player on a floor has its origin, or 8
     /// or 2 where something is in the way; none if p is covered.
-    std::optional<SurfacePlace> PlaceInFrontOf(const SurfaceTriangle &triangle, const Vec3f &p) const;
+    std::optional<PlaceInFront> PlaceInFrontOf(const SurfaceTriangle &triangle, const Vec3f &p) const;
 
   private:
     PlaceAccount PlaceOf(const Vec3f &p) const;
@@ -58,11 +59,11 @@ class Explainer {
 
 /// Places in front of the lightmapped surfaces of the map, spread evenly over their area: at most `count` of them, at
 /// least one if a surface has one.
-std::vector<SurfacePlace> PlacesInFrontOfSurfaces(const Explainer &explainer, std::size_t count);
+std::vector<PlaceInFront> PlacesInFrontOfSurfaces(const Explainer &explainer, std::size_t count);
 
 /// The explanations of all `places` as JSON, for the viewer (docs/viewer.md): the reports, and the ends of the
 /// rays to the strongest lights. map: path of the .bsp in the package; options: of the light run, to be shown.
-std::string ExplanationsJson(const Explainer &explainer, std::span<const SurfacePlace> places, std::string_view map,
+std::string ExplanationsJson(const Explainer &explainer, std::span<const PlaceInFront> places, std::string_view map,
                              std::string_view options, const JobPool &jobs);
 
 } // namespace q3

@@ -18,9 +18,11 @@ namespace {
 
 /// Obstacles are looked for between the receiver and so many of the strongest lights.
 constexpr std::size_t kMostWithObstacles = 32;
+/// A light of which a smaller share arrives is in shadow; what is missing above it is rounding.
+constexpr float kUnshadowedShare = 0.999f;
 /// Lights below this have no account of obstacles. Byte scale.
 constexpr float kLeastLight = 0.01f;
-/// ShadowRays to an area light end this far in front of it. Game units.
+/// Shadow rays to an area light end this far in front of it. Game units.
 constexpr float kEmitterGap = 0.125f;
 
 Vec3f AimOf(const Light &light) {
@@ -31,7 +33,7 @@ float DistanceOf(const Light &light, const Vec3f &p) {
     return light.type == LightType::Sun ? 0 : Length(AimOf(light) - p);
 }
 
-/// ShadowRays from a point to places of a light, as the SH grid samples it.
+/// Appends rays from a point to places of a light, as the SH grid samples it.
 void AddShadowRays(const Light &light, const Vec3f &p, std::size_t count, std::vector<ShadowRay> &shadowRays) {
     const auto add = [&](const Vec3f &to) {
         const Vec3f toLight = to - p;
@@ -51,7 +53,8 @@ void AddShadowRays(const Light &light, const Vec3f &p, std::size_t count, std::v
     }
 }
 
-/// The one ray from a luxel to a light.
+/// Appends the one ray from a luxel to a light. That to the back of a two-sided area light ends 1 unit behind the
+/// polygon, 2 units behind the origin, which is 1 unit in front of it.
 void AddLuxelShadowRay(const Light &light, const Vec3f &p, std::vector<ShadowRay> &shadowRays) {
     if (light.type != LightType::Area)
         return AddShadowRays(light, p, 1, shadowRays);
@@ -68,7 +71,7 @@ std::vector<PreparedLight> PrepareLights(const LightSetup &setup, LightPass pass
     for (const Light &given : setup.lights) {
         PreparedLight &prepared = result.emplace_back();
         Light asked = given;
-        asked.lightsGrid = asked.lightsSurfaces = true;
+        asked.lightsGrid = asked.lightsSurfaces = true; // so that it is left out by its place or reach only
         int culled = 0;
         std::vector<Light> kept =
             SetupEnvelopes({asked}, pass, setup.options, setup.space, setup.skySeenFrom, culled, fastPoint);
@@ -168,9 +171,10 @@ class LightExplainer::Accounts {
                 return std::tuple(-MaxComponent(a.unshadowed), DistanceOf(lights_[a.light].light, p_)) <
                        std::tuple(-MaxComponent(b.unshadowed), DistanceOf(lights_[b.light].light, p_));
             });
+        // Lights that may arrive, the strongest first; then the others, the nearest first.
         const auto rank = [&](const Group &group) {
-            const bool counts = IsCandidate(group);
-            return std::tuple(counts ? 0 : 1, counts ? -MaxComponent(group.unshadowed) : 0.0f, // given light first
+            const bool mayArrive = IsCandidate(group);
+            return std::tuple(mayArrive ? 0 : 1, mayArrive ? -MaxComponent(group.unshadowed) : 0.0f,
                               DistanceOf(lights_[group.parts.front().light].light, p_));
         };
         std::ranges::stable_sort(groups_, [&](const Group &a, const Group &b) { return rank(a) < rank(b); });
@@ -181,6 +185,7 @@ class LightExplainer::Accounts {
     }
 
   private:
+    /// Entity, surface, type and, for suns, photons, which the samples of one sun have in common.
     using Key = std::tuple<int, int, int, float>;
     struct Group {
         std::vector<Part> parts;
@@ -207,7 +212,7 @@ class LightExplainer::Accounts {
                                                        : LightFate::Blocked;
         if (account.fate == LightFate::InSolid)
             account.inside = of_.SolidOf(light);
-        const bool isShadowed = Luminance(group.arriving) < 0.999f * Luminance(group.unshadowed);
+        const bool isShadowed = Luminance(group.arriving) < kUnshadowedShare * Luminance(group.unshadowed);
         if (withObstacles && candidate != group.parts.end() && isShadowed && Luminance(group.unshadowed) > kLeastLight)
             account.obstacles = Obstacles(group, shadowRays, from, rules);
         return account;
@@ -298,7 +303,7 @@ std::vector<LightAccount> LightExplainer::AtLuxel(const std::vector<PreparedLigh
         Vec3f sum;
         float count = 0;
         for (std::size_t i = 0; i < receivers.size(); ++i)
-            if (receivers[i].counts)
+            if (receivers[i].inMean)
                 sum += values[i], ++count;
         return count > 0 ? sum / count : sum;
     };

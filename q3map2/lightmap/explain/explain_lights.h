@@ -23,7 +23,7 @@ std::vector<PreparedLight> PrepareLights(const LightSetup &setup, LightPass pass
 struct LuxelReceiver {
     Vec3f position, normal;
     int cluster = kSolidCluster;
-    bool counts = true; ///< for the accounts of the luxel; else only its own light is wanted
+    bool inMean = true; ///< counts in the mean over the luxel; else only its own light is wanted
 };
 
 /// Explains lights at receivers. Keeps references.
@@ -35,7 +35,7 @@ class LightExplainer {
     /// At a point in the open, by the rules of the SH grid: lights strongest first, then those that give nothing, the
     /// nearest first.
     std::vector<LightAccount> AtPoint(const std::vector<PreparedLight> &lights, const Vec3f &p, int cluster) const;
-    /// At a luxel: the mean over its receivers that count. arriving: set to the light at each receiver.
+    /// At a luxel: the mean over its receivers that are inMean. arriving: set to the light at each receiver.
     std::vector<LightAccount> AtLuxel(const std::vector<PreparedLight> &lights, const RawLightmap &lightmap,
                                       const LuxelPass &pass, std::span<const LuxelReceiver> receivers,
                                       std::vector<Vec3f> &arriving) const;

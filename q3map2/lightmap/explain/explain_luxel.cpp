@@ -196,9 +196,9 @@ void LuxelExplainer::AddSamples(const Spot &spot, const RawLightmap &raw, LuxelA
     sampler.Start(in_, raw, blocks, LuxelPassOf(in_, {}, raw));
     const int left = std::clamp(int(spot.luxel[0] / float(raw.super)), 0, raw.width - 1) * raw.super;
     const int top = std::clamp(int(spot.luxel[1] / float(raw.super)), 0, raw.height - 1) * raw.super;
-    const auto light = [&](const Vec3f &position, std::size_t luxel, int cluster, bool counts) {
+    const auto light = [&](const Vec3f &position, std::size_t luxel, int cluster, bool inMean) {
         sampleOf.push_back(account.samples.size());
-        receivers.push_back({position, raw.normals[luxel], cluster, counts});
+        receivers.push_back({position, raw.normals[luxel], cluster, inMean});
     };
     for (int y = top; y < top + raw.super; ++y)
         for (int x = left; x < left + raw.super; ++x) {

@@ -86,34 +86,34 @@ struct PlaceAccount {
 
 /// A lit point whose light a filled point took.
 struct SourceAccount {
-    Int3 point{};
-    Vec3f litFrom;
-    int group = 0;
+    Int3 point{};       ///< coordinates in the grid
+    Vec3f litFrom;      ///< its position, or the place in the open that it was moved to
+    int group = 0;      ///< visibility group of the filled point that it is in, from 0
     float fraction = 0; ///< of the filled value. 0 to 1
     float light = 0;    ///< as GridPointAccount::traced
 };
 
 /// A corner of a cell of the SH grid. Light: mean over all directions of the brightest channel, byte scale.
 struct GridPointAccount {
-    Int3 point{};
+    Int3 point{};            ///< coordinates in the grid
     std::uint32_t index = 0; ///< in the lump
     Vec3f position;
     float weight = 0; ///< in the blend at the point that is explained
     PointState placed = PointState::Exterior, state = PointState::Exterior; ///< before and after filling
-    std::optional<Vec3f> litFrom;
-    int groups = 1;                     ///< visibility groups around it
-    std::vector<SourceAccount> sources; ///< of its value, the largest fraction first
-    std::optional<Obstacle> solid;      ///< what it is in
-    float traced = 0, filled = 0, fitted = 0;
-    std::optional<float> stored; ///< in the lump
+    std::optional<Vec3f> litFrom;                                           ///< none: it is filled or black
+    int groups = 1;                                                         ///< visibility groups around it
+    std::vector<SourceAccount> sources;       ///< of its value, the largest fraction first
+    std::optional<Obstacle> solid;            ///< what it is in
+    float traced = 0, filled = 0, fitted = 0; ///< after each of these steps of this run
+    std::optional<float> stored;              ///< in the lump
 };
 
 /// A corner of a cell of the legacy grid.
 struct LegacyPointAccount {
-    Int3 point{};
+    Int3 point{}; ///< coordinates in the grid
     Vec3f position;
-    float weight = 0;
-    std::optional<Vec3f> litFrom;
+    float weight = 0;                     ///< in the blend at the point that is explained
+    std::optional<Vec3f> litFrom;         ///< none: it is in a solid
     bspGridPoint_t now{};                 ///< direct light of this run
     std::optional<bspGridPoint_t> stored; ///< in the lump
 };
@@ -132,8 +132,9 @@ struct SampleAccount {
     Vec3f light;                   ///< arriving there, byte scale
 };
 
+/// The luxel nearest to the point.
 struct LuxelAccount {
-    int surface = -1;
+    int surface = -1; ///< draw surface
     std::string shader;
     SourcePlace source;
     Vec3f center, normal; ///< on the surface

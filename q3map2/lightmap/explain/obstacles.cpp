@@ -48,12 +48,15 @@ Obstacle ObstacleFinder::OfBrush(int number, const Vec3f &at, const Vec3f &direc
     const bspBrush_t &brush = bsp.brushes[std::size_t(number)];
     Obstacle result;
     result.kind = ObstacleKind::Brush, result.number = number;
+    constexpr float kEnters = 1000;
     float best = -1e9f;
     for (int s = 0; s < brush.numSides; ++s) {
         const bspBrushSide_t &side = bsp.brushSides[std::size_t(brush.firstSide + s)];
         const bspPlane_t &plane = bsp.planes[std::size_t(side.planeNum)];
         const float height = Dot(Vec3f(plane.normal), at) - plane.dist, entering = -Dot(Vec3f(plane.normal), direction);
-        const float fit = height + (height > -kSideSlack && entering > 0 ? 1000 * entering : 0);
+        // Of the sides that the ray enters at `at`, the one that it enters most steeply; kEnters lifts them over all
+        // others.
+        const float fit = height + (height > -kSideSlack && entering > 0 ? kEnters * entering : 0);
         if (fit > best) {
             best = fit;
             result.shader = FieldName(bsp.shaders[std::size_t(side.shaderNum)].shader);
@@ -132,6 +135,7 @@ std::vector<Obstacle> ObstacleFinder::Blocking(const Vec3f &from, std::span<cons
     Lanes nearest;
     nearest.fill(rules.ofSurface ? kSurfaceIgnoreRadius : 0);
     LightScene::Blockers hits;
+    // 1: Casters are those of shadow group 1, whatever the group of the receiver.
     setup_.scene.TraceBlockers(rays, LightScene::BlockerKind::Casters, 1, nearest, hits, counts);
     float lost = 0;
     for (std::size_t i = 0; i < shadowRays.size(); ++i) {

@@ -12,7 +12,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMinPageSide = 2;
+constexpr int kMinPageSide = 2; ///< texels
 
 /// The page size given by an option; none, with a warning, unless both sides are powers of two in range.
 std::optional<std::array<int, 2>> PageSize(const std::vector<int> &given, std::string_view name, Log &log) {
@@ -84,6 +84,7 @@ namespace {
 using Group = SettingGroup<LightmapOptions>;
 using Values = SettingValues;
 
+// Largest values of the options: limits of this program, chosen.
 constexpr int kMaxSuper = 8, kMaxSamples = 64, kMaxExactSamples = 65536, kMaxBounces = 1000, kMaxBounceRays = 16384;
 constexpr int kMaxSampleSize = 16384, kMaxSearchBlock = 1 << 20, kMaxSearchPower = 20;
 constexpr SettingRange kPositive{.low = 0, .aboveLow = true}, kFraction{0, 1};

@@ -51,62 +51,62 @@ struct LightmapOptions {
     int sampleSize = 16, minSampleSize = 0; ///< -samplesize, -minsamplesize: without a surface file only
     int sampleScale = 0;                    ///< -samplescale; 0: off
     int rawSizeLimit = 0;                   ///< -rawlightmapsizelimit; 0: off
-    bool triangleCheck = false, extraVisNudge = false, dark = false;
-    bool shade = false;                               ///< smooths vertex normals
-    float shadeAngle = 0;                             ///< -shadeangle, degrees; over 0 includes shade
-    bool halfLambert = false;                         ///< -lightanglehl 1
-    bool fastPoint = true;                            ///< false: -nofastpoint
-    bool fast = false, faster = false, cheap = false; ///< of LightOptions
+    bool triangleCheck = false, extraVisNudge = false, dark = false; ///< -trianglecheck, -extravisnudge, -dark
+    bool shade = false;                                              ///< smooths vertex normals
+    float shadeAngle = 0;                                            ///< -shadeangle, degrees; over 0 includes shade
+    bool halfLambert = false;                                        ///< -lightanglehl 1
+    bool fastPoint = true;                                           ///< false: -nofastpoint
+    bool fast = false, faster = false, cheap = false;                ///< of LightOptions
 
     // Dirt.
-    bool dirty = false;
+    bool dirty = false;                ///< -dirty
     bool dirtRandom = false;           ///< -dirtmode 1
     float dirtDepth = 128;             ///< game units
     float dirtScale = 1, dirtGain = 1; ///< factor and exponent
 
     // Bounces.
-    int bounces = 0;                ///< kEndlessBounces: until little light is left
-    double bounceTime = 0;          ///< -bouncetime, seconds; 0: no limit
-    std::optional<int> bounceRays;  ///< -bouncerays, of a luxel; not given: 64, or 24 under -fast
-    bool linearReflectance = false; ///< -reflectivity linear
-    bool bounceGrid = false, bounceOnly = false;
-    float bounceScale = 0.25f;  ///< 0.25 * -bouncescale
-    float bounceColorRatio = 1; ///< 0: bounced light is gray, 1: of the texture's color
+    int bounces = 0;                             ///< kEndlessBounces: until little light is left
+    double bounceTime = 0;                       ///< -bouncetime, seconds; 0: no limit
+    std::optional<int> bounceRays;               ///< -bouncerays, of a luxel; not given: 64, or 24 under -fast
+    bool linearReflectance = false;              ///< -reflectivity linear
+    bool bounceGrid = false, bounceOnly = false; ///< -bouncegrid, -bounceonly
+    float bounceScale = 0.25f;                   ///< 0.25 * -bouncescale
+    float bounceColorRatio = 1;                  ///< 0: bounced light is gray, 1: of the texture's color
 
     // Vertices.
-    float vertexScale = 1;
-    std::optional<float> noVertex; ///< -novertex: constant light, fraction of 127.5
-    bool cpma = false, noLightmaps = false;
+    float vertexScale = 1;                  ///< -vertexscale: factor
+    std::optional<float> noVertex;          ///< -novertex: constant light, fraction of 127.5
+    bool cpma = false, noLightmaps = false; ///< -cpma, -nolm
 
     // Storing.
-    float brightness = 1;
-    float approximate = 0; ///< -approx: byte tolerance; 0: off
-    std::array<int, 2> pageSize{128, 128}, gamePageSize{128, 128};
-    std::vector<int> lightmapSize, hackSize; ///< -lightmapsize, -extlmhacksize as given; empty: not given
-    bool external = false;
-    std::string externalFolder; ///< -lightmapdir
-    bool deluxe = false, deluxeTangent = false;
-    bool collapse = true;           ///< false: -nocollapse
-    bool fastAllocate = true;       ///< false: -slowallocate
-    int searchBlock = 0;            ///< pages; 0: all
-    std::optional<int> searchPower; ///< -lightmapsearchpower
-    bool noSearch = false;          ///< -nolightmapsearch
-    bool fill = false, fillPink = false;
-    std::string macroTexture{}; ///< -macrotexture; empty: that of the world's key
-    bool exportPages = false, triangleSoup = false;
-    bool sRgbTexture = false;
+    float brightness = 1;                                          ///< -brightness: factor
+    float approximate = 0;                                         ///< -approx: byte tolerance; 0: off
+    std::array<int, 2> pageSize{128, 128}, gamePageSize{128, 128}; ///< texels: of the pages made; of the game
+    std::vector<int> lightmapSize, hackSize;        ///< -lightmapsize, -extlmhacksize as given; empty: not given
+    bool external = false;                          ///< pages are images beside the map
+    std::string externalFolder;                     ///< -lightmapdir
+    bool deluxe = false, deluxeTangent = false;     ///< -deluxe; -deluxemode 1
+    bool collapse = true;                           ///< false: -nocollapse
+    bool fastAllocate = true;                       ///< false: -slowallocate
+    int searchBlock = 0;                            ///< pages; 0: all
+    std::optional<int> searchPower;                 ///< -lightmapsearchpower
+    bool noSearch = false;                          ///< -nolightmapsearch
+    bool fill = false, fillPink = false;            ///< -fill, -fillpink
+    std::string macroTexture{};                     ///< -macrotexture; empty: that of the world's key
+    bool exportPages = false, triangleSoup = false; ///< -export, -trisoup
+    bool sRgbTexture = false;                       ///< of LightOptions
 
     // Encodings of light.
-    bool ldr = true, hdr = false; ///< -ldr, -hdr, -both: 8-bit pages, HDR pages
-    HdrFiles hdrFiles = HdrFiles::None;
-    bool rnm = false, rnmAll = false; ///< -rnm: of normal mapped surfaces; -rnmall
-    bool rnmRescaled = true;          ///< -rnmstorage
-    bool lightmass = false, skyOcclusion = false;
-    std::vector<std::string> shadowMaps; ///< -shadowmap: names of lights
+    bool ldr = true, hdr = false;                 ///< -ldr, -hdr, -both: 8-bit pages, HDR pages
+    HdrFiles hdrFiles = HdrFiles::None;           ///< -hdrfiles
+    bool rnm = false, rnmAll = false;             ///< -rnm: of normal mapped surfaces; -rnmall
+    bool rnmRescaled = true;                      ///< -rnmstorage
+    bool lightmass = false, skyOcclusion = false; ///< -lightmass, -skyocclusion
+    std::vector<std::string> shadowMaps;          ///< -shadowmap: names of lights
     /// Whether luxels keep the SH of their light.
     bool NeedsSH() const { return lightmass; }
 
-    // Debug.
+    // Debug: the options of the same names.
     bool debug = false, border = false, debugNormals = false, debugDeluxe = false, debugSampleSize = false;
     DebugView show = DebugView::Light;
 };

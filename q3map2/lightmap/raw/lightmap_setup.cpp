@@ -25,7 +25,7 @@ constexpr float kSamePosition = 0.001f;
 constexpr float kSameNormal = 0.01f;
 /// Rounding of angles: normals at exactly the shading angle are not joined. Radians.
 constexpr float kAngleSlack = 1e-6f;
-/// Largest number of vertices that share one normal (chosen).
+/// Largest number of vertices that share one normal: a limit of this program, chosen.
 constexpr std::size_t kMaxGroup = 256;
 
 /// Side of the hash cells that vertices are found by. Game units.

@@ -23,7 +23,7 @@ int NearestTexel(float coordinate, int size) {
 
 NormalMap::NormalMap(const NormalImage &normals, const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c)
     : image_(normals.image.get()), ssbump_(normals.ssbump) {
-    if (const auto axes = TextureAxesOf(a, b, c))
+    if (const auto axes = TangentAxesOf(a, b, c))
         s_ = axes->s, t_ = axes->t;
     else
         image_ = nullptr;
@@ -93,7 +93,7 @@ class TangentFinder {
 
   private:
     void Add(const SurfaceVertex &a, const SurfaceVertex &b, const SurfaceVertex &c) {
-        const auto axes = TextureAxesOf(a, b, c);
+        const auto axes = TangentAxesOf(a, b, c);
         if (!axes)
             return;
         const float side = Dot(Cross(axes->s, axes->t), a.normal + b.normal + c.normal) < 0 ? -1.0f : 1.0f;
@@ -131,7 +131,7 @@ class TangentFinder {
     const SurfaceLight &surfaces_;
     RawLightmap &raw_;
     std::vector<bool> known_;       // by luxel
-    std::vector<Vec3f> s_;          // by luxel: sum of TextureAxes::s of the triangles
+    std::vector<Vec3f> s_;          // by luxel: sum of TangentAxes::s of the triangles
     std::vector<float> handedness_; // by luxel: sum of LuxelTangent::side of the triangles
 };
 

@@ -11,13 +11,13 @@
 
 namespace q3 {
 
-/// Unit vectors along which s and t grow.
-struct TextureAxes {
+/// Unit vectors along which the texture coordinates s and t grow.
+struct TangentAxes {
     Vec3f s, t;
 };
 
 /// The texture axes of a triangle; none if it has no area in texture space.
-inline std::optional<TextureAxes> TextureAxesOf(const SurfaceVertex &a, const SurfaceVertex &b,
+inline std::optional<TangentAxes> TangentAxesOf(const SurfaceVertex &a, const SurfaceVertex &b,
                                                 const SurfaceVertex &c) {
     constexpr float kLeastTwiceArea = 1e-8f; // in square textures
     const float s1 = b.st[0] - a.st[0], t1 = b.st[1] - a.st[1], s2 = c.st[0] - a.st[0], t2 = c.st[1] - a.st[1];
@@ -26,7 +26,7 @@ inline std::optional<TextureAxes> TextureAxesOf(const SurfaceVertex &a, const Su
         return std::nullopt;
     // Solves ab = s1 S + t1 T and ac = s2 S + t2 T for the axes S and T.
     const Vec3f ab = b.xyz - a.xyz, ac = c.xyz - a.xyz;
-    const TextureAxes axes{Normalize((ab * t2 - ac * t1) / twiceArea), Normalize((ac * s1 - ab * s2) / twiceArea)};
+    const TangentAxes axes{Normalize((ab * t2 - ac * t1) / twiceArea), Normalize((ac * s1 - ab * s2) / twiceArea)};
     if (!IsFinite(axes.s) || !IsFinite(axes.t))
         return std::nullopt;
     return axes;

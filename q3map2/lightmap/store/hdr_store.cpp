@@ -91,7 +91,7 @@ void SetPageLight(const SurfaceInputs &in, const LightmapLayers &layers, std::ve
 }
 
 Vec3f VertexLightOf(const SurfaceInputs &in, const ShaderInfo &shader, const Vec3f &light, const ToneOptions &tone) {
-    const float scale = VertexScale(in, shader);
+    const float scale = VertexScale(in, shader); // 0 or less counts as 1, as in ToneMapper
     return Max(light, in.world.minVertex) * ((scale > 0 ? scale : 1) * ToneMapper::FactorOf(1, tone) / 255);
 }
 
@@ -165,6 +165,7 @@ const HdrFormat *FirstExistingFormat(const std::filesystem::path &folder, const 
     std::error_code ignored;
     for (const HdrFormat &format :
          wanted.empty() ? kFormatsByFileName : std::span<const HdrFormat>(&FormatOf(wanted), 1))
+        // A build without OpenEXR passes .exr files over, unless they are asked for: then reading one is an error.
         if ((HasOpenExr() || format.extension != "exr" || !wanted.empty()) &&
             std::filesystem::exists(FileOfPart(folder, part, format), ignored)) {
             ++count;
@@ -354,6 +355,7 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
         if (options.hdr) {
             const std::vector<std::uint32_t> codes = EncodeE5bgr9(page.light);
             bsp.lightmapsE5bgr9.insert(bsp.lightmapsE5bgr9.end(), codes.begin(), codes.end());
+            // Zeros in the place of the page of directions, so that page numbers are those of the 8-bit lump.
             bsp.lightmapsE5bgr9.resize(bsp.lightmapsE5bgr9.size() + (page.directions.empty() ? 0 : page.Texels()));
         }
         if (page.HasBasis())

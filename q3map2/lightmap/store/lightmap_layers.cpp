@@ -58,7 +58,8 @@ void JoinSeams(const RawLightmap &lightmap, std::vector<Vec3f> &texels, UnusedTe
 
 // ---- Directions of the mean light ----
 
-/// Components of d along the tangent, the bitangent and the normal n.
+/// Components of d along the tangent, the bitangent and the normal n. The tangent is horizontal; which way it points
+/// depends on the signs of n.
 Vec3f InTangentSpace(const Vec3f &d, const Vec3f &n) {
     Vec3f tangent{n.z < 0 ? -1.0f : 1.0f, 0, 0}, bitangent{0, 1, 0};
     if (n.x != 0 || n.y != 0) {

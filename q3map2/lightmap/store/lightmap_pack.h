@@ -36,7 +36,7 @@ class PageSpace {
     void Take(const Stamp &stamp, int x, int y);
 
   private:
-    static constexpr int kLevels = 8;
+    static constexpr int kLevels = 8; ///< of Row: 1, 2, 4 ... 128 texels
     /// Bit x: whether one of the 2^level texels from x on is taken.
     std::uint64_t *Row(int row, int level) {
         return bits_.data() + (std::size_t(row) * kLevels + std::size_t(level)) * words_;

@@ -122,9 +122,9 @@ struct PropJob {
 
 /// What is known of the points of a prop.
 struct PropPoints {
-    std::vector<Vec3f> light;         ///< byte scale
-    std::vector<Vec3f> litAt;         ///< where a point is lit: in the open
-    std::vector<std::uint8_t> isOpen; ///< or it needs no second pass, see FindOpenPlaces
+    std::vector<Vec3f> light;             ///< byte scale
+    std::vector<Vec3f> litAt;             ///< where a point is lit: in the open
+    std::vector<std::uint8_t> isFinished; ///< not 0: open, or without a place in the open: no second pass
 };
 
 class PropLighter {
@@ -172,7 +172,7 @@ PropLighter::PropLighter(const SurfaceInputs &in, const StaticProps &props, std:
 std::vector<PropVertexLight> PropLighter::Run(ContributionCounts &counts) {
     for (std::size_t i = 0; i < props_.props.size(); ++i) {
         const std::size_t count = props_.props[i].vertexLight ? props_.props[i].model->points.size() : 0;
-        points_[i].light.resize(count), points_[i].litAt.resize(count), points_[i].isOpen.resize(count);
+        points_[i].light.resize(count), points_[i].litAt.resize(count), points_[i].isFinished.resize(count);
     }
     RunJobs(AllJobs(), PropPass::Open, counts);
     in_.jobs.For(std::int64_t(points_.size()), [&](std::int64_t prop, int) { FindOpenPlaces(std::size_t(prop)); });
@@ -210,7 +210,7 @@ std::vector<PropJob> PropLighter::BuriedJobs() const {
     for (std::size_t prop = 0; prop < points_.size(); ++prop) {
         bool started = false;
         for (std::size_t point = 0; point < points_[prop].light.size(); ++point) {
-            if (points_[prop].isOpen[point] != 0)
+            if (points_[prop].isFinished[point] != 0)
                 continue;
             if (!started || jobs.back().points.size() == kPointsOfJob)
                 jobs.push_back({prop, {}});
@@ -235,7 +235,7 @@ bool PropLighter::TwoSided(const StaticProp &prop, std::size_t point) const {
     return shader != nullptr && shader->twoSided;
 }
 
-/// The receivers of all points, those of a point one after another. PropPass::Open: notes which points are open.
+/// The receivers of all points, those of a point one after another. PropPass::Open: notes which are finished.
 std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, PropPass pass) {
     const StaticProp &prop = props_.props[job.prop];
     PropPoints &points = points_[job.prop];
@@ -244,7 +244,7 @@ std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, PropPass pa
     std::vector<PropSample> samples;
     for (std::size_t i = 0; i < job.points.size(); ++i) {
         const std::size_t point = job.points[i];
-        const PlacedPoint placed = sampler.Place(point);
+        const PropPlace placed = sampler.Place(point);
         if (pass == PropPass::Buried)
             samples.assign(1, {points.litAt[point], 1});
         else
@@ -258,7 +258,7 @@ std::vector<PropReceiver> PropLighter::Receivers(const PropJob &job, PropPass pa
             receivers.push_back({i, sample.position, placed.normal, sample.weight / total, TwoSided(prop, point)});
         if (pass == PropPass::Open) {
             points.litAt[point] = sampler.IsOpen(placed.position) ? placed.position : samples.front().position;
-            points.isOpen[point] = 1;
+            points.isFinished[point] = 1;
         }
     }
     return receivers;
@@ -279,7 +279,7 @@ void PropLighter::LightPoints(const PropJob &job, PropPass pass, ContributionCou
     }
     for (std::size_t i = 0; i < job.points.size(); ++i) {
         const std::size_t point = job.points[i];
-        const bool isLit = pass == PropPass::Buried || points.isOpen[point] != 0;
+        const bool isLit = pass == PropPass::Buried || points.isFinished[point] != 0;
         points.light[point] = isLit ? light[i] + Bounced(prop, point) : ambient;
     }
 }
@@ -350,7 +350,7 @@ void PropLighter::AddOcclusion(const PropJob &job, std::vector<Vec3f> &light, Co
         OcclusionReceivers receivers;
         receivers.receiveShadows = prop.receiveShadows;
         receivers.surfaces = prop.surfaces;
-        receivers.vertices = true;
+        receivers.atVertices = true;
         const std::size_t end = std::min(first + kPacketSize, job.points.size());
         for (std::size_t i = first; i < end; ++i)
             receivers.Add(points_[job.prop].litAt[job.points[i]],
@@ -410,26 +410,26 @@ std::optional<Vec3f> PropLighter::OpenPlace(const StaticProp &prop, const PropSa
     return std::nullopt;
 }
 
-/// Sets from where buried points are lit. If there is no place for any, the points are marked as open: they keep the
-/// ambient light of the first pass.
+/// Sets from where buried points are lit. If there is no place for any, the points are finished: they keep the ambient
+/// light of the first pass.
 void PropLighter::FindOpenPlaces(std::size_t number) {
     PropPoints &points = points_[number];
-    if (std::find(points.isOpen.begin(), points.isOpen.end(), 0) == points.isOpen.end())
+    if (std::find(points.isFinished.begin(), points.isFinished.end(), 0) == points.isFinished.end())
         return;
     const StaticProp &prop = props_.props[number];
     const PropSampler sampler(prop, in_.space);
     std::vector<NearestPoints::Entry> entries;
     for (std::size_t i = 0; i < points.light.size(); ++i)
-        if (points.isOpen[i] != 0)
+        if (points.isFinished[i] != 0)
             entries.push_back({points.litAt[i], sampler.Place(i).normal});
     const NearestPoints nearest(std::move(entries));
     const std::optional<Vec3f> place = nearest.Empty() ? OpenPlace(prop, sampler) : std::nullopt;
     for (std::size_t i = 0; i < points.light.size(); ++i) {
-        if (points.isOpen[i] != 0)
+        if (points.isFinished[i] != 0)
             continue;
-        const PlacedPoint placed = sampler.Place(i);
+        const PropPlace placed = sampler.Place(i);
         if (nearest.Empty() && !place)
-            points.isOpen[i] = 1;
+            points.isFinished[i] = 1;
         else
             points.litAt[i] =
                 sampler.OpenPlaceToward(placed.position, place ? *place : nearest.Find(placed.position, placed.normal));

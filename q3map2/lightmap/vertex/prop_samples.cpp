@@ -47,7 +47,7 @@ struct CornerArea {
 
 } // namespace
 
-PlacedPoint PropSampler::Place(std::size_t number) const {
+PropPlace PropSampler::Place(std::size_t number) const {
     const PropModel::Point &point = prop_.model->points[number];
     const Vec3f normal(prop_.transform.Normal(Vec3d(point.normal)));
     const Vec3f lift = (prop_.ignoresNormals ? Vec3f{0, 0, 1} : normal) * kPropLift;
@@ -58,7 +58,7 @@ void PropSampler::Samples(std::size_t number, std::vector<PropSample> &samples) 
     samples.clear();
     const PropModel &model = *prop_.model;
     const std::uint32_t first = model.firstCorner[number], end = model.firstCorner[number + 1];
-    const PlacedPoint placed = Place(number);
+    const PropPlace placed = Place(number);
     const auto grid = SampleGrid(end - first);
     const auto world = [&](std::uint32_t corner) { return Vec3f(prop_.transform.Point(Vec3d(model.corners[corner]))); };
     for (std::uint32_t i = first; i < end; ++i) {

@@ -16,7 +16,7 @@ struct PropSample {
 };
 
 /// A point of a prop (PropModel::Point) in the world.
-struct PlacedPoint {
+struct PropPlace {
     Vec3f position; ///< slightly off the surface
     Vec3f normal;   ///< unit
 };
@@ -29,7 +29,7 @@ class PropSampler {
   public:
     PropSampler(const StaticProp &prop, const BspSpace &space) : prop_(prop), space_(space) {}
 
-    PlacedPoint Place(std::size_t point) const;
+    PropPlace Place(std::size_t point) const;
     /// Sets `samples` to the samples of a point that are in the open: on its triangles, at most 8 units away, within
     /// the third of each triangle that is nearest to it, and on the same side of walls. Empty: the point is buried.
     void Samples(std::size_t point, std::vector<PropSample> &samples) const;

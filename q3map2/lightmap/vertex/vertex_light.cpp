@@ -309,7 +309,7 @@ void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::
     OcclusionReceivers receivers;
     receivers.receiveShadows = entry_.receiveShadows;
     receivers.surfaces = {&surfaceNumber_, 1};
-    receivers.vertices = true;
+    receivers.atVertices = true;
     for (std::size_t i = 0; i < block.count; ++i)
         receivers.Add(block.position[i], block.normal[i],
                       std::uint32_t(surface_.firstVert) + std::uint32_t(vertices[i]));

@@ -246,10 +246,10 @@ TEST_F(ExplainTest, TheDirectLightOfALuxelIsThatOfThePage) {
 /// A room of 500 x 372 x 256 units without a wall: 16 places or more for each of its six sides.
 TEST_F(ExplainTest, PlacesCoverAllSidesOfARoom) {
     Explain(Room({-250, -186, -60}, {250, 186, 196}), "", [](const Explainer &explainer, const JobPool &) {
-        const std::vector<SurfacePlace> places = PlacesInFrontOfSurfaces(explainer, 200);
+        const std::vector<PlaceInFront> places = PlacesInFrontOfSurfaces(explainer, 200);
         EXPECT_LE(places.size(), 200u);
         std::map<std::array<int, 3>, int> byDirection;
-        for (const SurfacePlace &place : places) {
+        for (const PlaceInFront &place : places) {
             const Vec3f direction = (place.point - place.onSurface) / 24.0f;
             EXPECT_NEAR(double(Length(direction)), 1, 1e-4);
             ++byDirection[{int(std::lround(direction.x)), int(std::lround(direction.y)),
@@ -268,7 +268,7 @@ TEST_F(ExplainTest, PlacesAreOnTheSideOfTheirSurface) {
     scene.AddBox({-250, -186, -50}, {250, 186, -40}, TestShader("textures/test/block"));
     Explain(scene, "", [](const Explainer &explainer, const JobPool &) {
         int between = 0;
-        for (const SurfacePlace &place : PlacesInFrontOfSurfaces(explainer, 300)) {
+        for (const PlaceInFront &place : PlacesInFrontOfSurfaces(explainer, 300)) {
             EXPECT_TRUE(place.point.z < -50 || place.point.z > -40) << place.point.z;
             EXPECT_EQ(place.point.z < -50, place.onSurface.z < -45) << place.onSurface.z;
             between += place.point.z < -50 ? 1 : 0;
@@ -279,7 +279,7 @@ TEST_F(ExplainTest, PlacesAreOnTheSideOfTheirSurface) {
 
 TEST_F(ExplainTest, ExplanationsOfPlacesHaveTheReportAndTheRays) {
     Explain(HalvedRoom(-60), "", [](const Explainer &explainer, const JobPool &jobs) {
-        const std::array<SurfacePlace, 2> places{
+        const std::array<PlaceInFront, 2> places{
             {{0, {120, 10, -60}, {120, 10, -36}}, {1, {-120, 10, -60}, {-120, 10, -36}}}};
         const auto json = nlohmann::json::parse(ExplanationsJson(explainer, places, "maps/x.bsp", "-sh", jobs));
         EXPECT_EQ(json["map"], "maps/x.bsp");

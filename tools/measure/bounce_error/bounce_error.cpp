@@ -49,6 +49,7 @@ signed. energy: sum of baked over sum of traced bounces. noise: standard error o
 /// Rays per luxel of --causes.
 constexpr int kCauseRays = 1024;
 
+/// The command line, see kUsage.
 struct BounceCommand {
     GlobalOptions game;
     std::vector<bench::BakeSetting> bakes;

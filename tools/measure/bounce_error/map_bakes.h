@@ -30,7 +30,7 @@ class MapSetup {
     const bench::LightmapSettings settings;
 
   private:
-    std::unique_ptr<ShaderLibrary> library_;
+    std::unique_ptr<ShaderLibrary> library_; // made before `light`, which refers to it
 
   public:
     const LightSetup light;

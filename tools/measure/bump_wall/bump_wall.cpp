@@ -33,7 +33,7 @@ using Panel = std::vector<Vec3f>;
 struct Bump {
     float x, y;
     Vec3f normal;
-    std::array<float, 3> texel; ///< self-shadowed, in steps of a byte
+    std::array<float, 3> texel; ///< of the self-shadowed bump map, 0 to 1 in steps of a byte
 };
 
 /// The self-shadowed bump map of the wall, a texel for each pixel, as `q3map2 -ssbump -notile` makes it.
@@ -90,7 +90,7 @@ class Sheet {
         : surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, kColumns * (kPanelWidth + kGap) - kGap,
                                               (panels + kColumns - 1) / kColumns * (kPanelHeight + kCaptionHeight))),
           canvas_(cairo_create(surface_)) {
-        cairo_set_source_rgb(canvas_, 0.094, 0.098, 0.11);
+        cairo_set_source_rgb(canvas_, 0.094, 0.098, 0.11); // nearly black
         cairo_paint(canvas_);
         cairo_select_font_face(canvas_, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     }

@@ -136,7 +136,7 @@ Encoding L1Encoding(const std::string &name, double bytes, FlatLight flat, Store
             }};
 }
 
-/// Decoded from the float coefficients, before quantizing.
+/// Decoded from the float coefficients, before quantizing. 28 bytes: floats in place of the 7 bytes of low quality.
 Encoding LightmassFloat(const std::string &name, std::size_t image) {
     return {name, 28, [image](const LuxelSample &luxel, const Vec3f &n) {
                 const Vec3f &color = luxel.lightmass.coefficients[image], &d = luxel.lightmass.coefficients[image + 1];

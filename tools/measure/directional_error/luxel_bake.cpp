@@ -55,7 +55,7 @@ void LuxelBake::AddBounced(const LuxelPlace &at, std::span<const Vec3f> normals,
     std::vector<IndirectRay> found;
     std::vector<Vec3f> sums(normals.size());
     const Vec3f &origin = raw.positions[at.luxel];
-    constexpr std::uint64_t kSeedStride = 977; // a prime
+    constexpr std::uint64_t kSeedStride = 977; // from pattern to pattern of a luxel; a prime, chosen
     const int patterns = (rays + PointGather::kRays - 1) / PointGather::kRays;
     for (int pattern = 0; pattern < patterns; ++pattern) {
         bounced_->Gather(origin, std::uint64_t(pattern) * kSeedStride + at.luxel, found);

@@ -47,7 +47,7 @@ std::vector<BakeTime> MeasureTimes(const LightSetup &setup, const LightmapOption
                           {.name = "RNM", .rnm = true},
                           {.name = "L1 SH", .sh = true},
                           {.name = "RNM and L1 SH", .rnm = true, .sh = true}};
-    constexpr int kRepeats = 3;
+    constexpr int kRepeats = 3; // of which the least time counts
     std::vector<double> least(std::size(kinds), 1e30);
     for (int repeat = 0; repeat < kRepeats; ++repeat)
         for (std::size_t i = 0; i < std::size(kinds); ++i) {

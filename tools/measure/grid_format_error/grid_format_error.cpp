@@ -19,9 +19,10 @@ namespace q3 {
 
 namespace {
 
-constexpr int kPositions = 4000, kMaxTries = 2000000;
-constexpr float kFloorReach = 64;   ///< a floor is at most this far below a position; game units
-constexpr float kIoquake3Shift = 1; ///< factor of overbright bits, here none: they would change lightmaps alike
+constexpr int kPositions = 4000, kMaxTries = 2000000; ///< positions compared; random ones tried at most
+constexpr float kFloorReach = 64;                     ///< a floor is at most this far below a position; game units
+/// 2^(overbright bits), here of none: they would change lightmaps alike.
+constexpr float kOverbrightFactor = 1;
 /// kPlainEngine, but points in walls are left out.
 constexpr LegacyEngine kSkippingEngine{.angleSteps = 255, .skipsBlack = true};
 /// kIoquake3Engine without the added ambient light.
@@ -128,7 +129,7 @@ Shown Converted(Bsp bsp, std::string_view word, Log &log) {
         return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
     if (word == "raw-ioq3")
         return Evaluated(
-            LegacyGridReader::LoadRaw(BytesOf(bsp.gridPoints), files[0].bytes, places, kRawEngine, kIoquake3Shift));
+            LegacyGridReader::LoadRaw(BytesOf(bsp.gridPoints), files[0].bytes, places, kRawEngine, kOverbrightFactor));
     if (word == "raw-rend2")
         return Evaluated(LegacyGridReader::LoadRend2(BytesOf(bsp.gridPoints), files[0].bytes, places, {}));
     std::string fault;

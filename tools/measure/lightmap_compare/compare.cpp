@@ -50,7 +50,7 @@ class Comparer {
             if (inA && inB)
                 CompareLightmaps(i);
             if (inA == inB)
-                CompareVertices(i, inA ? lightmapVertices_ : VerticesLike(i));
+                CompareVertices(i, inA ? lightmapVertices_ : VertexSumFor(i));
         }
         result_.lightmaps = lightmaps_.Summary();
         result_.surfaces = surfaces_.Summary();
@@ -104,7 +104,8 @@ class Comparer {
         result_.worst.push_back(std::move(difference));
     }
 
-    Differences &VerticesLike(std::size_t surface) {
+    /// The sum that vertices of a surface without lightmap belong to.
+    Differences &VertexSumFor(std::size_t surface) {
         if (IsUndrawn(a_.Map(), surface))
             return undrawnVertices_;
         const bool seen = !shaders_ || DrawsVertexColors(shaders_->Get(a_.ShaderOf(surface)));
@@ -145,7 +146,7 @@ nlohmann::json Json(const Spread &s) {
     return json;
 }
 
-nlohmann::json Json(const Sides &s) {
+nlohmann::json Json(const PresenceCounts &s) {
     return {{"both", s.both}, {"onlyA", s.onlyA}, {"onlyB", s.onlyB}, {"neither", s.neither}};
 }
 
@@ -157,9 +158,9 @@ nlohmann::json Json(const Vec3d &v) {
 
 void Differences::Add(const Vec3d &a, const Vec3d &b) {
     const Vec3d d = a - b;
-    colors_ = true;
+    hasColors_ = true;
     sum_ += (std::abs(d.x) + std::abs(d.y) + std::abs(d.z)) / 3;
-    signed_ += (d.x + d.y + d.z) / 3;
+    signedSum_ += (d.x + d.y + d.z) / 3;
     largest_.push_back(float(std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)})));
 }
 
@@ -185,8 +186,8 @@ Spread Differences::Summary() const {
     std::sort(sorted.begin(), sorted.end());
     const auto at = [&](double share) { return double(sorted[std::size_t(std::ceil(share * double(s.count))) - 1]); };
     s.mean = sum_ / double(s.count);
-    if (colors_)
-        s.bias = signed_ / double(s.count);
+    if (hasColors_)
+        s.bias = signedSum_ / double(s.count);
     s.within8 =
         double(std::upper_bound(sorted.begin(), sorted.end(), float(kCloseSample)) - sorted.begin()) / double(s.count);
     s.percentile95 = at(0.95), s.percentile99 = at(0.99), s.worst = sorted.back();
@@ -203,6 +204,7 @@ std::string ToText(const Comparison &c) {
     std::string text = fmt::format("surfaces with lightmap in both {}, only in A {}, only in B {}, in neither {}\n",
                                    c.lightmapped.both, c.lightmapped.onlyA, c.lightmapped.onlyB, c.lightmapped.neither);
     text += Line("lightmap samples", c.lightmaps);
+    // A sample that is lit in B only is black in A only.
     text += fmt::format("  left out: in solids {}, without a luxel {}, black in A only {}, in B only {}, in both {}\n",
                         c.buried, c.uncovered, c.lit.onlyB, c.lit.onlyA, c.lit.neither);
     text += fmt::format("  by area: mean {:.2f}, within 8 {:.2f} %\n", c.byArea.mean, 100 * c.byArea.within8);

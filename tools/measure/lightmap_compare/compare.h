@@ -29,9 +29,9 @@ class Differences {
     Spread Summary() const;
 
   private:
-    std::vector<float> largest_;
-    double sum_ = 0, signed_ = 0;
-    bool colors_ = false;
+    std::vector<float> largest_;     ///< of each pair: absolute difference of the channel that differs most
+    double sum_ = 0, signedSum_ = 0; ///< of absolute and of signed differences, means over channels
+    bool hasColors_ = false;         ///< pairs of colors were added, so that there is a bias
 };
 
 /// Difference of the lightmap of one surface.
@@ -44,7 +44,7 @@ struct SurfaceDifference {
 };
 
 /// Counts of surfaces or samples that have something in both files, in one, or in neither.
-struct Sides {
+struct PresenceCounts {
     std::size_t both = 0, onlyA = 0, onlyB = 0, neither = 0;
     void Add(bool a, bool b) { ++(a ? b ? both : onlyA : b ? onlyB : neither); }
 };
@@ -59,15 +59,15 @@ struct AreaSpread {
 
 /// All differences of two files.
 struct Comparison {
-    Sides lightmapped; ///< surfaces
+    PresenceCounts lightmapped; ///< surfaces
     /// Samples in solids, left out: invisible, and the page may hold light of other surfaces there.
     std::size_t buried = 0;
     /// Samples with texels that no luxel of their surface covers, left out for the same reason.
     std::size_t uncovered = 0;
-    Sides lit;         ///< the remaining samples, by whether they are not black
-    Spread lightmaps;  ///< samples that are black in neither file, on surfaces with lightmaps in both
-    AreaSpread byArea; ///< the same samples; unweighted, a sliver counts as much as a wall
-    Spread surfaces;   ///< mean difference of each of those surfaces
+    PresenceCounts lit; ///< the remaining samples, by whether they are not black
+    Spread lightmaps;   ///< samples that are black in neither file, on surfaces with lightmaps in both
+    AreaSpread byArea;  ///< the same samples; unweighted, a sliver counts as much as a wall
+    Spread surfaces;    ///< mean difference of each of those surfaces
     std::size_t surfacesWithin2 = 0, surfacesCompared = 0;
     Spread directions;                    ///< degrees; no samples unless both are deluxe
     Spread vertices;                      ///< colors of surfaces without lightmap in both, except those of the next two

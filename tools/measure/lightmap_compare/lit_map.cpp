@@ -118,6 +118,7 @@ LitMap::LitMap(Bsp bsp, std::vector<Page> pages, std::map<std::string, int> page
     const auto known = [&](int page) {
         return page >= 0 && std::size_t(page) < pages_.size() && !pages_[std::size_t(page)].rgb.empty();
     };
+    // In deluxe files every odd page holds directions, so that surfaces name even ones only.
     bool any = false, even = true;
     for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i) {
         int page = bsp_.drawSurfaces[i].surfaceType == MST_FLARE ? -1 : bsp_.drawSurfaces[i].lightmapNum;
@@ -183,7 +184,7 @@ Vec3d LitMap::Position(const SurfacePoint &point) const {
 }
 
 bool IsUndrawn(const Bsp &bsp, std::size_t surface) {
-    // SURF_SKY and so on.
+    // Flags of Quake III: SURF_SKY, SURF_HINT, SURF_SKIP, SURF_NODRAW.
     constexpr std::uint32_t kSky = 0x4, kHint = 0x100, kSkip = 0x200, kNoDraw = 0x80;
     const auto flags = std::uint32_t(bsp.shaders[std::size_t(bsp.drawSurfaces[surface].shaderNum)].surfaceFlags);
     return (flags & (kSky | kHint | kSkip | kNoDraw)) != 0;
@@ -227,6 +228,7 @@ double AreaOf(const Bsp &bsp, std::size_t surface) {
     double area = 0;
     for (int y = 0; y < kSteps; ++y)
         for (int x = 0; x < kSteps; ++x)
+            // Half the cross product of the diagonals of a quad.
             area += Length(Cross(at(x + 1, y + 1) - at(x, y), at(x, y + 1) - at(x + 1, y))) / 2;
     return area;
 }

@@ -57,7 +57,7 @@ std::vector<Vec3f> Walks(const Bsp &bsp, const BspSpace &space, std::string_view
 /// CPU time of sampling one grid at many positions.
 struct SamplingCost {
     double seconds = std::numeric_limits<double>::max(); ///< CPU time of all positions
-    std::array<double, 27> sums{};                       ///< of all coefficients, so that none is optimized away
+    std::array<double, 27> sums{}; ///< of 9 coefficients x 3 channels, so that none is optimized away
 
     /// Mean light over positions, normals and channels, of 255.
     double Mean(std::size_t positions) const {

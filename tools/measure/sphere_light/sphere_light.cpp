@@ -176,7 +176,8 @@ int CompareWall(Arguments &arguments) {
     const std::string &path = Words(arguments, 1, "one image").front();
     const Image image = ReadScreenshot(path);
     const int middle = image.width / 2;
-    const float radius = float(middle) * kSphereRadius / kSphereDistance; // of the outline in pixels, 1.3 % too small
+    // Radius of the outline in pixels; r / d is 1.3 % below the exact r / sqrt(d^2 - r^2).
+    const float radius = float(middle) * kSphereRadius / kSphereDistance;
     // Of the columns beside the sphere where the wall is looked at: from its middle, pixels.
     const int inner = int(1.1f * radius), outer = int(1.3f * radius);
     constexpr float kLeastRadius = 8; // pixels
