@@ -133,6 +133,7 @@ constexpr std::array<Offset, 26> MakeNeighbors() {
 }
 constexpr std::array<Offset, 26> kNeighbors = MakeNeighbors();
 
+/// Sets `placed` if p is in the open. False: it is not.
 bool TryPosition(const BspSpace &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
     const PlacedPoint open = PlaceInOpen(space, p);
     if (open.state != PointState::Open)

@@ -56,8 +56,8 @@ struct VisibilityGroups {
     static constexpr std::size_t kMaxNeighbors = 27;
     struct PointGroups {
         std::uint32_t index = 0, groupCount = 0; ///< the point; number of its groups
-        std::array<std::uint8_t, kMaxNeighbors>
-            groups{}; ///< group of the point itself if lit, then of each lit neighbor
+        /// Group of the point itself if it is lit, then of each lit neighbor.
+        std::array<std::uint8_t, kMaxNeighbors> groups{};
     };
     std::vector<bool> isSplit;       ///< by point: it has more than one group
     std::vector<PointGroups> points; ///< the split ones, by index
@@ -70,8 +70,8 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
 
 /// Gives a value to every point in a solid that has lit neighbors, so that interpolation beside walls is right. A
 /// group of neighbors is one side of a wall: the darker a group, the more it counts, so that a wall thinner than a cell
-/// lets no light through. Points beside a wall that have several groups are filled too. `displaced`
-/// is sorted by index. Changes Solid to Filled or Exterior in `states`.
+/// lets no light through. Points beside a wall that have several groups are filled too. `displaced` is sorted by index.
+/// Changes Solid to Filled or Exterior in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
                 const VisibilityGroups &groups, std::vector<PointState> &states, LightGridSH &grid);
 

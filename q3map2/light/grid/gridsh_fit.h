@@ -97,8 +97,8 @@ class GridFit {
 
     const GridInputs &in_;
     const GridLayout &layout_;
-    int perCell_;
-    float pull_;
+    int perCell_;        ///< samples wanted in a cell
+    float pull_;         ///< see the class comment
     float maxBandRatio_; ///< limit of the norm of bands 1 and 2 over coefficient 0
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; ///< by point; -1: not fitted

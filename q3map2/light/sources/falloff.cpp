@@ -50,7 +50,7 @@ void SetPolynomial(const Quadratic &q, double brightness, Light &light) {
 void SetFiftyPercent(const Entity &entity, Light &light) {
     const double fifty = keys::kFiftyPercent.Number(entity);
     double zero = keys::kZeroPercent.Number(entity);
-    if (zero < fifty)
+    if (zero < fifty) // or missing
         zero = 2 * fifty;
     if (zero == fifty)
         throw Error("{}: _fifty_percent_distance and _zero_percent_distance are both {:g}, expected a larger "
