@@ -94,7 +94,7 @@ class LitGridPoints {
     /// Changes the state of points in the open that lie on the polygon of an area light to OnEmitter.
     void FindOnEmitters(const std::vector<Light> &lights);
 
-    bool IsLit(std::uint32_t index) const { return litFrom_[index] >= 0; }
+    bool IsLit(std::uint32_t index) const { return litClusters_[index] >= 0; }
     /// Appends a receiver for a point for which IsLit holds.
     void AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const;
     std::vector<PointState> &States() { return states_; }
@@ -104,8 +104,8 @@ class LitGridPoints {
   private:
     const GridLayout &layout_;
     std::vector<PointState> states_;
-    std::vector<int> clusters_; ///< by point: of the point itself, see PlaceInOpen
-    std::vector<int> litFrom_;  ///< by point: cluster of the position that it is lit from; kSolidCluster: not lit
+    std::vector<int> clusters_;    ///< by point: of the point itself, see PlaceInOpen
+    std::vector<int> litClusters_; ///< by point: of the position that it is lit from; kSolidCluster: not lit
     std::vector<DisplacedPoint> displaced_;
 };
 

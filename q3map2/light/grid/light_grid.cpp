@@ -125,7 +125,7 @@ Q3_VECTOR void GridRecords::AddDirection(const Lanes3 &color, const ProbeInciden
         block.directionSumX[i] += double(record.direction.x[i]) * double(weight[i]);
         block.directionSumY[i] += double(record.direction.y[i]) * double(weight[i]);
         block.directionSumZ[i] += double(record.direction.z[i]) * double(weight[i]);
-        block.records[i] -= incident.live[i];
+        block.records[i] -= incident.live[i]; // -1 where light arrives
     }
 }
 
