@@ -29,18 +29,18 @@ struct NumberedEntities {
 /// The entities of the .bsp, with the lights of the .map source if there is one, since compilers strip lights from the
 /// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp.
 NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const LightInputs &inputs, Log &log) {
-    const bool kept = keys::kKeepLights.Flag(entities.front());
+    const bool keepsLights = keys::kKeepLights.Flag(entities.front());
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kStyleWorldKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kMacroKeys, log);
     WarnOfForeignKeys(entities.front(), 0, KeyOwner::World, log);
-    const std::vector<Entity> &sources = inputs.mapEntities && !kept ? *inputs.mapEntities : entities;
+    const std::vector<Entity> &sources = inputs.mapEntities && !keepsLights ? *inputs.mapEntities : entities;
     for (std::size_t i = 0; i < sources.size(); ++i)
         if (IsLight(sources[i])) {
             WarnOfBadLightKeys(sources[i], i, log);
             WarnOfForeignKeys(sources[i], i, KeyOwner::Light, log);
         }
-    const bool replaced = inputs.mapEntities && !kept;
+    const bool replaced = inputs.mapEntities && !keepsLights;
     NumberedEntities result;
     const auto take = [&](const std::vector<Entity> &from, const auto &wanted) {
         for (std::size_t i = 0; i < from.size(); ++i)
@@ -56,7 +56,7 @@ NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const L
     return result;
 }
 
-void CountLights(const std::vector<Light> &lights, const SurfaceLightCounts &counts, Log &log) {
+void LogLightCounts(const std::vector<Light> &lights, const SurfaceLightCounts &counts, Log &log) {
     const auto of = [&](LightType type) {
         return std::count_if(lights.begin(), lights.end(), [&](const Light &light) { return light.type == type; });
     };
@@ -92,7 +92,7 @@ std::vector<Light> CreateLights(const BspSpace &space, const std::vector<Entity>
     SurfaceLightCounts counts;
     auto ofSurfaces = SurfaceLights(space, table, options, world, library, counts, log);
     std::move(ofSurfaces.begin(), ofSurfaces.end(), std::back_inserter(lights));
-    CountLights(lights, counts, log);
+    LogLightCounts(lights, counts, log);
     // Lights are traced in reverse order of creation, as in the established program: -cheapgrid depends on it.
     std::reverse(lights.begin(), lights.end());
     return lights;
@@ -110,7 +110,7 @@ LightOptions WithWorld(LightOptions options, const WorldLight &world) {
     return options;
 }
 
-SurfaceDefaults WithAmbient(SurfaceDefaults defaults, const WorldLight &world) {
+SurfaceDefaults WithWorld(SurfaceDefaults defaults, const WorldLight &world) {
     defaults.ambient = world.ambient;
     if (defaults.macroTexture.empty())
         defaults.macroTexture = WithoutExtension(world.macroTexture);
@@ -182,12 +182,13 @@ LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOpt
     : bsp(map), stored(StoredEntities(map.entities, inputs.name)), layout(SetupGridLogged(map, stored.front(), log)),
       world(ReadWorldLight(stored.front(), given)), options(WithWorld(given, world)),
       table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
-                             WithAmbient(defaults, world))),
+                             WithWorld(defaults, world))),
       space(map, OpaqueBrushes(map, library)),
       lights(CreateLightsLogged({inputs, stored, space, options, world}, table, styles, library, log)),
       props(LoadStaticProps(
           stored, inputs.vfs, int(map.drawSurfaces.size()),
-          [&inputs](std::string_view model) { return inputs.texLights.TextureShadow(model); }, options, library, log)),
+          [&inputs](std::string_view model) { return inputs.texLights.CastsTextureShadow(model); }, options, library,
+          log)),
       scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)) {
     props.shadows = {}; // the scene has a copy
     WarnOfHiddenLights(lights, space, options.noTrace ? nullptr : &scene, log);

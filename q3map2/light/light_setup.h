@@ -27,13 +27,13 @@ struct LightInputs {
     std::optional<std::vector<Entity>> mapEntities; ///< of the .map source, which still has the light entities
     std::string surfaceFile;                        ///< text of the .srf, empty without one
     const VirtualFileSystem *vfs = nullptr;         ///< for models of static props; null: none are found
-    TexLights texLights{};
+    TexLights texLights{};                          ///< of .rad files
 };
 
 /// A map ready to be lit: everything that grids and surfaces share. Const while workers run. Keeps references to
 /// the Bsp and to the library's shaders.
 struct LightSetup {
-    /// Errors: Error, for invalid keys and files. Changes worldspawn's gridsize if it allows too many
+    /// Errors: Error, for invalid keys and files. Changes worldspawn's gridsize, in `stored`, if it allows too many
     /// points.
     LightSetup(const Bsp &bsp, const LightInputs &inputs, const LightOptions &options, const SurfaceDefaults &defaults,
                ShaderLibrary &library, Log &log);

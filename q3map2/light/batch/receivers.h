@@ -146,10 +146,10 @@ template <typename T> std::span<T> BatchOf(std::span<T> all, std::size_t batch) 
     return all.subspan(first, std::min(kPacketSize, all.size() - first));
 }
 
-/// Light of one source at each receiver: the light's color times `add` times `tint`.
+/// Light of one source at each receiver: the light's color times `strength` times `tint`.
 struct IncidentLight {
     LaneMask live{};     ///< receivers that get light; values in other lanes are undefined
-    Lanes add;           ///< light for color 1 1 1, byte scale, > 0
+    Lanes strength;      ///< light for color 1 1 1, byte scale, > 0
     Lanes3 direction;    ///< unit, to the light; zero at the light's own position
     Lanes distance;      ///< length of the shadow ray. Game units
     bool tinted = false; ///< some live ray went through a see-through surface
@@ -164,10 +164,10 @@ struct ProbeIncidentLight : IncidentLight {
 };
 
 /// The directions that light comes from. A receiver in the same place with normal b gets
-/// add * (max(0, vector . b) + uniform), which is `add` for its own normal.
+/// strength * (max(0, vector . b) + uniform), which is `strength` for its own normal.
 struct LightDirections {
-    Lanes3 vector; ///< irradiance vector divided by `add`
-    Lanes uniform; ///< fraction of `add` that every normal gets
+    Lanes3 vector; ///< irradiance vector divided by `strength`
+    Lanes uniform; ///< fraction of `strength` that every normal gets
     Lanes spread;  ///< fluence divided by the length of the irradiance vector: 1 for a point, 2 for a hemisphere
 };
 

@@ -95,14 +95,14 @@ void Keep(const std::vector<bool> &kept, std::vector<CubeSample> &samples) {
 
 /// The largest ScreenDifference between a sample not in `kept` and the blend of the kept ones at its position.
 float LargestError(const std::vector<CubeSample> &samples, const std::vector<bool> &kept) {
-    std::vector<CubeSample> left;
+    std::vector<CubeSample> blended;
     for (std::size_t i = 0; i < samples.size(); ++i)
         if (kept[i])
-            left.push_back(samples[i]);
+            blended.push_back(samples[i]);
     float largest = 0;
     for (std::size_t i = 0; i < samples.size(); ++i)
         if (!kept[i])
-            largest = std::max(largest, ScreenDifference(BlendCubes(left, samples[i].position), samples[i].sides));
+            largest = std::max(largest, ScreenDifference(BlendCubes(blended, samples[i].position), samples[i].sides));
     return largest;
 }
 
@@ -204,7 +204,7 @@ std::vector<LeafGroup> GroupLeafs(const Bsp &bsp, const std::vector<std::vector<
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return bsp.leafs[a].cluster < bsp.leafs[b].cluster; });
     std::vector<LeafGroup> groups;
-    std::size_t count = kPlacesTogether;
+    std::size_t count = kPlacesTogether; // places of the last group; full, so that the first leaf begins one
     for (const std::size_t leaf : order) {
         if (count >= kPlacesTogether || bsp.leafs[groups.back().back()].cluster != bsp.leafs[leaf].cluster) {
             groups.emplace_back();
@@ -233,14 +233,14 @@ class LeafSampler {
         });
         const std::vector<LeafGroup> groups = GroupLeafs(bsp_, places_);
         RunBricks(in_, std::int64_t(groups.size()), stats, [&](std::int64_t group, GridStats &work) {
-            Light(groups[std::size_t(group)], std::uint64_t(group), work);
+            LightGroup(groups[std::size_t(group)], std::uint64_t(group), work);
         });
         for (const std::vector<CubePlace> &places : places_)
             stats.points += std::int64_t(places.size()), stats.open += places.empty() ? 0 : 1;
     }
 
   private:
-    void Light(const LeafGroup &group, std::uint64_t seed, GridStats &work) const {
+    void LightGroup(const LeafGroup &group, std::uint64_t seed, GridStats &work) const {
         const std::vector<CubeSides> sides = gridCubes_ ? FromGrid(group) : Traced(group, seed, work);
         auto next = sides.begin();
         for (const std::size_t leaf : group) {
@@ -298,13 +298,14 @@ void CheckLeafCount(const LeafCubes &leafs, std::size_t maxSamples) {
                         leaf, count, maxSamples);
 }
 
+/// Thins out the samples, by a higher tolerance if more than maxSamples are left.
 LeafCubes ThinToFit(const LeafCubes &leafs, float tolerance, const JobPool &jobs, Log &log, std::size_t maxSamples) {
     LeafCubes thin = ThinnedOut(leafs, tolerance, jobs);
     const std::size_t asked = CountSamples(thin);
     if (asked <= maxSamples)
         return thin;
     CheckLeafCount(leafs, maxSamples);
-    float raised = std::max(tolerance, 1.0f);
+    float raised = std::max(tolerance, 1.0f); // a tolerance of 0 would not grow
     while (CountSamples(thin) > maxSamples) {
         raised = raised > kLastTolerance ? std::numeric_limits<float>::infinity() : raised * kToleranceStep;
         thin = ThinnedOut(leafs, raised, jobs);
@@ -316,7 +317,7 @@ LeafCubes ThinToFit(const LeafCubes &leafs, float tolerance, const JobPool &jobs
 }
 
 /// Squared distance between the bounds of two leafs.
-double LeafDistance(const bspLeaf_t &a, const bspLeaf_t &b) {
+double SquaredLeafDistance(const bspLeaf_t &a, const bspLeaf_t &b) {
     double sum = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double gap =
@@ -337,7 +338,7 @@ std::uint16_t NearestLit(const BspSpace &space, std::size_t leaf, const std::vec
         const bool seen = space.Visible(here.cluster, there.cluster);
         if (seen < bestSeen)
             continue;
-        const double distance = LeafDistance(here, there);
+        const double distance = SquaredLeafDistance(here, there);
         if (seen > bestSeen || distance < bestDistance)
             best = other, bestSeen = seen, bestDistance = distance;
     }

@@ -113,7 +113,7 @@ OppositeSides LightAtReceiver::SidesOfStraddlingLight(std::size_t axis) const {
     const double visible = unshadowed[0] > 0 ? std::min(1.0, radiance[0] / unshadowed[0]) : 1;
     const double sum = visible * double(light.radiosity) * double(weight) * (std::abs(front) + behind) +
                        SumOfOppositeSides(radiance, axis) - visible * SumOfOppositeSides(unshadowed, axis);
-    const double both = std::max(std::abs(vector[axis]), sum);
+    const double both = std::max(std::abs(vector[axis]), sum); // so that neither side is negative
     return {(both + vector[axis]) / 2, (both - vector[axis]) / 2};
 }
 

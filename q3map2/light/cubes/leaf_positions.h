@@ -47,7 +47,7 @@ struct CubePlace {
     Vec3f position;                       ///< `stored` decoded; if no such place is open, the leaf's exact center
 };
 
-/// Most places in a leaf.
+/// Most places in a leaf; a limit of this program.
 inline constexpr std::uint32_t kMaxCubePlaces = 128;
 /// Number of samples for a polytope: one for each 32 x 32 x 64 units of its box, times the fraction of the box that it
 /// fills; 1 to kMaxCubePlaces, or 0 if it is empty.

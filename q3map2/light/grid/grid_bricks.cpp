@@ -64,7 +64,7 @@ void GridStats::Print(Log &log) const {
     count(skippedSmooth, "points and samples with weak light interpolated (-noskipsmooth)");
     count(counts.pairs, "pairs of point and light");
     count(counts.skippedPvs, "hidden by visibility data, skipped (-noskippvs)");
-    count(counts.skippedReach, "out of reach, cone or side");
+    count(counts.skippedUnlit, "out of reach, cone or side");
     count(counts.skippedFaint, "too faint, represented by others (-noskipfaint)");
     count(counts.skippedProbes, "with a faint area light, judged by one ray (-noskipprobes)");
     count(counts.skippedMoments, "with a far area light, approximated by points (-noskipmoments)");
@@ -86,6 +86,7 @@ constexpr float kBehind = 2;
 constexpr std::ptrdiff_t kFewFaint = 32;
 constexpr std::uint64_t kSeedFaint = 0x4661696E74ull; ///< "Faint" in ASCII
 
+/// Whether the light can give anything to some point of the brick.
 bool CanReach(const PassLights::Reach &light, const BrickExtent &brick) {
     if (!light.sun) {
         for (std::size_t axis = 0; axis < 3; ++axis)

@@ -76,12 +76,14 @@ struct GridStats {
 
 // ---- Bricks: the receivers that share a list of lights, the lights that reach them, and their light ----
 
+/// A grid point of a brick.
 struct BrickPoint {
     Vec3f position;
     std::uint32_t index = 0; ///< of the grid point
 };
 
-/// Divides a grid into bricks of 8 x 8 x 4 points, or of another multiple of a block, 4 x 2 x 2 points.
+/// Divides a grid into bricks of 8 x 8 x 4 points, or of another multiple of a block, 4 x 2 x 2 points. Keeps a
+/// reference to the layout.
 class GridBricks {
   public:
     explicit GridBricks(const GridLayout &layout, const Int3 &brick = {8, 8, 4});
@@ -109,6 +111,7 @@ class PassLights {
     explicit PassLights(const std::vector<Light> &lights);
     const LightsByCluster &ByCluster() const { return byCluster_; }
     const std::vector<Light> &Lights() const { return byCluster_.Lights(); }
+    /// Copies of the members of Light that decide it.
     struct Reach {
         Boundsf bounds;
         Vec3f origin, normal;

@@ -67,12 +67,12 @@ std::vector<bspGridPointSH_t> ExactPoints(const GridInputs &in, const std::vecto
     const ProbeIntegrator integrator(exact, lights);
     std::vector<bspGridPointSH_t> points(receivers.size());
     in.jobs.For(std::int64_t(BatchCount(receivers.size())), [&](std::int64_t block, int) {
-        std::vector<ReceiverBatch> packet(1);
+        std::vector<ReceiverBatch> batches(1);
         for (const Receiver &receiver : BatchOf(std::span(receivers), std::size_t(block)))
-            packet[0].Add(receiver.position, receiver.position, receiver.cluster,
-                          firstIndex + std::uint32_t(&receiver - receivers.data()));
+            batches[0].Add(receiver.position, receiver.position, receiver.cluster,
+                           firstIndex + std::uint32_t(&receiver - receivers.data()));
         GridStats work;
-        integrator.Trace(packet, std::uint64_t(block), work, [&](std::size_t i, const bspGridPointSH_t &value) {
+        integrator.Trace(batches, std::uint64_t(block), work, [&](std::size_t i, const bspGridPointSH_t &value) {
             bspGridPointSH_t &point = points[std::size_t(block) * kPacketSize + i];
             point = value;
             if (options.shDering)
@@ -121,6 +121,7 @@ class EverySecond {
     }
 
   private:
+    /// Adds weight times a grid point. False: it is a black point in a solid, which is left out.
     bool AddPoint(const std::array<int, 3> &at, float weight, shgrid_coeffs &out) const {
         const auto &h = grid_.header;
         const auto width = std::size_t(h.gridBounds[0]), height = std::size_t(h.gridBounds[1]);

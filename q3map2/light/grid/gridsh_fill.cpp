@@ -51,11 +51,11 @@ template <typename Use> void ForBricks(const GridInputs &in, const GridBricks &b
 
 LitGridPoints::LitGridPoints(const GridInputs &in, const GridLayout &layout, const GridBricks &bricks)
     : layout_(layout), states_(std::size_t(layout.Count()), PointState::Exterior), clusters_(states_.size()),
-      litFrom_(states_.size()) {
+      litClusters_(states_.size()) {
     ForBricks(in, bricks, [&](std::int64_t, std::span<const BrickPoint> points) {
         for (const BrickPoint &point : points) {
             const PlacedPoint placed = PlaceInOpen(in.space, point.position);
-            clusters_[point.index] = litFrom_[point.index] = placed.cluster;
+            clusters_[point.index] = litClusters_[point.index] = placed.cluster;
             states_[point.index] = placed.state;
         }
     });
@@ -66,7 +66,7 @@ LitGridPoints::LitGridPoints(const GridInputs &in, const GridLayout &layout, con
                 continue;
             const PlacedPoint placed = PlaceGridPoint(in.space, layout, clusters_, point);
             states_[point.index] = placed.state;
-            litFrom_[point.index] = placed.cluster;
+            litClusters_[point.index] = placed.cluster;
             if (placed.cluster >= 0)
                 displaced[std::size_t(brick)].push_back({point.index, placed.position});
         }
@@ -102,7 +102,7 @@ void LitGridPoints::FindOnEmitters(const std::vector<Light> &lights) {
 
 void LitGridPoints::AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const {
     const Vec3f from = LitPosition(point, states_[point.index], displaced_);
-    BatchWithRoom(blocks).Add(from, from, litFrom_[point.index], point.index);
+    BatchWithRoom(blocks).Add(from, from, litClusters_[point.index], point.index);
 }
 
 // ---- Points of the SH grid in or beside solids: lit from nearby, or filled from groups of neighbors ----
@@ -133,6 +133,7 @@ constexpr std::array<Offset, 26> MakeNeighbors() {
 }
 constexpr std::array<Offset, 26> kNeighbors = MakeNeighbors();
 
+/// Sets `placed` if p is in the open. False: it is not.
 bool TryPosition(const BspSpace &space, const Vec3f &p, PointState state, PlacedPoint &placed) {
     const PlacedPoint open = PlaceInOpen(space, p);
     if (open.state != PointState::Open)
@@ -322,7 +323,7 @@ void FindGroups(const LightScene &scene, const LitNeighborhood &neighborhood,
                 RayCounts &counts) {
     // The first rays of all points share packets: most points have one group only and need no more.
     std::vector<LitNeighborhood::Neighbors> around;
-    std::vector<std::uint32_t> seen(points.size(), 1);
+    std::vector<std::uint32_t> seen(points.size(), 1); // by point: bits of the entries that entry 0 sees, itself too
     SightRays rays(scene, counts);
     around.reserve(points.size());
     for (std::size_t n = 0; n < points.size(); ++n) {

@@ -56,8 +56,8 @@ struct VisibilityGroups {
     static constexpr std::size_t kMaxNeighbors = 27;
     struct PointGroups {
         std::uint32_t index = 0, groupCount = 0; ///< the point; number of its groups
-        std::array<std::uint8_t, kMaxNeighbors>
-            groups{}; ///< group of the point itself if lit, then of each lit neighbor
+        /// Group of the point itself if it is lit, then of each lit neighbor.
+        std::array<std::uint8_t, kMaxNeighbors> groups{};
     };
     std::vector<bool> isSplit;       ///< by point: it has more than one group
     std::vector<PointGroups> points; ///< the split ones, by index
@@ -70,8 +70,8 @@ VisibilityGroups FindVisibilityGroups(const GridInputs &in, const GridLayout &la
 
 /// Gives a value to every point in a solid that has lit neighbors, so that interpolation beside walls is right. A
 /// group of neighbors is one side of a wall: the darker a group, the more it counts, so that a wall thinner than a cell
-/// lets no light through. Points beside a wall that have several groups are filled too. `displaced`
-/// is sorted by index. Changes Solid to Filled or Exterior in `states`.
+/// lets no light through. Points beside a wall that have several groups are filled too. `displaced` is sorted by index.
+/// Changes Solid to Filled or Exterior in `states`.
 void FillGridSH(const GridInputs &in, const GridLayout &layout, const std::vector<DisplacedPoint> &displaced,
                 const VisibilityGroups &groups, std::vector<PointState> &states, LightGridSH &grid);
 
@@ -94,7 +94,7 @@ class LitGridPoints {
     /// Changes the state of points in the open that lie on the polygon of an area light to OnEmitter.
     void FindOnEmitters(const std::vector<Light> &lights);
 
-    bool IsLit(std::uint32_t index) const { return litFrom_[index] >= 0; }
+    bool IsLit(std::uint32_t index) const { return litClusters_[index] >= 0; }
     /// Appends a receiver for a point for which IsLit holds.
     void AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const;
     std::vector<PointState> &States() { return states_; }
@@ -104,8 +104,8 @@ class LitGridPoints {
   private:
     const GridLayout &layout_;
     std::vector<PointState> states_;
-    std::vector<int> clusters_; ///< by point: of the point itself, see PlaceInOpen
-    std::vector<int> litFrom_;  ///< by point: cluster of the position that it is lit from; kSolidCluster: not lit
+    std::vector<int> clusters_;    ///< by point: of the point itself, see PlaceInOpen
+    std::vector<int> litClusters_; ///< by point: of the position that it is lit from; kSolidCluster: not lit
     std::vector<DisplacedPoint> displaced_;
 };
 

@@ -43,6 +43,7 @@ constexpr float kMaxBandsPlain = 2.8284271f, kMaxBands = 1.2829003f, kBandsSlack
 /// Relaxation ends when no coefficient moves by more than this, or by more than this fraction of the light there. 1 =
 /// byte 255.
 constexpr float kSmallMove = 0.1f / 255;
+/// It ends after this many sweeps at the latest.
 constexpr int kMaxSweeps = 40;
 /// Points of equal parity on all axes share no cell, so that they can move at the same time.
 constexpr int kParities = 8;
@@ -337,7 +338,7 @@ void GridFit::Solve(LightGridSH &grid, const JobPool &jobs) {
         if (AddPull(grid.points[rows_[i].index], rows_[i]))
             parities[std::size_t((x & 1) + 2 * (y & 1) + 4 * (z & 1))].push_back(i);
     }
-    constexpr std::int64_t kChunk = 256;
+    constexpr std::int64_t kChunk = 256; // rows of one job
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         float largest = 0;
         for (const auto &rows : parities) {

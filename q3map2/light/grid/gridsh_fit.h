@@ -20,7 +20,10 @@ struct FitSample {
 };
 
 /// The points that a fit moves.
-enum class FittedPoints { InSolids, All };
+enum class FittedPoints {
+    InSolids, ///< in or beside solids, and on emitters
+    All
+};
 
 /// Weight of a sample in a fit: its own `weight` times (d / (d + m))^(1/4), since leaks show in the dark, with d =
 /// kDarkLight and m the mean light of the brightest channel, 1 = byte 255; divided by a power of m where it is beyond
@@ -57,9 +60,10 @@ class GridFit {
         std::array<float, kStencil> stencil{};
         std::array<float, kSHFloats> rhs{};
     };
+    /// A corner of the cell of a position.
     struct Corner {
-        std::int64_t index;
-        float weight;
+        std::int64_t index; ///< of the grid point
+        float weight;       ///< trilinear, at the position
     };
 
     /// Samples of the cell whose lowest corner is a point, drawn in up to two rounds: their ranges among all samples,
@@ -76,7 +80,9 @@ class GridFit {
         std::optional<WeakLight> offset{};
     };
 
+    /// A position outside the grid counts as the nearest one inside.
     std::array<Corner, 8> CornersAt(const Vec3f &p) const;
+    /// Whether a corner of the cell whose lowest corner is the point is fitted.
     bool HasFittedCorner(const BrickPoint &point) const;
     void DrawSamples(std::span<CellSamples> cells, std::size_t round, const LightAtPositions &light,
                      std::vector<FitSample> &samples, GridStats &work) const;
@@ -91,14 +97,15 @@ class GridFit {
     void LightCells(const Round &round, const LightAtPositions &light, std::span<FitSample> samples,
                     GridStats &work) const;
     void FindSeen(std::span<FitSample> samples, GridStats &work) const;
+    /// Adds a sample to the rows of the corners of its cell.
     void Accumulate(const FitSample &sample);
     bool AddPull(const bspGridPointSH_t &present, Row &row) const;
     float Relax(const Row &row, LightGridSH &grid) const;
 
     const GridInputs &in_;
     const GridLayout &layout_;
-    int perCell_;
-    float pull_;
+    int perCell_;        ///< samples wanted in a cell
+    float pull_;         ///< see the class comment
     float maxBandRatio_; ///< limit of the norm of bands 1 and 2 over coefficient 0
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; ///< by point; -1: not fitted

@@ -20,7 +20,7 @@ constexpr float kCellStep = 16;
 /// Nudged positions count as open up to 1/8 unit inside a brush: the epsilon of BspSpace::ClusterAt.
 constexpr float kNudgeMargin = -0.125f;
 constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Game units
-/// Distance along each axis at which a position that clear is searched. Game units.
+/// Distance along each axis at which a position with kSolidMargin of clear space is searched. Game units.
 constexpr float kClearStep = 2.5f * kSolidMargin;
 constexpr int kNudges = 16; ///< steps from the point to half a cell away
 /// Lights kept per point: MAX_CONTRIBUTIONS - 1 of the established program.
@@ -98,8 +98,8 @@ Q3_VECTOR void SetColors(const Light &light, const ProbeIncidentLight &incident,
     const Vec3f c = light.color;
     const bool negative = light.negative;
     for (const std::size_t i : kEachLane) {
-        const float add = negative ? -incident.add[i] : incident.add[i];
-        color.x[i] = c.x * add, color.y[i] = c.y * add, color.z[i] = c.z * add;
+        const float strength = negative ? -incident.strength[i] : incident.strength[i];
+        color.x[i] = c.x * strength, color.y[i] = c.y * strength, color.z[i] = c.z * strength;
     }
     if (incident.tinted)
         for (const std::size_t i : kEachLane) {
@@ -125,7 +125,7 @@ Q3_VECTOR void GridRecords::AddDirection(const Lanes3 &color, const ProbeInciden
         block.directionSumX[i] += double(record.direction.x[i]) * double(weight[i]);
         block.directionSumY[i] += double(record.direction.y[i]) * double(weight[i]);
         block.directionSumZ[i] += double(record.direction.z[i]) * double(weight[i]);
-        block.records[i] -= incident.live[i];
+        block.records[i] -= incident.live[i]; // -1 where light arrives
     }
 }
 
@@ -250,6 +250,7 @@ std::vector<ReceiverBatch> PlaceBrick(const BspSpace &space, const GridLayout &l
     return blocks;
 }
 
+/// Adds floodlight at a point. What comes from below counts as from above too.
 void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t block, std::size_t lane,
                    GridRecords &records, RayCounts &counts) {
     for (const float up : {1.0f, -1.0f}) {
@@ -287,7 +288,7 @@ bspGridPoint_t StorePoint(const GridInputs &in, const Vec3f &main, const Vec3f &
     stored.ambient = ColorToBytes(Max(ambient, in.world.minGrid), o.gridScale * o.gridAmbientScale, 1, o.tone);
     stored.directed = ColorToBytes(directed, o.gridScale, 1, o.tone);
     constexpr std::array<std::uint8_t, 3> kBlack{};
-    if (stored.ambient == kBlack && stored.directed != kBlack)
+    if (stored.ambient == kBlack && stored.directed != kBlack) // engines ignore points of black ambient light
         stored.ambient = {1, 1, 1};
     stored.latLong = DirectionBytes(main);
     return stored;

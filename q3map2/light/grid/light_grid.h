@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// Most points of a legacy grid.
+/// Most points of a legacy grid: limit of the established program.
 inline constexpr std::int64_t kMaxLegacyPoints = 0x100000;
 
 /// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until there are at most

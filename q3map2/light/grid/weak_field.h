@@ -95,15 +95,17 @@ class WeakField {
     WeakLight FarPairDifference(const Int3 &at, const Int3 &step, const WeakLight &mean) const;
     bool FindPlace(const Vec3f &position, Place &place) const;
     float ErrorNear(int x, int y, int z) const;
+    /// Index of a point in the open; -1: it is not in the open, or outside the grid.
     std::int64_t OpenPoint(int x, int y, int z) const;
+    /// Whether the box with these opposite corners touches no solid.
     bool IsClear(const Vec3f &a, const Vec3f &b) const;
 
     const BspSpace &space_;
     const GridLayout &layout_;
     const std::vector<PointState> &states_;
     DisplayedChange change_;
-    std::vector<WeakLight> light_;
-    std::vector<float> error_; ///< by point: of its prediction, byte scale, or kUntested
+    std::vector<WeakLight> light_; ///< by point
+    std::vector<float> error_;     ///< by point: of its prediction, byte scale, or kUntested
 };
 
 /// Fills a WeakField level by level: points that lower levels do not predict well are traced. Keeps references.

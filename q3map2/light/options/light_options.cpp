@@ -40,7 +40,7 @@ void ApplyInclusions(LightOptions &o) {
     o.sh = o.keepSH || (o.shRadiance && !o.shAdaptive) || !o.gridFormats.empty();
     o.ambientCubes |= o.cubesFromSH;
     if (o.tone.sRgb)
-        o.tolerance = 255 * LinearFromSrgb(1.0f / 255);
+        o.tolerance = 255 * LinearFromSrgb(1.0f / 255); // what is stored as 1
     o.shSamples = o.givenSHSamples.value_or(o.fastGrid ? kFastSamples : 1);
     // Repeated factors multiply; keep the product within bounds.
     for (float *scale : {&o.pointScale, &o.spotScale, &o.areaScale, &o.skyScale, &o.gridScale, &o.gridAmbientScale})

@@ -56,10 +56,10 @@ inline constexpr float kMinCell = 8;
 /// Tone mapping: how light becomes bytes. ToneMapper (light/options/light_tone.h) applies the settings, in its own
 /// order.
 struct ToneOptions {
-    float gamma = 1, exposure = 0, compensate = 1, saturation = 1;
-    float contrast = 1; ///< the factor, not the option's -255..255
-    bool sRgb = false;
-    float maxLight = 255; ///< from worldspawn _maxlight
+    float gamma = 1, exposure = 0, compensate = 1, saturation = 1; ///< as the options of these names; exposure 0: off
+    float contrast = 1;                                            ///< the factor, not the option's -255..255
+    bool sRgb = false;                                             ///< bytes are in sRGB
+    float maxLight = 255;                                          ///< from worldspawn _maxlight
 };
 
 /// Shortcuts: each has a -noskip option, and -noskip switches all off.
@@ -80,10 +80,11 @@ struct LightOptions {
     float gridScale = 1, gridAmbientScale = 1;
     /// Factor of the light in the SH grid and ambient cubes: gridScale if that is positive, else 1.
     float PositiveGridScale() const { return gridScale > 0 ? gridScale : 1; }
+    /// Legacy grid: share of light from the main direction, and from the opposite one, that is stored as directed.
     float gridDirectionality = 1, gridAmbientDirectionality = 0;
-    float extraDist = 0;
+    float extraDist = 0;                      ///< of lights without the key _extradist. Game units
     std::vector<std::string> texLightFiles{}; ///< -lights
-    bool wolfLighting = false;
+    bool wolfLighting = false;                ///< lights without spawnflags fall off linearly
     ToneOptions tone;
     ShaderOptions shader;
     bool sRgbTexture = false; ///< images are sRGB where they color bounced light
@@ -99,7 +100,7 @@ struct LightOptions {
          patchShadows = false;
     bool switchable = false; ///< lights of a targetname get a style
     bool floodlight = false, lowQuality = false;
-    bool noGrid = false;
+    bool noGrid = false;             ///< the legacy grid stays as it is
     bool staticPropLighting = false; ///< light at the vertices of static props
     bool staticPropPolys = false;    ///< static props cast shadows by their triangles; else by boxes, if they are lit
     bool textureShadows = false;     ///< such triangles let light through where their image is see-through
@@ -107,20 +108,20 @@ struct LightOptions {
     std::uint32_t noDrawSurfaceFlags = 0; ///< surface flags of the game that mark surfaces as not drawn
 
     // SH grid.
-    bool sh = false;
-    bool shBspx = false;
+    bool sh = false;         ///< bake the uniform SH grid, not only as a step to the sparse one
+    bool shBspx = false;     ///< it goes into a BSPX lump, not into lump 18
     bool shAdaptive = false; ///< the sparse SH grid
     SparseGoal sparseGoal;
-    bool shRadiance = false;
-    std::string gridFormats; ///< -gridformats
-    bool keepSH = false;     ///< -sh or -shbspx: the map keeps the uniform SH grid, whatever -gridformats says
-    bool shDering = false;   ///< no negative lobes
-    bool shError = false;    ///< compare the grid with exact light and print the error
-    float gridScaleSH = 2;
-    std::optional<Vec3f> gridSizeSH;
-    int shFit = 0;       ///< samples per cell to which all points are fitted; 0: fit points in solids only
-    bool shFill = true;  ///< fit points in solids; else fill from neighbors alone
-    float shSamples = 1; ///< factor of the number of rays: -shsamples or its default
+    bool shRadiance = false;         ///< store radiance, not irradiance
+    std::string gridFormats;         ///< -gridformats
+    bool keepSH = false;             ///< -sh or -shbspx: the map keeps the uniform SH grid, whatever -gridformats says
+    bool shDering = false;           ///< no negative lobes
+    bool shError = false;            ///< compare the grid with exact light and print the error
+    float gridScaleSH = 2;           ///< points for each point of the legacy grid, along an axis
+    std::optional<Vec3f> gridSizeSH; ///< -gridsh: size of a cell, else by gridScaleSH. Game units
+    int shFit = 0;                   ///< samples per cell to which all points are fitted; 0: fit points in solids only
+    bool shFill = true;              ///< fit points in solids; else fill from neighbors alone
+    float shSamples = 1;             ///< factor of the number of rays: -shsamples or its default
     std::optional<float> givenSHSamples; ///< -shsamples, if given
     SkipOptions skip;
 

@@ -72,7 +72,7 @@ struct StaticProp {
     bool selfShadows = true;                 ///< its shadow casters shadow its own vertices
     bool vertexLight = true;                 ///< it gets light at its vertices
     bool ignoresNormals = false;             ///< its vertices count as facing every light
-    int receiveShadows = 1;                  ///< shadow group
+    int receiveShadows = 1;                  ///< shadow group, see LightScene::TraceSurfaceToLight
     std::optional<Vec3f> lightingOrigin;     ///< origin of the entity that its key lightingorigin names
     std::vector<const ShaderInfo *> shaders; ///< by mesh; null: the skin leaves the mesh out
     std::vector<int> surfaces;               ///< surface numbers of its shadow casters: after all draw surfaces
@@ -82,7 +82,7 @@ struct StaticProp {
 struct StaticProps {
     std::vector<StaticProp> props;
     PropShadows shadows;
-    std::shared_ptr<PropModels> models;
+    std::shared_ptr<PropModels> models;             ///< owns the models of the props
     std::shared_ptr<std::deque<ShaderInfo>> masked; ///< shaders of casters that block light by their image's alpha
 };
 

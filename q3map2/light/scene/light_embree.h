@@ -77,9 +77,9 @@ ScenePtr NewScene(RTCDevice device);
 /// Triangles of three corners each, xyz one after the other, committed. Errors: Error, out of memory.
 GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners);
 
-/// Live rays between `nearest` and `distance` along unit directions. Lanes that are not live may hold anything and get
-/// rays that end before they start: Embree reads them too on processors without 16-wide vectors. nearest: a float, or
-/// Lanes with one per ray.
+/// Sets `rays` to the live rays, from `nearest` to `distance` along unit directions. Lanes that are not live may hold
+/// anything and get rays that end before they start: Embree reads them too on processors without 16-wide vectors.
+/// nearest: a float, or Lanes with one per ray.
 template <typename Nearest>
 inline void SetRays(const Lanes3 &origin, const Lanes3 &direction, const Lanes &distance, const LaneMask &live,
                     const Nearest &nearest, RTCRay16 &rays) {

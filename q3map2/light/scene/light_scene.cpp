@@ -159,9 +159,9 @@ struct LightScene::State {
     const std::vector<int> propOf; ///< by surface number; -1: a draw surface
     const LightOptions options;
     float legacyIgnoreRadius;
-    bool trace;
+    bool trace; ///< false, with -notrace: no shadows
     DevicePtr device;
-    Casters main;
+    Casters main;                ///< for receivers of group 1
     std::vector<int> skyIndexes; ///< by triangle of kSkies
     std::optional<SkyFaces> skyFaces;
     ScenePtr all, skies, filters, filtersWithoutPatches;
@@ -426,6 +426,7 @@ void LightScene::State::FindSky(const RayPacket &packet, float nearest, SkyHits 
     alignas(64) RTCRayHit16 found;
     FindNearest(skies.get(), packet, nearest, found);
     for (const std::size_t i : kEachLane) {
+        // Embree's normal; corners are clockwise seen from the front, so it points to the back.
         const Vec3f back{found.hit.Ng_x[i], found.hit.Ng_y[i], found.hit.Ng_z[i]};
         const bool hit = packet.live[i] != 0 && found.hit.geomID[i] == kSkies;
         hits.hit.Set(i, hit);
@@ -559,6 +560,7 @@ void LightScene::TraceBlockers(const RayPacket &packet, BlockerKind kind, int re
         blockers.distance[i] = hits.ray.tfar[i];
         const int surface = hit && hitsSurfaces ? casters.triangles[id].surface[hits.hit.primID[i]] : -1;
         blockers.surface[i] = surface;
+        // As in FindSky: the normal points to the back.
         const Vec3f back{hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]};
         blockers.behind.Set(i, surface >= 0 && Dot(packet.direction[i], back) < 0 && state.IsOneSided(surface));
     }

@@ -228,6 +228,7 @@ float FreeFraction(const Vec3f &a, const Vec3f &b, const BspSpace &space) {
     const Vec3f along = b - a;
     if (fraction >= 1 || along == Vec3f{})
         return fraction;
+    // An axis that is not nearly parallel to the segment.
     const Vec3f axis = std::abs(along.z) * 2 > Length(along) ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1};
     const Vec3f right = Normalize(Cross(along, axis)) * kAside, up = Normalize(Cross(along, right)) * kAside;
     for (const Vec3f &aside : {right, -right, up, -up})

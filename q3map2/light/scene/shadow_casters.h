@@ -45,7 +45,7 @@ struct PropCaster {
     int prop = 0;                       ///< number of the prop, for RayPacket::ignoredProp
     const ShaderInfo *shader = nullptr; ///< null: the box of a prop
     bool seeThrough = false;            ///< by the texels of the shader's image
-    int castShadows = 1;                ///< shadow group
+    int castShadows = 1;                ///< shadow group; 0 casts none
     std::vector<std::array<Vec3f, 3>> corners;
     std::vector<std::array<float, 6>> st; ///< of corners
 };
@@ -58,24 +58,24 @@ struct PropShadows {
 
 /// Kinds of shadow casters: rays of different passes meet different ones.
 enum GeometryId : unsigned {
-    kSolids,
+    kSolids,   ///< the hull of solid leafs
     kSurfaces, ///< surfaces that no solid covers; on faces of solids the hull blocks the same rays
-    kPatches,
+    kPatches,  ///< curved surfaces
     kSkies,
-    kFilters,
-    kFilterPatches,
+    kFilters,         ///< see-through surfaces and static props
+    kFilterPatches,   ///< see-through curved surfaces
     kLegacySolids,    ///< for the legacy grid
     kLegacySurfaces,  ///< for the legacy grid: surfaces that kLegacySolids do not cover
     kBlockerSolids,   ///< for dirt and floodlight on surfaces
     kBlockerSurfaces, ///< for dirt and floodlight too: surfaces that kBlockerSolids do not cover
     kProps,           ///< opaque static props
-    kGeometries
+    kGeometries       ///< number of kinds
 };
 
 /// Triangles of one kind with the data that hits need.
 struct Triangles {
-    std::vector<float> corners;           // 9 a triangle
-    std::vector<int> surface;             // draw surface of each triangle
+    std::vector<float> corners; // 9 a triangle
+    std::vector<int> surface;   // draw surface of each triangle, or surface number of a PropCaster; -1: a solid
     std::vector<std::array<float, 6>> st; // texture coordinates of the corners; empty for solids
 
     void Add(const Vec3f &a, const Vec3f &b, const Vec3f &c, int surfaceNumber) {

@@ -105,7 +105,7 @@ void ReadKey(const std::vector<std::string_view> &words, SurfaceExtra &extra) {
 SurfaceExtras ParseSurfaceExtras(std::string_view text, std::string_view name, std::size_t surfaceCount) {
     SurfaceExtras extras;
     extras.surfaces.resize(surfaceCount);
-    SurfaceExtra *header = nullptr, *open = nullptr;
+    SurfaceExtra *header = nullptr, *open = nullptr; // block whose first line was read; the same after its {
     int lineNumber = 0;
     const auto fail = [&](std::string_view what) { throw Error("{}:{}: {}", name, lineNumber, what); };
     while (!text.empty()) {
@@ -151,6 +151,7 @@ struct ModelOwner {
     float lightmapScale = 0; // 0: unset
 };
 
+/// castShadows: unless the entity has that key.
 ModelOwner OwnerFrom(const std::vector<Entity> &entities, std::size_t number, int castShadows) {
     const Entity &entity = entities[number];
     return {number == 0 ? Vec3f{} : keys::kOrigin.Vector(entity).value_or(Vec3f{}),
@@ -288,7 +289,8 @@ NormalImage NormalsOf(const ShaderInfo &shader, ShaderLibrary &library, Log &log
     return {std::move(image), ssbump};
 }
 
-/// The macro texture of a shader; null: none. A missing one is a warning.
+/// The macro texture of a shader, or `otherwise` if it names none; null: none. A missing one of the shader is a
+/// warning. Errors: a missing `otherwise`.
 std::shared_ptr<const Image> MacroImageOf(const ShaderInfo &shader, const std::string &otherwise,
                                           ShaderLibrary &library, Log &log) {
     const std::string &shaderImage = shader.lightmap.macroImage;

@@ -71,9 +71,9 @@ struct SurfaceDefaults {
 /// Major axis of a normal with its sign: of equal components z wins, then x.
 Vec3f MajorAxis(const Vec3f &normal);
 
-/// `srfText` is the surface file that the bsp stage wrote beside the map, empty when there is none: then everything is
-/// derived from the surfaces, their shaders and entities, and `defaults`. Errors: a malformed surface file, no image
-/// `macroTexture`.
+/// The properties of all draw surfaces. `srfText` is the surface file that the bsp stage wrote beside the map, empty
+/// when there is none: then everything is derived from the surfaces, their shaders and entities, and `defaults`.
+/// Errors: a malformed surface file, no image `macroTexture`.
 SurfaceTable MakeSurfaceTable(const Bsp &bsp, const std::vector<Entity> &entities, std::string_view srfText,
                               std::string_view srfName, ShaderLibrary &library, Log &log,
                               const SurfaceDefaults &defaults = {});

@@ -50,7 +50,7 @@ void SetPolynomial(const Quadratic &q, double brightness, Light &light) {
 void SetFiftyPercent(const Entity &entity, Light &light) {
     const double fifty = keys::kFiftyPercent.Number(entity);
     double zero = keys::kZeroPercent.Number(entity);
-    if (zero < fifty)
+    if (zero < fifty) // or missing
         zero = 2 * fifty;
     if (zero == fifty)
         throw Error("{}: _fifty_percent_distance and _zero_percent_distance are both {:g}, expected a larger "
@@ -77,7 +77,8 @@ void SetPolynomialOfKeys(const Entity &entity, Light &light) {
     SetPolynomial(q, q.At(kReferenceDistance), light);
 }
 
-/// Sets the curve of the key `delay`. False: this number has none.
+/// Sets the curve of the key `delay`; false: this number has none. Light at distance d, as a fraction of the photons,
+/// with D = kDelayScale / wait: 1: D / d; 2: (D / d)^2; 3: 1; 5: 1 / (1 + d / D)^2.
 bool SetDelay(const Entity &entity, Light &light, Log &log) {
     const double given = keys::kWait.Number(entity), wait = given > 0 ? std::max(given, kLeastWait) : 1;
     switch (const int delay = keys::kDelay.Integer(entity)) {
@@ -179,7 +180,7 @@ bool CountsInBytes(const Entity &entity) {
     while (numbers < 3 && TakeNumber(text))
         ++numbers;
     const int delay = keys::kDelay.Given(entity) ? keys::kDelay.Integer(entity) : 0;
-    const bool hasDelay =
+    const bool hasDelay = // a number for which SetDelay has a curve
         keys::kEndRadius.Number(entity) == 0 && (delay == 1 || delay == 2 || delay == 3 || delay == 5);
     return numbers == 3 || keys::kFiftyPercent.Number(entity) != 0 || HasPolynomial(entity) || hasDelay;
 }

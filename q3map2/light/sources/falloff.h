@@ -140,6 +140,7 @@ inline bool ConeMisses(const Light &light, const Vec3f &center, float radius) {
     const Vec3f offset = center - light.origin;
     const float along = Dot(offset, light.normal), off = Length(offset - light.normal * along),
                 cosine = light.cone.cosOuter;
+    // Distance of the center from the cone's side: off cos a - along sin a, a the half angle.
     return off * cosine - along * std::sqrt(1 - cosine * cosine) > radius + kConeSlack;
 }
 

@@ -154,7 +154,7 @@ std::vector<OpenFrontPart> CutByBack(const Light &back, const BspSpace &space,
 } // namespace
 
 int NudgeIntoOpen(Vec3f &origin, const BspSpace &space) {
-    static constexpr float kSteps[4] = {0, 0, 2, -2}; // in the established program's order, which decides where it ends
+    static constexpr float kSteps[4] = {0, 0, 2, -2}; // as the established program; the order decides where it ends
     int cluster = space.ClusterAt(origin, kLightMargin);
     if (cluster >= 0)
         return cluster;

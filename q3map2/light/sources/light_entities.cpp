@@ -256,7 +256,7 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
                      const LightOptions &options, std::vector<Light> &lights, Log &log) {
     auto [light, byQuad] = LightFromKeys(entity, options, log);
     const int samples = keys::kSamples.Integer(entity);
-    const float deviance = float(keys::kDeviance.Number(entity));
+    const float deviance = float(keys::kDeviance.Number(entity)); // of suns degrees, of others game units
     if (MaxAbsComponent(light.origin) > kMaxLightCoordinate) {
         log.Warn("light origin", "{} is outside any map, it is dropped", LightLabel(entity));
         return;

@@ -14,12 +14,12 @@ namespace q3 {
 
 /// World keys that concern light.
 struct WorldLight {
-    Vec3f ambient;             ///< byte scale
-    Vec3f minGrid;             ///< least light of grid points; byte scale
-    Vec3f minLight, minVertex; ///< least light of lightmaps and of vertices; byte scale
-    float maxLight = 255;
-    bool noShaderSun = false;
-    bool hasFloodlight = false;
+    Vec3f ambient;                             ///< byte scale
+    Vec3f minGrid;                             ///< least light of grid points; byte scale
+    Vec3f minLight, minVertex;                 ///< least light of lightmaps and of vertices; byte scale
+    float maxLight = 255;                      ///< key _maxlight: limit of light in bytes
+    bool noShaderSun = false;                  ///< suns of shaders do not shine
+    bool hasFloodlight = false;                ///< the key _floodlight is given
     Vec3f floodColor{0.94f, 0.94f, 1.0f};      ///< largest component 1
     std::string macroTexture;                  ///< _macrotexture; empty: none
     std::optional<Vec3f> macroMins, macroMaxs; ///< where its edges are; else those of the world

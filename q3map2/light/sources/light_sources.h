@@ -42,7 +42,7 @@ enum class LightType { Point, Spot, Area, Sun };
 struct AreaShape {
     Winding<float> back;           ///< the polygon with reversed winding
     Vec3d normal;                  ///< of the plane through the corners
-    double dist = 0;               ///< origin of the plane: normal . p = dist
+    double dist = 0;               ///< of points p in the plane: normal . p
     Vec3f center;                  ///< centroid
     float radius = 0, area = 0;    ///< radius around the center, game units; area, square units
     std::vector<float> cumulative; ///< running sum of areas over the triangles of the fan

@@ -234,7 +234,8 @@ std::string LightStyles::NameOf(const Entity &light) const {
 }
 
 bool LightStyles::StartsDark(const Entity &light) const {
-    return IsSwitch(light) && CountsInBytes(light) && (keys::kSpawnFlags.Integer(light) & 1) != 0;
+    constexpr int kInitiallyDark = 1; // of Source's lights
+    return IsSwitch(light) && CountsInBytes(light) && (keys::kSpawnFlags.Integer(light) & kInitiallyDark) != 0;
 }
 
 void LightStyles::Add(const Entity &light, Log &log) {
@@ -251,8 +252,8 @@ void LightStyles::Add(const Entity &light, Log &log) {
     Group &group = groups_[name];
     if (first) {
         order_.push_back(name);
-        group = {.pattern = pattern, .isSwitch = IsSwitch(light), .dark = StartsDark(light)};
-    } else if (group.pattern != pattern || group.dark != StartsDark(light))
+        group = {.pattern = pattern, .isSwitch = IsSwitch(light), .startsDark = StartsDark(light)};
+    } else if (group.pattern != pattern || group.startsDark != StartsDark(light))
         log.Warn("lights of one targetname", "{}: other lights of targetname \"{}\" have another {}; the first counts",
                  LightLabel(light), name, group.pattern != pattern ? "pattern" : "spawnflag for dark at first");
     const int style = keys::kStyle.Integer(light);
@@ -303,7 +304,7 @@ void LightStyles::Record(Entity &world) const {
             continue;
         const std::string key = SwitchKey(group.style), before(world.Value(key));
         world.Set(key, before.empty() ? name : before + " " + name);
-        if (group.dark)
+        if (group.startsDark)
             world.Set(DarkKey(group.style), "1");
     }
 }

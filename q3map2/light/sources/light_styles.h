@@ -15,7 +15,7 @@ namespace q3 {
 
 /// Letters of a pattern that play in a second.
 inline constexpr double kPatternRate = 10;
-/// Most letters of a pattern.
+/// Most letters of a pattern; a limit of this program.
 inline constexpr std::size_t kMaxPattern = 256;
 
 /// Brightness by letter of a pattern, from a, 0, to z, 25/12; m is 1. Capital letters count as small ones. Errors:
@@ -66,7 +66,7 @@ class LightStyles {
     struct Group {
         int style = 0;
         std::string pattern;
-        bool isSwitch = false, dark = false;
+        bool isSwitch = false, startsDark = false;
     };
     /// What lights of a group have in common, case folded; empty: the light is in none.
     std::string NameOf(const Entity &light) const;

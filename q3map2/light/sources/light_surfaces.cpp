@@ -112,7 +112,7 @@ void TexLights::ReadLine(const Line &line, bool hdr, Log &log) {
                 word = TakeWord(rest);
             break;
         }
-    if (word.empty() && TakeWord(rest).empty())
+    if (word.empty())
         return;
     const bool noShadow = EqualNoCase(word, "noshadow"), textureShadow = EqualNoCase(word, "forcetextureshadow");
     if (!noShadow && !textureShadow)
@@ -165,13 +165,13 @@ const TexLight *TexLights::Find(std::string_view shader) const {
     return found != lights_.end() ? &found->second : nullptr;
 }
 
-bool TexLights::NoShadow(std::string_view shader) const {
+bool TexLights::CastsNoShadow(std::string_view shader) const {
     const std::string name = MaterialName(shader);
     return std::any_of(noShadow_.begin(), noShadow_.end(),
                        [&](const std::string &part) { return name.find(part) != std::string::npos; });
 }
 
-bool TexLights::TextureShadow(std::string_view model) const {
+bool TexLights::CastsTextureShadow(std::string_view model) const {
     return textureShadow_.contains(WithoutFileExtension(PlainName(model)));
 }
 
@@ -179,7 +179,7 @@ void ApplyTexLights(const TexLights &lights, SurfaceTable &table, Log &log) {
     std::set<const ShaderInfo *> lit;
     for (SurfaceEntry &entry : table) {
         const ShaderInfo &shader = *entry.shader;
-        if (lights.NoShadow(shader.name))
+        if (lights.CastsNoShadow(shader.name))
             entry.castShadows = 0;
         const TexLight *light = lights.Find(shader.name);
         if (!light)

@@ -15,7 +15,7 @@
 
 namespace q3 {
 
-/// The light that a line gives a material.
+/// The light that a line of a .rad file gives a material.
 struct TexLight {
     Vec3f radiance;    ///< light on a receiver whose hemisphere the material fills. Byte scale
     std::string where; ///< "file:line"
@@ -28,12 +28,12 @@ class TexLights {
     /// those with "ldr:" do not, and of eight numbers the second four do. Lines that cannot be read are warnings.
     void Read(std::string_view text, std::string_view file, bool hdr, Log &log);
 
-    /// Null: none.
+    /// The light of a shader; null: none.
     const TexLight *Find(std::string_view shader) const;
-    /// noshadow: part of the name of a shader that casts no shadow.
-    bool NoShadow(std::string_view shader) const;
-    /// forcetextureshadow: whether images of the model ("models/x/y.mdl") cast shadows by their alpha channel.
-    bool TextureShadow(std::string_view model) const;
+    /// Whether a line "noshadow" names the shader or a part of its name: it casts no shadow.
+    bool CastsNoShadow(std::string_view shader) const;
+    /// Whether a line "forcetextureshadow" names the model ("models/x/y.mdl"): its images cast shadows by their alpha.
+    bool CastsTextureShadow(std::string_view model) const;
     const std::map<std::string, TexLight> &All() const { return lights_; }
 
   private:

@@ -156,6 +156,7 @@ double SparseGridBuilder::InterpolationError(const Octree &tree) const {
     return count > 0 ? std::sqrt(std::max(0.0, sum / count - exact_->Noise())) : 0;
 }
 
+/// Whether the tree is fine enough: the lump uses up the budget or, without one, the error is at most the target.
 bool SparseGridBuilder::MeetsGoal(const PrunedTree &pruned) const {
     if (goal_.budget)
         return EstimatedBytes(pruned) >= maxBytes_;
@@ -304,7 +305,7 @@ SparseGridSH SparseGridBuilder::Refined(const GridInputs &in, const LatticeTrace
         if (exact_) {
             result.measured = exact.ErrorOf(grid);
             if (interpolationError > 0)
-                errorRatio_ = result.measured->rms / interpolationError;
+                errorRatio_ = result.measured->rms / interpolationError; // with which the next round aims better
         }
         if (result.stop != RefinementStop::ExpectedToMeetGoal || goal_.budget || !exact_ || round == kMaxRounds ||
             result.measured->rms <= kTargetSlack * double(goal_.error)) {

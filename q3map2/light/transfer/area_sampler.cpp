@@ -140,7 +140,8 @@ struct Picks {
         for (std::size_t i = 0; i + 1 < sums.size(); ++i)
             Advance(double(sums[i]));
     }
-    bool Any(std::size_t number) const {
+    /// Whether a point falls in that triangle.
+    bool AnyIn(std::size_t number) const {
         return std::find(triangle.begin(), triangle.end(), std::int32_t(number)) != triangle.end();
     }
 
@@ -253,7 +254,7 @@ void AreaSampler::Sample(std::uint32_t first, AreaSamples &samples) const {
     if (!triangles_.empty()) {
         const Picks picks(start_, first, cumulative_);
         for (std::size_t i = 0; i < triangles_.size(); ++i)
-            if (picks.Any(i))
+            if (picks.AnyIn(i))
                 SampleBySolidAngle(picks, PickedTriangle(cumulative_, i), triangles_[i], p_, normal_, planeDistance_,
                                    samples);
         samples.weight.fill(float(cumulative_.back()));
@@ -262,7 +263,7 @@ void AreaSampler::Sample(std::uint32_t first, AreaSamples &samples) const {
     const std::vector<float> &sums = light_.shape.cumulative;
     const Picks picks(start_, first, sums);
     for (std::size_t i = 0; i < sums.size(); ++i)
-        if (picks.Any(i))
+        if (picks.AnyIn(i))
             SampleByArea(picks, PickedTriangle(sums, i), light_.polygon[0], light_.polygon[i + 1],
                          light_.polygon[i + 2], samples.target);
     AimByArea(p_, height_ * light_.shape.area, samples);

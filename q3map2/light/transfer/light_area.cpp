@@ -409,14 +409,14 @@ void AreaContribution::Refine(std::size_t i) {
     incident_->tint.Set(i, Vec3f(tint / double(arrived)));
 }
 
-/// Applies fraction, weight and the cosine lobe; sets `add` to the sum of the light over all directions: coefficient 0
-/// divided by Y[0], which is kSHC0 = 1 / sqrt(4 pi).
+/// Applies fraction, weight and the cosine lobe; sets `strength` to the sum of the light over all directions:
+/// coefficient 0 divided by Y[0], which is kSHC0 = 1 / sqrt(4 pi).
 Q3_VECTOR void AreaContribution::Convolve() {
     const float perBasis = float(4 * std::numbers::pi * kSHC0);
     for (const std::size_t i : kEachLane)
         visibleFraction_[i] *= partFraction_[i];
     for (const std::size_t i : kEachLane)
-        incident_->add[i] = incident_->shCoeffs[0][i] * visibleFraction_[i] * weight_ * perBasis;
+        incident_->strength[i] = incident_->shCoeffs[0][i] * visibleFraction_[i] * weight_ * perBasis;
     for (std::size_t k = 0; k < 9; ++k) {
         const float scale = weight_ * float(StoredFactor(k, settings_.radiance));
         for (const std::size_t i : kEachLane)
@@ -433,7 +433,7 @@ void AreaContribution::Evaluate(ReceiverBatch &receivers, ProbeIncidentLight &in
     incident_->live = {};
     const int inSight = live_.Count();
     const bool any = light_.polygon.size() >= 3 && EstimateUnoccluded();
-    counts_.skippedReach += std::uint64_t(any ? inSight - live_.Count() : inSight);
+    counts_.skippedUnlit += std::uint64_t(any ? inSight - live_.Count() : inSight);
     if (!any)
         return;
     if (!SelectFaintLight(settings_.faint, brightest_, receivers_->faintResidual, weight_)) {

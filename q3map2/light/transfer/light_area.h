@@ -63,8 +63,8 @@ class AreaContribution {
     // State of the batch in Evaluate, a lane per receiver.
     ReceiverBatch *receivers_ = nullptr;
     ProbeIncidentLight *incident_ = nullptr;
-    float weight_ = 1; ///< givenWeight_, changed by SelectFaintLight for this batch
-    LaneMask live_{};
+    float weight_ = 1;         ///< givenWeight_, changed by SelectFaintLight for this batch
+    LaneMask live_{};          ///< receivers that may still get light
     LaneMask behind_{};        ///< behind the plane of the emitter
     LaneMask near_{};          ///< so near that only the closed form is accurate enough
     Lanes height_;             ///< distance to the plane of the light
@@ -76,7 +76,7 @@ class AreaContribution {
     Lanes arrived_;            ///< number of probe rays that arrived
     Lanes visibleFraction_;    ///< visible fraction of the light; 1 for refined receivers, whose projection includes it
     Lanes3 tintSum_;           ///< sum of the transmittances of the probe rays that arrived; valid if tinted_
-    bool tinted_ = false;
+    bool tinted_ = false;      ///< some ray of the batch went through a see-through surface
 };
 
 } // namespace q3

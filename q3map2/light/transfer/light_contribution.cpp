@@ -64,7 +64,7 @@ Q3_VECTOR void CullReach(const Light &light, const Lanes3 &position, ProbeIncide
     }
 }
 
-/// add = |form factor| radiosity; 0 behind a one-sided light.
+/// strength = |form factor| radiosity; 0 behind a one-sided light.
 Q3_VECTOR void SetFromFormFactors(const Light &light, const Lanes &heights, const Lanes &formFactors,
                                   ProbeIncidentLight &incident) {
     const bool twoSided = light.twoSided;
@@ -72,7 +72,7 @@ Q3_VECTOR void SetFromFormFactors(const Light &light, const Lanes &heights, cons
     for (const std::size_t i : kEachLane) {
         const float height = heights[i], factor = formFactors[i];
         const float front = height < -kAreaBehind ? 0 : std::max(factor, 0.0f);
-        incident.add[i] = (twoSided ? std::abs(factor) : front) * radiosity;
+        incident.strength[i] = (twoSided ? std::abs(factor) : front) * radiosity;
     }
 }
 
@@ -99,8 +99,8 @@ void SetUnshadowedLight(const Light &light, const LightSettings &settings, const
     SetPointLight(light, angleFactor, incident);
 }
 
-/// Projects light from one direction u on the SH basis: coefficient k is add * Y[k](u) times the convolution factor of
-/// its band. At the light's own position u is zero: light from all directions, band 0 alone.
+/// Projects light from one direction u on the SH basis: coefficient k is strength * Y[k](u) times the convolution
+/// factor of its band. At the light's own position u is zero: light from all directions, band 0 alone.
 Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
     // s0 to s4: SHBasis's constants times the factors; s2 is of xy, yz and xz, s3 of 3 z^2 - 1, s4 of x^2 - y^2.
     const float s0 = float(kSHC0) * float(StoredFactor(0, radiance));
@@ -110,27 +110,27 @@ Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
     auto &c = incident.shCoeffs;
     for (const std::size_t i : kEachLane) {
         const float x = incident.direction.x[i], y = incident.direction.y[i], z = incident.direction.z[i];
-        const float add = incident.live[i] != 0 ? incident.add[i] : 0;
-        c[0][i] = s0 * add;
-        c[1][i] = s1 * y * add;
-        c[2][i] = s1 * z * add;
-        c[3][i] = s1 * x * add;
-        c[4][i] = s2 * (x * y) * add;
-        c[5][i] = s2 * (y * z) * add;
-        c[6][i] = s3 * (2 * z * z - x * x - y * y) * add; // 3 z^2 - 1, but 0 where u is zero
-        c[7][i] = s2 * (x * z) * add;
-        c[8][i] = s4 * (x * x - y * y) * add;
+        const float strength = incident.live[i] != 0 ? incident.strength[i] : 0;
+        c[0][i] = s0 * strength;
+        c[1][i] = s1 * y * strength;
+        c[2][i] = s1 * z * strength;
+        c[3][i] = s1 * x * strength;
+        c[4][i] = s2 * (x * y) * strength;
+        c[5][i] = s2 * (y * z) * strength;
+        c[6][i] = s3 * (2 * z * z - x * x - y * y) * strength; // 3 z^2 - 1, but 0 where u is zero
+        c[7][i] = s2 * (x * z) * strength;
+        c[8][i] = s4 * (x * x - y * y) * strength;
     }
 }
 
-/// Reduces `add` to the part of the light that the pass takes; receivers at which that is 0 are live no longer.
+/// Reduces `strength` to the part of the light that the pass takes; receivers at which that is 0 are live no longer.
 void ReduceToPart(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
     if (settings.part == LightPart::Whole)
         return;
     const float color = MaxAbsComponent(light.color);
     for (const std::size_t i : kEachLane) {
-        incident.add[i] *= FractionOfPart(settings.part, color * incident.add[i], settings.weakBelow);
-        incident.live[i] = incident.add[i] > 0 ? incident.live[i] : 0;
+        incident.strength[i] *= FractionOfPart(settings.part, color * incident.strength[i], settings.weakBelow);
+        incident.live[i] = incident.strength[i] > 0 ? incident.live[i] : 0;
     }
 }
 
@@ -207,13 +207,13 @@ class SingleRayLight {
     RayBatcher<Receiver, Trace> rays_;
 };
 
-/// Sets the unshadowed light; receivers still live need rays. Returns the greatest `add` of one of them.
+/// Sets the unshadowed light; receivers still live need rays. Returns the greatest `strength` of one of them.
 float SingleRayLight::Prepare(std::size_t batch) {
     ReceiverBatch &receivers = batches_[batch];
     ProbeIncidentLight &incident = incident_[batch];
     if (light_.type == LightType::Sun) {
         AimAtSun(light_, incident);
-        incident.add.fill(light_.photons * weight_);
+        incident.strength.fill(light_.photons * weight_);
         if (!(light_.photons * weight_ > 0))
             incident.live = {};
         ReduceToPart(light_, settings_, incident);
@@ -223,7 +223,7 @@ float SingleRayLight::Prepare(std::size_t batch) {
     SetUnshadowedLight(light_, settings_, receivers, incident);
     CullBelowTolerance(light_, incident);
     const int inReach = incident.live.Count();
-    counts_.skippedReach += std::uint64_t(inSight - inReach);
+    counts_.skippedUnlit += std::uint64_t(inSight - inReach);
     if (inReach == 0 || !ApplyFaintSelection(light_, settings_.faint, weight_, receivers, incident, counts_))
         return 0;
     ReduceToPart(light_, settings_, incident);

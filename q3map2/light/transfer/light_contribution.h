@@ -43,7 +43,7 @@ inline float FractionOfPart(LightPart part, float light, float weakBelow) {
 /// Settings of a grid pass, the same for all lights and receivers.
 struct LightSettings {
     LightPass pass = LightPass::LegacyGrid;
-    bool sunOnly = false;
+    bool sunOnly = false;    ///< -sunonly: other lights than suns give nothing
     bool pointAreas = false; ///< -faster: area lights of the legacy grid by distance alone
     bool radiance = false;   ///< GridSH: plain projection, not convolved with the cosine
     bool shadows = true;     ///< false: no rays are cast, everything that faces the receiver arrives

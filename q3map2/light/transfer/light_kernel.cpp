@@ -10,32 +10,33 @@ namespace q3 {
 
 namespace {
 
+/// Receivers that get at most `least` are live no longer.
 Q3_VECTOR void CullBelow(float least, IncidentLight &incident) {
     for (const std::size_t i : kEachLane) {
-        const float add = incident.add[i];
-        incident.live[i] = add > least ? incident.live[i] : 0;
+        const float strength = incident.strength[i];
+        incident.live[i] = strength > least ? incident.live[i] : 0;
     }
 }
 
 Q3_VECTOR void SetFalloff(Falloff falloff, const Lanes &angleFactor, IncidentLight &incident) {
     const Lanes &distance = incident.distance;
-    Lanes &add = incident.add;
+    Lanes &strength = incident.strength;
     switch (falloff.Curve()) {
     case FalloffCurve::InverseSquare:
         for (const std::size_t i : kEachLane)
-            add[i] = falloff.InverseSquare(distance[i], angleFactor[i]);
+            strength[i] = falloff.InverseSquare(distance[i], angleFactor[i]);
         break;
     case FalloffCurve::Linear:
         for (const std::size_t i : kEachLane)
-            add[i] = falloff.Linear(distance[i], angleFactor[i]);
+            strength[i] = falloff.Linear(distance[i], angleFactor[i]);
         break;
     case FalloffCurve::Windowed:
         for (const std::size_t i : kEachLane)
-            add[i] = falloff.Windowed(distance[i], angleFactor[i]);
+            strength[i] = falloff.Windowed(distance[i], angleFactor[i]);
         break;
     case FalloffCurve::Polynomial:
         for (const std::size_t i : kEachLane)
-            add[i] = falloff.Polynomial(distance[i], angleFactor[i]);
+            strength[i] = falloff.Polynomial(distance[i], angleFactor[i]);
         break;
     }
 }
@@ -76,8 +77,8 @@ void SetPointLight(const Light &light, const Lanes &angleFactor, IncidentLight &
     if (light.type != LightType::Spot)
         return;
     for (const std::size_t i : kEachLane)
-        if (incident.live[i] != 0 && incident.add[i] > 0)
-            incident.add[i] *= ConeFraction(light, incident.direction[i] * incident.distance[i]);
+        if (incident.live[i] != 0 && incident.strength[i] > 0)
+            incident.strength[i] *= ConeFraction(light, incident.direction[i] * incident.distance[i]);
 }
 
 Q3_VECTOR void AreaHeights(const Light &light, const Lanes3 &position, Lanes &heights, Lanes3 &pushed) {
@@ -99,7 +100,7 @@ void CullBelowTolerance(const Light &light, IncidentLight &incident) {
 Q3_VECTOR float Strongest(const IncidentLight &incident) {
     float strongest = 0;
     for (const std::size_t i : kEachLane)
-        strongest = std::max(strongest, incident.live[i] != 0 ? incident.add[i] : 0);
+        strongest = std::max(strongest, incident.live[i] != 0 ? incident.strength[i] : 0);
     return strongest;
 }
 
@@ -112,8 +113,8 @@ bool ApplyFaintSelection(const Light &light, float faint, float weight, Receiver
         return false;
     }
     if (weight != 1)
-        for (float &add : incident.add)
-            add *= weight;
+        for (float &strength : incident.strength)
+            strength *= weight;
     return true;
 }
 

@@ -11,7 +11,7 @@ namespace q3 {
 /// Pairs of a light and a receiver by outcome. Each worker has its own; they are summed for the log.
 struct ContributionCounts : RayCounts {
     std::uint64_t pairs = 0;          ///< pairs considered
-    std::uint64_t skippedReach = 0;   ///< behind an emitter, outside a cone or beyond the reach
+    std::uint64_t skippedUnlit = 0;   ///< behind an emitter, outside a cone or beyond the reach
     std::uint64_t skippedPvs = 0;     ///< hidden from each other by the visibility lump
     std::uint64_t skippedFaint = 0;   ///< with a light so faint that others represent it
     std::uint64_t skippedMoments = 0; ///< with an emitter approximated by a point or a few samples
@@ -20,7 +20,7 @@ struct ContributionCounts : RayCounts {
     std::uint64_t refined = 0;        ///< with an area light partly hidden, its visibility from many rays
 
     ContributionCounts &operator+=(const ContributionCounts &o) {
-        rays += o.rays, pairs += o.pairs, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
+        rays += o.rays, pairs += o.pairs, skippedUnlit += o.skippedUnlit, skippedPvs += o.skippedPvs;
         skippedFaint += o.skippedFaint, skippedMoments += o.skippedMoments, skippedProbes += o.skippedProbes;
         skippedCoarse += o.skippedCoarse, refined += o.refined;
         return *this;
@@ -41,8 +41,8 @@ void AimAt(const Vec3f &target, const Lanes3 &position, IncidentLight &incident)
 /// Direction and distance of suns: the same for all receivers.
 void AimAtSun(const Light &light, IncidentLight &incident);
 
-/// Sets `add` of point lights and spotlights: Falloff(distance, angleFactor) times ConeFraction. angleFactor: of the
-/// angle of incidence.
+/// Sets `strength` of point lights and spotlights: Falloff(distance, angleFactor) times ConeFraction. angleFactor: of
+/// the angle of incidence.
 void SetPointLight(const Light &light, const Lanes &angleFactor, IncidentLight &incident);
 
 /// heights: signed, of each receiver over the plane of an area light; pushed: where its form factor is taken, moved
@@ -51,10 +51,10 @@ void AreaHeights(const Light &light, const Lanes3 &position, Lanes &heights, Lan
 
 /// Receivers that get at most the light's tolerance are live no longer; at most 0 unless it endsAtTolerance.
 void CullBelowTolerance(const Light &light, IncidentLight &incident);
-/// The greatest `add` of a live receiver; 0 if there is none.
+/// The greatest `strength` of a live receiver; 0 if there is none.
 float Strongest(const IncidentLight &incident);
-/// SelectFaintLight for area lights; multiplies `add` by the weight of the light. False: not selected, and no receiver
-/// stays live. Call only if a receiver is live.
+/// SelectFaintLight for area lights; multiplies `strength` by the weight of the light. False: not selected, and no
+/// receiver stays live. Call only if a receiver is live.
 bool ApplyFaintSelection(const Light &light, float faint, float weight, ReceiverBatch &receivers,
                          IncidentLight &incident, ContributionCounts &counts);
 

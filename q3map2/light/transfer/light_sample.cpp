@@ -30,8 +30,8 @@ struct SurfaceTransfer {
     Lanes angleFactor; ///< of the angle of incidence
 };
 
-/// cosine = N . u. Drops receivers at or beyond the envelope, and one-sided receivers that face away.
-Q3_VECTOR void CullFacing(SurfaceTransfer &transfer) {
+/// Sets cosine = N . u. Drops receivers at or beyond the envelope, and one-sided receivers that face away.
+Q3_VECTOR void CullByReachAndFacing(SurfaceTransfer &transfer) {
     const Lanes3 &n = transfer.receivers.normal, &u = transfer.incident.direction;
     const float envelope = transfer.light.envelope;
     const bool twoSided = transfer.receivers.twoSided;
@@ -58,7 +58,7 @@ Q3_VECTOR void SetAngles(SurfaceTransfer &transfer) {
     }
 }
 
-/// add = photons angleFactor.
+/// strength = photons angleFactor.
 Q3_VECTOR void SetSunLight(SurfaceTransfer &transfer) {
     const Lanes3 &n = transfer.receivers.normal;
     const Vec3f u = -transfer.light.normal;
@@ -68,7 +68,7 @@ Q3_VECTOR void SetSunLight(SurfaceTransfer &transfer) {
     AimAtSun(transfer.light, transfer.incident);
     SetAngles(transfer);
     for (const std::size_t i : kEachLane)
-        transfer.incident.add[i] = photons * transfer.angleFactor[i];
+        transfer.incident.strength[i] = photons * transfer.angleFactor[i];
 }
 
 /// angleFactor = 1 for lights without angle attenuation; then min(1, angleFactor / angleScale), if there is a scale.
@@ -99,7 +99,7 @@ Q3_VECTOR void CullAreaSides(const Lanes &heights, SurfaceTransfer &transfer) {
     }
 }
 
-/// -faster: add = falloff * (N . u) (-n_l . u), the two cosines of a small patch; sides as for form factors.
+/// -faster: strength = falloff * (N . u) (-n_l . u), the two cosines of a small patch; sides as for form factors.
 Q3_VECTOR void SetAreaLightAsPoint(SurfaceTransfer &transfer) {
     const Lanes3 &u = transfer.incident.direction;
     const Vec3f facing = transfer.light.normal;
@@ -112,18 +112,20 @@ Q3_VECTOR void SetAreaLightAsPoint(SurfaceTransfer &transfer) {
         const float cosines = cosine * -(u.x[i] * facing.x + u.y[i] * facing.y + u.z[i] * facing.z);
         const bool turned = (cosines < 0) & anySide;
         transfer.incident.undirected[i] = (behind | turned) ? -1 : 0;
-        transfer.incident.add[i] = falloff.InverseSquare(transfer.incident.distance[i], turned ? -cosines : cosines);
+        transfer.incident.strength[i] =
+            falloff.InverseSquare(transfer.incident.distance[i], turned ? -cosines : cosines);
     }
 }
 
-/// add = |form factor| radiosity. Negative form factors count if the receiver or the light is two-sided: `flipped`.
+/// strength = |form factor| radiosity. Negative form factors count if the receiver or the light is two-sided:
+/// `flipped`.
 Q3_VECTOR void SetAreaLight(const Lanes &formFactors, SurfaceTransfer &transfer, LaneMask &flipped) {
     const bool anySide = transfer.receivers.twoSided || transfer.light.twoSided;
-    const float add = transfer.light.radiosity;
+    const float radiosity = transfer.light.radiosity;
     for (const std::size_t i : kEachLane) {
         const float factor = formFactors[i], cosine = transfer.cosine[i];
         const bool flip = (factor < 0) & anySide;
-        transfer.incident.add[i] = (flip ? -factor : factor) * add;
+        transfer.incident.strength[i] = (flip ? -factor : factor) * radiosity;
         transfer.incident.undirected[i] = (flip | (cosine < 0)) ? -1 : 0;
         flipped[i] = flip ? transfer.incident.live[i] : 0;
     }
@@ -167,7 +169,7 @@ void SetUnshadowedLight(SurfaceTransfer &transfer) {
     if (transfer.light.type == LightType::Sun)
         return SetSunLight(transfer);
     AimAt(transfer.light.origin, transfer.receivers.position, transfer.incident);
-    CullFacing(transfer);
+    CullByReachAndFacing(transfer);
     if (!transfer.incident.live.Any())
         return;
     if (transfer.light.type == LightType::Area)
@@ -209,7 +211,7 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
     SetUnshadowedLight(transfer);
     CullBelowTolerance(light, incident);
     const int inReach = incident.live.Count();
-    counts.skippedReach += std::uint64_t(inSight - inReach);
+    counts.skippedUnlit += std::uint64_t(inSight - inReach);
     if (inReach > 0 && ApplyFaintSelection(light, settings.faint, 1, receivers, incident, counts) && traced)
         TraceShadows(light, settings, scene, receivers, incident, counts);
     if (settings.directional && incident.live.Any())

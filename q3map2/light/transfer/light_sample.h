@@ -10,7 +10,7 @@ namespace q3 {
 
 /// Settings of a pass over surfaces.
 struct SurfaceLightSettings {
-    bool sunOnly = false;
+    bool sunOnly = false;     ///< -sunonly: other lights than suns give nothing
     bool pointAreas = false;  ///< -faster: area lights as points with two cosines
     bool halfLambert = false; ///< -lightanglehl: light wraps around
     bool shadows = true;      ///< shadow rays are traced

@@ -156,13 +156,13 @@ namespace {
 Q3_VECTOR void ProjectOnSH(const SurfaceIncidentLight &incident, std::array<Lanes, DirectionalChannels::kSH> &amounts) {
     const LightDirections &from = incident.directions;
     for (const std::size_t i : kEachLane) {
-        const float add = incident.add[i];
+        const float strength = incident.strength[i];
         const float x = from.vector.x[i], y = from.vector.y[i], z = from.vector.z[i];
         const float fluence = std::sqrt(x * x + y * y + z * z) * from.spread[i];
-        amounts[0][i] = add * (kDirectedSH0 * fluence + kUniformSH0 * from.uniform[i]);
-        amounts[1][i] = add * (kDirectedSH1 * y);
-        amounts[2][i] = add * (kDirectedSH1 * z);
-        amounts[3][i] = add * (kDirectedSH1 * x);
+        amounts[0][i] = strength * (kDirectedSH0 * fluence + kUniformSH0 * from.uniform[i]);
+        amounts[1][i] = strength * (kDirectedSH1 * y);
+        amounts[2][i] = strength * (kDirectedSH1 * z);
+        amounts[3][i] = strength * (kDirectedSH1 * x);
     }
 }
 
@@ -193,7 +193,7 @@ void LightOn(const Lanes3 &normal, const SurfaceIncidentLight &incident, Lanes &
             const float length = std::sqrt(length2);
             light = length * SphereAtHorizon(facing / length, sine2);
         }
-        amount[i] = incident.add[i] * (light + from.uniform[i]);
+        amount[i] = incident.strength[i] * (light + from.uniform[i]);
     }
 }
 
@@ -236,15 +236,15 @@ namespace {
 /// directions.
 Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &from, float directionScale,
                                 LuxelIncidentLight &out) {
-    SetIncidentColor(light.color, from, from.add, out.color);
+    SetIncidentColor(light.color, from, from.strength, out.color);
     const std::int32_t colored = light.color.x + light.color.y + light.color.z > 0 ? -1 : 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         out.lit[i] = from.live[i] & colored;
-        out.filtered[i] = from.add[i] > 1 ? from.filtered[i] : 0;
+        out.filtered[i] = from.strength[i] > 1 ? from.filtered[i] : 0;
     }
     if (directionScale > 0)
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const float weight = from.live[i] != 0 && from.undirected[i] == 0 ? from.add[i] * directionScale : 0;
+            const float weight = from.live[i] != 0 && from.undirected[i] == 0 ? from.strength[i] * directionScale : 0;
             out.direction.x[i] = weight > 0 ? from.direction.x[i] * weight : 0;
             out.direction.y[i] = weight > 0 ? from.direction.y[i] * weight : 0;
             out.direction.z[i] = weight > 0 ? from.direction.z[i] * weight : 0;

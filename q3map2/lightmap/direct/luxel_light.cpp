@@ -84,7 +84,7 @@ void AddLight(const Light &light, Shadows shadows, const SurfaceInputs &in, cons
         for (std::size_t i = 0; i < blocks.Receivers(block).count; ++i)
             if (incident.live[i] != 0)
                 sums[blocks.Luxels(block)[i]] +=
-                    incident.add[i] * (incident.tinted ? Luminance(incident.tint[i]) / Luminance({1, 1, 1}) : 1);
+                    incident.strength[i] * (incident.tinted ? Luminance(incident.tint[i]) / Luminance({1, 1, 1}) : 1);
     }
 }
 

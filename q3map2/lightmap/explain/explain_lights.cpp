@@ -253,7 +253,7 @@ std::vector<LightAccount> LightExplainer::AtPoint(const std::vector<PreparedLigh
         LightContributionToPoint(one, 1, settings, setup_.scene, {&batch, 1}, incident, counts);
         if (incident[0].live[0] == 0)
             return Vec3f{};
-        return one.color * incident[0].add[0] * (incident[0].tinted ? incident[0].tint[0] : Vec3f{1, 1, 1});
+        return one.color * incident[0].strength[0] * (incident[0].tinted ? incident[0].tint[0] : Vec3f{1, 1, 1});
     };
     Accounts accounts(*this, lights, p);
     for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -295,7 +295,7 @@ std::vector<LightAccount> LightExplainer::AtLuxel(const std::vector<PreparedLigh
             LightContributionToSample(one, settings, setup_.scene, batch, incident, counts);
             for (std::size_t i = first; i < end; ++i)
                 if (incident.live[i - first] != 0)
-                    values[i] = one.color * incident.add[i - first] *
+                    values[i] = one.color * incident.strength[i - first] *
                                 (incident.tinted ? incident.tint[i - first] : Vec3f{1, 1, 1});
         }
     };

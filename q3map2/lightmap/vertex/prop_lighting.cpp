@@ -333,8 +333,8 @@ void PropLighter::AddLight(const Light &light, const StaticProp &prop, const Sur
             if (incident.live[i] == 0)
                 continue;
             const PropReceiver &receiver = receivers[b * kPacketSize + i];
-            const float add = incident.add[i] * factor * receiver.weight;
-            const Vec3f color = light.color * (light.negative ? -add : add);
+            const float strength = incident.strength[i] * factor * receiver.weight;
+            const Vec3f color = light.color * (light.negative ? -strength : strength);
             sums[receiver.point] += incident.tinted ? color * incident.tint[i] : color;
         }
     }

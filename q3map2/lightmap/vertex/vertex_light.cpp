@@ -249,7 +249,7 @@ void VertexLighter::ChooseStyles() {
             LightContributionToSample(*light, settings_, in_.scene, block, incident, counts_);
             for (std::size_t i = 0; i < block.count; ++i)
                 if (incident.live[i] != 0)
-                    energy += double(incident.add[i]) * double(light->color.x + light->color.y + light->color.z);
+                    energy += double(incident.strength[i]) * double(light->color.x + light->color.y + light->color.z);
         }
         choice.Add(*light, energy);
     }
@@ -283,7 +283,7 @@ void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Vert
                 if (incident.live[i] == 0)
                     continue;
                 const std::size_t v = vertices[b * kPacketSize + i];
-                const Vec3f color = light->color * (light->negative ? -incident.add[i] : incident.add[i]);
+                const Vec3f color = light->color * (light->negative ? -incident.strength[i] : incident.strength[i]);
                 AddTo(slot, v, incident.tinted ? color * incident.tint[i] : color);
                 result_.styles[slot] = std::uint8_t(light->style);
                 const Vec3f &soFar = result_.values[0][v];

@@ -122,13 +122,13 @@ TEST_F(RadFileTest, More128EntriesAreFine) {
 TEST_F(RadFileTest, Shadows) {
     Read("noshadow Glass/Window.vmt\nNoShadow textures/metal/grate\n"
          "forcetextureshadow models\\Props\\Fence01.mdl\n");
-    EXPECT_TRUE(lights.NoShadow("textures/glass/window01"));
-    EXPECT_TRUE(lights.NoShadow("textures/old/glass/windowpane"));
-    EXPECT_TRUE(lights.NoShadow("textures/metal/grate"));
-    EXPECT_FALSE(lights.NoShadow("textures/glass/door"));
-    EXPECT_TRUE(lights.TextureShadow("models/props/fence01.mdl"));
-    EXPECT_TRUE(lights.TextureShadow("models/props/FENCE01"));
-    EXPECT_FALSE(lights.TextureShadow("models/props/fence02.mdl"));
+    EXPECT_TRUE(lights.CastsNoShadow("textures/glass/window01"));
+    EXPECT_TRUE(lights.CastsNoShadow("textures/old/glass/windowpane"));
+    EXPECT_TRUE(lights.CastsNoShadow("textures/metal/grate"));
+    EXPECT_FALSE(lights.CastsNoShadow("textures/glass/door"));
+    EXPECT_TRUE(lights.CastsTextureShadow("models/props/fence01.mdl"));
+    EXPECT_TRUE(lights.CastsTextureShadow("models/props/FENCE01"));
+    EXPECT_FALSE(lights.CastsTextureShadow("models/props/fence02.mdl"));
     EXPECT_EQ(printed, "");
 }
 

@@ -304,7 +304,7 @@ class LuxelCullTest : public LuxelLightTest {
                 SurfaceIncidentLight incident;
                 ContributionCounts counts;
                 LightContributionToSample(light, {}, c.scene, one, incident, counts);
-                sum += incident.live[0] != 0 ? double(incident.add[0]) : 0;
+                sum += incident.live[0] != 0 ? double(incident.strength[0]) : 0;
             }
             largest = std::max(largest, std::abs(sum - double(floor.light[0][i].x)));
         }

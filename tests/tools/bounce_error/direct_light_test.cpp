@@ -89,7 +89,7 @@ TEST_F(PathTest, DirectLightIsThatOfTheLightStage) {
             ContributionCounts counts;
             LightContributionToSample(light, {.shadows = false, .sunShadows = false}, scene->setup.scene, batch,
                                       incident, counts);
-            const float add = incident.live[0] != 0 ? incident.add[0] : 0;
+            const float add = incident.live[0] != 0 ? incident.strength[0] : 0;
             const Vec3f expected = light.color * (light.negative ? -add : add);
             const bounce::UnshadowedLight found = LightWithoutShadow(light, at);
             ASSERT_LT(Length(found.color - expected), 1e-3f + 1e-3f * Length(expected)) << i;

@@ -41,7 +41,7 @@ void LuxelBake::AddDirect(const LuxelPlace &at, std::span<const Vec3f> normals, 
             LightContributionToSample(one, settings, scene_, receivers, incident, counts);
             for (std::size_t i = 0; i < receivers.count; ++i)
                 if (incident.live[i] != 0 && Dot(incident.direction[i], normal) > 0) {
-                    const Vec3f color = one.color * (one.negative ? -incident.add[i] : incident.add[i]);
+                    const Vec3f color = one.color * (one.negative ? -incident.strength[i] : incident.strength[i]);
                     light[first + i] += incident.tinted ? color * incident.tint[i] : color;
                 }
         }
