@@ -49,8 +49,8 @@ std::vector<PositionErrors> ErrorsByPlace(const Truth &truth, const ShownLight &
 
 /// The error by which positions are ranked.
 enum class WorstBy {
-    Shown, ///< PositionErrors::shown
-    Grid   ///< PositionErrors::grid
+    Reference, ///< PositionErrors::shown
+    Projection   ///< PositionErrors::grid
 };
 double ErrorOf(const PositionErrors &errors, WorstBy by);
 
