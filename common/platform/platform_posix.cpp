@@ -137,9 +137,9 @@ Socket::~Socket() {
     close(int(handle_));
 }
 
-bool Socket::WaitUntilReady(std::chrono::milliseconds most) {
+bool Socket::WaitUntilReady(std::chrono::milliseconds timeout) {
     pollfd state{.fd = int(handle_), .events = POLLOUT, .revents = 0};
-    return poll(&state, 1, int(most.count())) > 0;
+    return poll(&state, 1, int(timeout.count())) > 0;
 }
 
 std::optional<std::size_t> Socket::Send(std::string_view bytes) {

@@ -107,7 +107,7 @@ shgrid_grid SparseReader(std::span<const std::byte> lump) {
     return reader;
 }
 
-// ---- How many points of an SH light grid are in the open ----
+// ---- How many points of an SH light grid are in the open, filled or void ----
 
 namespace {
 
@@ -121,22 +121,22 @@ bool IsZero(const bspGridPointSH_t &point) {
 
 } // namespace
 
-GridShares CountGridShares(const Bsp &bsp, const LightGridSH &grid) {
+GridPointCounts CountGridPoints(const Bsp &bsp, const LightGridSH &grid) {
     const bspGridSHHeader_t &head = grid.header;
     const GridLayout layout{head.gridMins, head.gridSize, head.gridBounds};
-    GridShares shares;
+    GridPointCounts counts;
     std::size_t index = 0;
     for (int z = 0; z < head.gridBounds[2]; z++)
         for (int y = 0; y < head.gridBounds[1]; y++)
             for (int x = 0; x < head.gridBounds[0]; x++, index++) {
                 if (!InSolid(bsp, layout.Position(x, y, z)))
-                    shares.open++;
+                    counts.open++;
                 else if (IsZero(grid.points[index]))
-                    shares.darkVoid++;
+                    counts.darkVoid++;
                 else
-                    shares.filled++;
+                    counts.filled++;
             }
-    return shares;
+    return counts;
 }
 
 } // namespace q3

@@ -53,7 +53,7 @@ struct BspxSource {
 
 /// The lumps, in the order in which they are written. Lumps of other programs, which stay bytes, follow the first.
 enum class BspxId { PropLight, LightGridSH, LightmapsE5bgr9, VertexE5bgr9, Rnm, SparseGridSH, AmbientCubes, Count };
-inline constexpr std::size_t kBspxIds = std::size_t(BspxId::Count);
+inline constexpr std::size_t kBspxIdCount = std::size_t(BspxId::Count);
 
 /// Which bakes make a lump stale: light of an earlier bake, which does not match the new one.
 enum class BspxRelight {
@@ -92,7 +92,7 @@ const BspxRow *FindBspxRow(std::string_view name);
 
 /// For tables of other libraries, whose rows have a BspxId `id`: whether each lump has one row.
 template <typename Row, std::size_t N> consteval bool HasRowOfEachLump(const Row (&rows)[N]) {
-    std::array<int, kBspxIds> counts{};
+    std::array<int, kBspxIdCount> counts{};
     for (const Row &row : rows)
         ++counts[std::size_t(row.id)];
     return std::ranges::all_of(counts, [](int count) { return count == 1; });

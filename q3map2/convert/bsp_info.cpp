@@ -255,10 +255,10 @@ class InfoTable {
              WithoutNegativeZero(last[1]), WithoutNegativeZero(last[2]));
         Note("stored in {}", bsp_.gridSHContainer == GridSHContainer::Lump ? "lump 18" : "BSPX lump LIGHTGRID_SH");
         NoteConvolution(world);
-        const GridShares shares = CountGridShares(bsp_, grid);
-        PointsLine(shares.open, "lit points", grid.points.size());
-        PointsLine(shares.filled, "filled points", grid.points.size());
-        PointsLine(shares.darkVoid, "void points", grid.points.size());
+        const GridPointCounts counts = CountGridPoints(bsp_, grid);
+        PointsLine(counts.open, "lit points", grid.points.size());
+        PointsLine(counts.filled, "filled points", grid.points.size());
+        PointsLine(counts.darkVoid, "void points", grid.points.size());
     }
 
     void PrintSparseGrid(const Entity &world) const {

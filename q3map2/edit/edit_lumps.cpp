@@ -19,7 +19,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMostBound = 1 << 30; ///< game units; chosen
+constexpr double kMostBound = 1 << 30; ///< game units; limit of this program, chosen: an int holds it
 
 std::int32_t WholeBound(double bound) {
     return std::int32_t(std::clamp(bound, -kMostBound, kMostBound));

@@ -78,9 +78,9 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     GridSHTracer tracer(in, layout, lights);
     BakedGridSH baked{tracer.TraceGridSH(stats), {}};
     GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
-    const GridShares shares = CountGridShares(setup.bsp, baked.uniform);
-    shown.open = std::int64_t(shares.open);
-    shown.filled = std::int64_t(shares.filled);
+    const GridPointCounts counts = CountGridPoints(setup.bsp, baked.uniform);
+    shown.open = std::int64_t(counts.open);
+    shown.filled = std::int64_t(counts.filled);
     shown.moved = 0;
     shown.Print(log);
     SparseStats sparse;

@@ -277,7 +277,7 @@ void ApplyMinimapLevels(MinimapValues &image, const MinimapOptions &options, Log
 
 namespace {
 
-constexpr int kMaxFailures = 1000; ///< chosen: so many moves in a row that do not spread the points end the search
+constexpr int kMaxFailures = 1000; ///< moves in a row that do not spread the points, which end the search; chosen
 
 /// A pseudorandom number from 0 to 1 for each index.
 double RandomUnit(std::uint64_t index) {

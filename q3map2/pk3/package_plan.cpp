@@ -185,8 +185,10 @@ class Planner {
     Log &log_;
     PackagePlan plan_;
     std::vector<std::string> restricted_; ///< by script: why it must not be packed; empty: it may be
-    WantedList images_, plainImages_, scriptFiles_, videos_;
-    std::vector<std::string> models_;
+    WantedList images_;                   ///< of shaders that scripts define
+    WantedList plainImages_;              ///< with the name of a shader that no script defines, or that names no image
+    WantedList scriptFiles_, videos_;
+    std::vector<std::string> models_; ///< files of models and skins
 };
 
 /// Plans a model file that exists, and adds the shaders that it names.
@@ -311,8 +313,8 @@ bool IsLightFile(const fs::path &file) {
     constexpr std::array<std::string_view, 4> kImages = {".tga", ".jpg", ".png", ".hdr"};
     const std::string stem = fs::path(name).stem().string(), extension = fs::path(name).extension().string();
     if (stem.starts_with("sp_") && extension == ".vhv")
-        return WholeInteger(stem.substr(3)).has_value();
-    return stem.starts_with("lm_") && WholeInteger(stem.substr(3, stem.find('_', 3) - 3)).has_value() &&
+        return StrictInteger(stem.substr(3)).has_value();
+    return stem.starts_with("lm_") && StrictInteger(stem.substr(3, stem.find('_', 3) - 3)).has_value() &&
            std::ranges::find(kImages, extension) != kImages.end();
 }
 
