@@ -125,6 +125,7 @@ std::unique_ptr<Socket> Socket::Connect(const std::string &address, std::uint16_
     fcntl(handle, F_SETFL, O_NONBLOCK);
     const int on = 1;
     setsockopt(handle, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    // As MSG_NOSIGNAL in Send: a lost connection is an error of Send, not a signal that ends the program.
 #ifdef SO_NOSIGPIPE
     setsockopt(handle, SOL_SOCKET, SO_NOSIGPIPE, &on, sizeof on);
 #endif

@@ -273,20 +273,21 @@ static inline hdrlight_result hdrlight_parse_rnm_(bspx_lump lump, size_t lightma
    none is damaged. */
 static inline hdrlight_result hdrlight_load(const void *file, size_t size, hdrlight *light) {
     static const char *const names[3] = {"LIGHTING_E5BGR9", "VERTEX_E5BGR9", "LIGHTING_RNM"};
-    static const hdrlight_result containers[5] = {HDRLIGHT_OK, HDRLIGHT_ABSENT, HDRLIGHT_NOT_BSP, HDRLIGHT_TRUNCATED,
-                                                  HDRLIGHT_BAD_OFFSET};
+    /* By bspx_result. */
+    static const hdrlight_result ofContainer[5] = {HDRLIGHT_OK, HDRLIGHT_ABSENT, HDRLIGHT_NOT_BSP, HDRLIGHT_TRUNCATED,
+                                                   HDRLIGHT_BAD_OFFSET};
     bspx_file bsp;
     bspx_lump lightmaps = {NULL, 0}, drawVerts = {NULL, 0}, lump;
     const bspx_result opened = bspx_open(file, size, &bsp);
-    hdrlight_result worst = HDRLIGHT_OK;
+    hdrlight_result firstFault = HDRLIGHT_OK;
     int i, found = 0;
     memset(light, 0, sizeof *light);
     if (opened != BSPX_OK)
-        return containers[opened];
+        return ofContainer[opened];
     bspx_slot(&bsp, 14, &lightmaps);
     bspx_slot(&bsp, 10, &drawVerts);
     for (i = 0; i < 3; i++) {
-        hdrlight_result result = containers[bspx_find(&bsp, names[i], &lump)];
+        hdrlight_result result = ofContainer[bspx_find(&bsp, names[i], &lump)];
         if (result == HDRLIGHT_ABSENT)
             continue;
         found = 1;
@@ -294,10 +295,10 @@ static inline hdrlight_result hdrlight_load(const void *file, size_t size, hdrli
             result = i == 0   ? hdrlight_parse_texels_(lump, lightmaps.size, light)
                      : i == 1 ? hdrlight_parse_vertices_(lump, drawVerts.size, light)
                               : hdrlight_parse_rnm_(lump, lightmaps.size, light);
-        if (worst == HDRLIGHT_OK)
-            worst = result;
+        if (firstFault == HDRLIGHT_OK)
+            firstFault = result;
     }
-    return found ? worst : HDRLIGHT_ABSENT;
+    return found ? firstFault : HDRLIGHT_ABSENT;
 }
 
 /* Red, green and blue of a code, 0 to 65408: 9 bits each from bit 0 up, times 2^(e - 24), where e is the 5 bits above.

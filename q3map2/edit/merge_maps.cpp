@@ -20,7 +20,7 @@ namespace q3 {
 
 namespace {
 
-/// Boxes are listed in leafs that are this near too; chosen, game units.
+/// Boxes are listed in leafs that are this near too. Game units; chosen.
 constexpr double kBoxMargin = 1;
 
 } // namespace

@@ -223,6 +223,7 @@ void BoostValues(std::vector<float> &values, double boost) {
         value = float(value * boost / std::max((boost - 1) * value + 1, kLeast));
 }
 
+/// v becomes contrast v + brightness.
 struct LevelCurve {
     double contrast, brightness;
 };
