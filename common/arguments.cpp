@@ -55,7 +55,7 @@ std::optional<std::string> Arguments::TakeValue(std::initializer_list<std::strin
     return std::move(values->front());
 }
 
-int Arguments::TakeWhole(std::string_view name, int fallback, int least) {
+int Arguments::TakeInteger(std::string_view name, int fallback, int least) {
     int value = fallback;
     while (const auto text = TakeValue(name)) {
         value = IntegerFromText(*text);
@@ -67,14 +67,14 @@ int Arguments::TakeWhole(std::string_view name, int fallback, int least) {
 
 void Arguments::Erase(std::size_t at, std::size_t count) {
     words_.erase(words_.begin() + std::ptrdiff_t(at), words_.begin() + std::ptrdiff_t(at + count));
-    for (std::size_t *end : {&prepended_, &beforeStage_})
+    for (std::size_t *end : {&prependedCount_, &beforeStageEnd_})
         *end -= std::min(*end, at + count) - std::min(*end, at);
 }
 
 void Arguments::Prepend(const std::vector<std::string> &words) {
     words_.insert(words_.begin(), words.begin(), words.end());
-    prepended_ += words.size();
-    beforeStage_ += words.size();
+    prependedCount_ += words.size();
+    beforeStageEnd_ += words.size();
 }
 
 std::string Arguments::TakeLast() {

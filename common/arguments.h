@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// The word after the last occurrence of an option, for those that count before the line is parsed. Empty: none.
+/// The word after the last occurrence of an option, for options that must act before the line is parsed. Empty: none.
 std::string LastValueOf(std::string_view option, const std::vector<std::string> &words);
 
 /// The rest of the command line. An option is found by its whole name, case-insensitive, wherever it stands, and is
@@ -29,10 +29,11 @@ class Arguments {
     std::optional<std::string> TakeValue(std::string_view name) { return TakeValue({name}); }
     /// Removes every occurrence with its value. The last value, or `fallback`. Error: a value below `least`;
     /// words that are no numbers count as 0.
-    int TakeWhole(std::string_view name, int fallback, int least);
+    int TakeInteger(std::string_view name, int fallback, int least);
 
     /// Removes and returns the last word, the input file of every stage; empty if no word is left.
     std::string TakeLast();
+    /// The same for the first word.
     std::string TakeFirst();
     /// Removes and returns Rest()[at].
     std::string TakeAt(std::size_t at);
@@ -43,13 +44,15 @@ class Arguments {
     void Prepend(const std::vector<std::string> &words);
 
     /// Marks the words of Rest() before index `end` as standing before the stage word.
-    void SetBeforeStage(std::size_t end) { beforeStage_ = end; }
-    bool IsBeforeStage(std::size_t at) const { return at >= prepended_ && at < beforeStage_; }
+    void SetBeforeStage(std::size_t end) { beforeStageEnd_ = end; }
+    /// Whether Rest()[at] stood before the stage word on the command line.
+    bool IsBeforeStage(std::size_t at) const { return at >= prependedCount_ && at < beforeStageEnd_; }
 
     /// An option that changed a setting; `before`: the value that it replaced.
     struct Change {
         std::string name, values, before;
     };
+    /// Keeps the change for Changes().
     void NoteChange(std::string_view name, const std::vector<std::string> &values, std::string before);
     /// Forgets the change of an option that turned out to have no effect.
     void DropChange(std::string_view name);
@@ -61,8 +64,8 @@ class Arguments {
     void Erase(std::size_t at, std::size_t count);
 
     std::vector<std::string> words_;
-    std::size_t prepended_ = 0;   ///< so many words, at the front
-    std::size_t beforeStage_ = 0; ///< words up to here stood before the stage word, but for those prepended
+    std::size_t prependedCount_ = 0; ///< of words_, at the front: those of Prepend
+    std::size_t beforeStageEnd_ = 0; ///< words between those of Prepend and this index stood before the stage word
     std::vector<Change> changes_;
 };
 

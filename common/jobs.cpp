@@ -170,9 +170,9 @@ int JobPool::Threads() const {
 void JobPool::For(std::int64_t count, const std::function<void(std::int64_t, int)> &body,
                   const std::function<void(std::int64_t)> &done) const {
     Loop loop(count, body, done);
-    const int nested = workers_->CurrentWorker();
-    if (nested >= 0)
-        loop.Run(nested);
+    const int worker = workers_->CurrentWorker();
+    if (worker >= 0) // called by a body of this pool
+        loop.Run(worker);
     else
         workers_->Run(loop, count);
     loop.Rethrow();

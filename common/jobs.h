@@ -8,7 +8,7 @@
 
 namespace q3 {
 
-/// Most workers of a pool; chosen.
+/// Most workers of a pool; limit of this program, chosen.
 inline constexpr int kMaxThreads = 64;
 
 /// Worker threads that run loops. They start with the pool, sleep between loops and end with the pool.

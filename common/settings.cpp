@@ -57,7 +57,7 @@ std::size_t SettingInfo::MaxValues() const {
 namespace {
 
 bool IsNumber(std::string_view word, SettingKind kind) {
-    return kind == SettingKind::Integer ? WholeInteger(word).has_value() : WholeNumber(word).has_value();
+    return kind == SettingKind::Integer ? StrictInteger(word).has_value() : StrictNumber(word).has_value();
 }
 
 /// The expected value in words, for messages about a bad one: "a whole number from 1 to 8 (luxels)".
@@ -77,7 +77,7 @@ double CheckedNumber(const SettingInfo &info, SettingKind kind, std::string_view
                      Log &log) {
     if (!IsNumber(word, kind))
         throw Error("{} {}: expected {}", name, word, ExpectedValue(info, kind));
-    const double number = *WholeNumber(word);
+    const double number = *StrictNumber(word);
     if (info.range.Contains(number)) {
         if (number < info.floor)
             log.Warn("value under the minimum", "{} {}: the minimum is {:g}; {:g} is used", name, word, info.floor,
@@ -149,12 +149,12 @@ SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Argument
         const std::string &next = arguments.Rest()[at];
         if (!required && !isText && !IsNumber(next, kind))
             break;
-        if (isText && required && next.size() > 1 && next.front() == '-' && !WholeNumber(next))
+        if (isText && required && next.size() > 1 && next.front() == '-' && !StrictNumber(next))
             throw Error("{} needs a value: {} {}; found {}", name, info.name, info.values, next);
         values.words.push_back(arguments.TakeAt(at));
         if (!isText) {
             const double used = CheckedNumber(info, kind, name, values.words.back(), log);
-            if (used != *WholeNumber(values.words.back()))
+            if (used != *StrictNumber(values.words.back()))
                 values.words.back() = SettingText(used);
             values.numbers.push_back(used);
         } else if (kind == SettingKind::Choice)

@@ -75,7 +75,7 @@ static_assert(std::endian::native == std::endian::little && sizeof(Vec3f) == 12,
 namespace {
 
 constexpr float kByteScale = 255;
-constexpr std::size_t kIoquake3Newlines = 3;
+constexpr std::size_t kIoquake3Newlines = 3; ///< bytes at the start of the file; the last float lacks as many
 constexpr std::size_t kIoquake3Texels = std::size_t(kIoquake3PageSide) * kIoquake3PageSide;
 constexpr std::size_t kIoquake3Bytes = kIoquake3Texels * sizeof(Vec3f);
 
@@ -108,7 +108,7 @@ FloatImage DecodeIoquake3Hdr(std::span<const std::byte> file, std::string_view n
     FloatImage page{kIoquake3PageSide, kIoquake3PageSide, std::vector<Vec3f>(kIoquake3Texels)};
     std::memcpy(static_cast<void *>(page.texels.data()), file.data() + kIoquake3Newlines,
                 kIoquake3Bytes - kIoquake3Newlines);
-    page.texels.back().z = 0;
+    page.texels.back().z = 0; // the file has one byte of it
     for (Vec3f &texel : page.texels)
         texel = texel / kByteScale;
     return page;

@@ -21,7 +21,8 @@ namespace q3 {
 namespace {
 
 constexpr std::array<const char *, 3> kExrChannels = {"R", "G", "B"};
-constexpr int kMaxExrSide = 16384;
+constexpr int kMaxExrSide = 16384; ///< texels, as in CheckImageSize
+constexpr int kNoThreads = 0;      ///< of the library: it works in the calling thread
 /// Keeps memory in proportion to the file; only uniform images with thousands of rows could exceed it.
 constexpr std::uint64_t kMaxExrTexelsPerByte = 2048;
 
@@ -70,7 +71,7 @@ Imf::FrameBuffer Slices(Vec3f *first, const Imath::Box2i &window, std::size_t wi
     const std::size_t step = sizeof(Vec3f), row = step * width;
     for (std::size_t i = 0; i < 3; ++i)
         buffer.insert(kExrChannels[i],
-                      Imf::Slice::Make(Imf::FLOAT, reinterpret_cast<char *>(first) + 4 * i, window.min,
+                      Imf::Slice::Make(Imf::FLOAT, reinterpret_cast<char *>(first) + sizeof(float) * i, window.min,
                                        std::int64_t(width), std::int64_t(window.max.y) - window.min.y + 1, step, row));
     return buffer;
 }
@@ -79,7 +80,7 @@ FloatImage ReadExr(std::span<const std::byte> file, std::string_view name) {
     Imf::Header::setMaxImageSize(kMaxExrSide, kMaxExrSide);
     Imf::Header::setMaxTileSize(kMaxExrSide, kMaxExrSide);
     BytesIn stream(file);
-    Imf::InputFile input(stream, 0);
+    Imf::InputFile input(stream, kNoThreads);
     const Imath::Box2i window = input.header().dataWindow();
     const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1,
                        height = std::int64_t(window.max.y) - window.min.y + 1;
@@ -127,7 +128,7 @@ std::vector<std::byte> EncodeExr(const FloatImage &image) {
         header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
     BytesOut stream;
     {
-        Imf::OutputFile output(stream, header, 0);
+        Imf::OutputFile output(stream, header, kNoThreads);
         // The library only reads them.
         output.setFrameBuffer(
             Slices(const_cast<Vec3f *>(image.texels.data()), header.dataWindow(), std::size_t(image.width)));

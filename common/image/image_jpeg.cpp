@@ -42,7 +42,8 @@ Image DecodeJpeg(std::span<const std::byte> file, std::string_view name) {
         throw Error("{}: JPEG: {} bytes cannot hold {} x {} texels", name, file.size(), image.width, image.height);
 
     image.rgba.resize(4 * texels);
-    // The accurate DCT, so that the bytes do not depend on the vector unit of the machine.
+    // The accurate DCT, so that the bytes do not depend on the vector unit of the machine; a limit of scans, of which a
+    // small file could hold so many that decoding takes very long.
     const int flags = TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS;
     if (tjDecompress2(decoder.get(), data, size, image.rgba.data(), image.width, 0, image.height, TJPF_RGBA, flags) !=
         0) {

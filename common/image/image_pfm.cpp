@@ -15,7 +15,8 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxWord = 32; ///< bytes of a word that are looked at
+constexpr std::size_t kMaxWord = 32;      ///< bytes of a word that are looked at
+constexpr std::size_t kMaxSideDigits = 9; ///< such numbers fit 32 bits; CheckImageSize has the limit
 
 class PfmReader {
   public:
@@ -28,7 +29,7 @@ class PfmReader {
         const std::size_t channels = kind == "PF" ? 3 : 1;
         const std::uint64_t width = Side("width"), height = Side("height");
         CheckImageSize(width, height, name_);
-        const double scale = Scale();
+        const bool isBigEndian = Scale() > 0; // the sign says so; the size of the scale has no effect here
         const std::size_t bytes = 4 * channels * std::size_t(width * height);
         if (file_.size() - at_ < bytes)
             throw Error("{}: PFM of {} x {} with {} bytes of texels, expected {}", name_, width, height,
@@ -38,7 +39,7 @@ class PfmReader {
         for (std::size_t i = 0; i < width * height; ++i) {
             Vec3f texel;
             for (std::size_t channel = 0; channel < 3; ++channel)
-                texel[channel] = channel < channels ? Float(scale > 0) : texel.x;
+                texel[channel] = channel < channels ? Float(isBigEndian) : texel.x;
             image.texels.push_back(texel);
         }
         return FlippedRows(image);
@@ -62,24 +63,24 @@ class PfmReader {
 
     std::uint64_t Side(std::string_view what) {
         const std::string word = Word(what);
-        if (word.empty() || word.size() > 9 || word.find_first_not_of("0123456789") != word.npos)
+        if (word.empty() || word.size() > kMaxSideDigits || word.find_first_not_of("0123456789") != word.npos)
             throw Error("{}: PFM of {} \"{}\", expected a whole number", name_, what, word);
         return std::stoull(word);
     }
 
     double Scale() {
         const std::string word = Word("scale");
-        const std::optional<double> scale = WholeNumber(word);
+        const std::optional<double> scale = StrictNumber(word);
         if (!scale || *scale == 0)
             throw Error("{}: PFM of scale \"{}\", expected a number other than 0", name_, word);
         return *scale;
     }
 
-    float Float(bool bigEndian) {
+    float Float(bool isBigEndian) {
         std::array<std::byte, 4> bytes{};
         std::copy_n(file_.begin() + std::ptrdiff_t(at_), 4, bytes.begin());
         at_ += 4;
-        if (bigEndian)
+        if (isBigEndian)
             std::ranges::reverse(bytes);
         return std::bit_cast<float>(bytes);
     }

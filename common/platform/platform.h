@@ -22,6 +22,7 @@ struct ProcessStart {
 /// To be called once, first of all. Sets up standard output: bytes are printed as they are, and read as UTF-8.
 ProcessStart StartProcess(int argc, char **argv);
 
+/// Whether standard output is a terminal.
 bool IsTerminal();
 /// Whether standard output is a terminal that understands ANSI colors.
 bool HasColors();
@@ -58,8 +59,8 @@ class Socket {
     Socket &operator=(const Socket &) = delete;
     /// Closes the connection; bytes already taken by Send still arrive.
     ~Socket();
-    /// Waits until bytes can be sent or the connection is lost, at most for `most`. False: timed out.
-    bool WaitUntilReady(std::chrono::milliseconds most);
+    /// Waits until bytes can be sent or the connection is lost. False: neither happened before the timeout.
+    bool WaitUntilReady(std::chrono::milliseconds timeout);
     /// Returns how many of the bytes the system took, possibly 0. Empty: connecting failed or the other end is gone.
     std::optional<std::size_t> Send(std::string_view bytes);
 

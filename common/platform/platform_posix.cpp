@@ -125,6 +125,7 @@ std::unique_ptr<Socket> Socket::Connect(const std::string &address, std::uint16_
     fcntl(handle, F_SETFL, O_NONBLOCK);
     const int on = 1;
     setsockopt(handle, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    // As MSG_NOSIGNAL in Send: a lost connection is an error of Send, not a signal that ends the program.
 #ifdef SO_NOSIGPIPE
     setsockopt(handle, SOL_SOCKET, SO_NOSIGPIPE, &on, sizeof on);
 #endif
@@ -137,9 +138,9 @@ Socket::~Socket() {
     close(int(handle_));
 }
 
-bool Socket::WaitUntilReady(std::chrono::milliseconds most) {
+bool Socket::WaitUntilReady(std::chrono::milliseconds timeout) {
     pollfd state{.fd = int(handle_), .events = POLLOUT, .revents = 0};
-    return poll(&state, 1, int(most.count())) > 0;
+    return poll(&state, 1, int(timeout.count())) > 0;
 }
 
 std::optional<std::size_t> Socket::Send(std::string_view bytes) {

@@ -173,13 +173,13 @@ Socket::~Socket() {
     closesocket(handle_);
 }
 
-bool Socket::WaitUntilReady(std::chrono::milliseconds most) {
+bool Socket::WaitUntilReady(std::chrono::milliseconds timeout) {
     fd_set writable, failed;
     FD_ZERO(&writable);
     FD_SET(handle_, &writable);
     FD_ZERO(&failed);
     FD_SET(handle_, &failed);
-    timeval wait{.tv_sec = long(most.count() / 1000), .tv_usec = long(most.count() % 1000 * 1000)};
+    timeval wait{.tv_sec = long(timeout.count() / 1000), .tv_usec = long(timeout.count() % 1000 * 1000)};
     return select(0, nullptr, &writable, &failed, &wait) > 0; // Windows ignores the first argument
 }
 

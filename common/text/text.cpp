@@ -64,14 +64,14 @@ int IntegerFromText(std::string_view text) {
     return int(std::clamp<long>(value, INT_MIN, INT_MAX));
 }
 
-std::optional<double> WholeNumber(std::string_view text) {
+std::optional<double> StrictNumber(std::string_view text) {
     if (text.empty() || IsBlank(text.front()))
         return std::nullopt;
     const std::optional<double> number = TakeNumber(text);
     return text.empty() ? number : std::nullopt;
 }
 
-std::optional<int> WholeInteger(std::string_view text) {
+std::optional<int> StrictInteger(std::string_view text) {
     if (text.starts_with('+') && !text.starts_with("+-"))
         text.remove_prefix(1);
     int value = 0;

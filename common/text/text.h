@@ -36,10 +36,10 @@ double NumberFromText(std::string_view text);
 /// The same for integers; numbers out of range are clamped.
 int IntegerFromText(std::string_view text);
 
-/// The finite number that the whole text spells: no blanks around it; std::nullopt if it is not one.
-std::optional<double> WholeNumber(std::string_view text);
+/// The finite number that the text is as a whole, without blanks around it; std::nullopt if it is not one.
+std::optional<double> StrictNumber(std::string_view text);
 /// The same for integers that fit an int.
-std::optional<int> WholeInteger(std::string_view text);
+std::optional<int> StrictInteger(std::string_view text);
 
 /// The phrase with its first plural noun in the singular: "draw surfaces written" gives "draw surface written".
 std::string Singular(std::string_view plural);

@@ -11,7 +11,7 @@ namespace q3 {
 namespace {
 
 constexpr std::size_t kMaxToken = 1023;      ///< bytes: engines have room for 1024 with the NUL
-constexpr std::size_t kMaxIncludeDepth = 16; ///< chosen
+constexpr std::size_t kMaxIncludeDepth = 16; ///< limit of this program, chosen
 constexpr int kMaxIncludes = 256; ///< in all; chosen, as the depth limit alone would allow exponentially many
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF", kInclude = "$include";
 

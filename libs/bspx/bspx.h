@@ -58,8 +58,8 @@ static inline bspx_result bspx_slot(const bspx_file *bsp, unsigned slot, bspx_lu
         return BSPX_ABSENT;
     /* Numbers above 2^31 - 1 are negative in the format. */
     if (offset > INT32_MAX || length > INT32_MAX || offset + length > bsp->size || (length > 0 && offset < header))
-        /* Other compilers have text where slots 17 and 18 would be. There is no room for it if the first lump begins
-           right behind the slot: then this is a slot, and it is damaged. */
+        /* Slots 17 and 18 are sure to exist only where the first lump begins right behind the header. Where it begins
+           later, the bytes may be text of another compiler, so bad numbers mean that there is no such slot. */
         return slot >= 17 && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
     lump->data = bsp->data + offset;
     lump->size = (size_t)length;

@@ -20,7 +20,9 @@ extern "C" {
 #define DIRECTIONAL_RAW 1.0f
 #define DIRECTIONAL_RESCALED 0.577350269f
 
-/* Factors of L0 and L1 in the light of L1 spherical harmonics. */
+/* Factors of coefficients L0 and L1 of radiance in the light of a matte surface, irradiance / pi: 1 / (2 sqrt(pi)), and
+   2/3 of sqrt(3) / (2 sqrt(pi)). Ramamoorthi and Hanrahan, An Efficient Representation for Irradiance Environment
+   Maps, 2001. */
 #define DIRECTIONAL_L0 0.282094792f
 #define DIRECTIONAL_L1 0.325735008f
 
@@ -224,20 +226,22 @@ static inline void directional_l1_with_flat(const float *sh, const float light[3
 
 /* ---- Lightmass layout ---- */
 
-/* Bytes to coefficients of two images: multiply and add of the color's and of the direction's. */
+/* From the values of texels, 0 to 1, to coefficients: value * multiply + add for each channel, [0] of the color image,
+   [1] of the direction image. add[1][3] is the constant term of the luminance factor. */
 typedef struct {
     float multiply[2][4], add[2][4];
 } directional_range;
 
-/* Luminance factor of a normal from the direction image's three coefficients (y, z, x). */
+/* Luminance factor of a normal from its constant term and the direction image's three coefficients (y, z, x). */
 static inline float directional_lightmass_factor_(const float direction[3], float constant, const float normal[3]) {
     return directional_positive_(constant + direction[0] * normal[1] + direction[1] * normal[2] +
                                  direction[2] * normal[0]);
 }
 
-/* Color of two coefficient images at values 0 to 1 (texels as a sampler returns them, filtered or not): roots of
-   chromaticity and log luminance, then (y, z, x). residual: added to the log, in steps of 1 / 255; black: what was
-   added to the luminance before its log was taken, 2^-5.75 or 2^-8. */
+/* Color of two coefficient images at values 0 to 1 (texels as a sampler returns them, filtered or not). Color image:
+   square roots of the chromaticity, then log2 of the luminance; direction image: (y, z, x). residual: added to the
+   value of the log, in steps of 1 / 255; black: what was added to the luminance before its log was taken, 2^-5.75 or
+   2^-8. */
 static inline void directional_lightmass_(const float color[4], const float direction[4],
                                           const directional_range *range, float residual, float black,
                                           const float *normal, float rgb[3]) {
@@ -283,7 +287,8 @@ static inline float directional_unoccluded(float value) {
     return value * value;
 }
 
-/* Mean direction of the visible sky; its length is the visible share. texel 0 to 1. */
+/* Mean direction of the visible sky; its length is the visible share. texel, 0 to 1: the direction, of which 0.5 is 0,
+   and the square root of the share. */
 static inline void directional_sky_occlusion(const float texel[4], float sky[3]) {
     float length;
     int i;

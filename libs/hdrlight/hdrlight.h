@@ -3,7 +3,10 @@
    Three BSPX lumps hold linear light that no byte limits; 1.0 is lightmap byte 255. LIGHTING_E5BGR9 has a code for each
    texel of the lightmaps, VERTEX_E5BGR9 one for each draw vertex, LIGHTING_RNM three maps of radiosity normal mapping
    for pages that need them. A code has 4 bytes, little endian: GL's RGB9_E5 (GL_UNSIGNED_INT_5_9_9_9_REV), so that
-   pages are textures as they are. See LICENSE and README.md beside this file. */
+   pages are textures as they are. See LICENSE and README.md beside this file.
+
+   LIGHTING_RNM begins with "RNM1" and four numbers of 32 bits: version 1, storage (0 raw, 1 rescaled), side of the
+   maps in texels, number of pages. A page is the number of its lightmap and three maps of side * side codes. */
 #ifndef HDRLIGHT_H
 #define HDRLIGHT_H
 
@@ -62,8 +65,8 @@ static inline bspx_result bspx_slot(const bspx_file *bsp, unsigned slot, bspx_lu
         return BSPX_ABSENT;
     /* Numbers above 2^31 - 1 are negative in the format. */
     if (offset > INT32_MAX || length > INT32_MAX || offset + length > bsp->size || (length > 0 && offset < header))
-        /* Other compilers have text where slots 17 and 18 would be. There is no room for it if the first lump begins
-           right behind the slot: then this is a slot, and it is damaged. */
+        /* Slots 17 and 18 are sure to exist only where the first lump begins right behind the header. Where it begins
+           later, the bytes may be text of another compiler, so bad numbers mean that there is no such slot. */
         return slot >= 17 && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
     lump->data = bsp->data + offset;
     lump->size = (size_t)length;
@@ -169,8 +172,8 @@ typedef struct {
     uint32_t texelCount;
     const unsigned char *vertices; /* VERTEX_E5BGR9: HDRLIGHT_CODE_BYTES each, in the order of lump 10 */
     uint32_t vertexCount;
-    const unsigned char *rnmPages; /* LIGHTING_RNM: number of the lightmap, then three maps of side * side codes */
-    uint32_t rnmPageCount, rnmSide;
+    const unsigned char *rnmPages;  /* LIGHTING_RNM: number of the lightmap, then three maps of side * side codes */
+    uint32_t rnmPageCount, rnmSide; /* rnmSide: texels */
     int rnmRescaled; /* 0: a map is the light of its basis vector; 1: the mean of the maps is the flat light */
 } hdrlight;
 
@@ -270,20 +273,21 @@ static inline hdrlight_result hdrlight_parse_rnm_(bspx_lump lump, size_t lightma
    none is damaged. */
 static inline hdrlight_result hdrlight_load(const void *file, size_t size, hdrlight *light) {
     static const char *const names[3] = {"LIGHTING_E5BGR9", "VERTEX_E5BGR9", "LIGHTING_RNM"};
-    static const hdrlight_result containers[5] = {HDRLIGHT_OK, HDRLIGHT_ABSENT, HDRLIGHT_NOT_BSP, HDRLIGHT_TRUNCATED,
-                                                  HDRLIGHT_BAD_OFFSET};
+    /* By bspx_result. */
+    static const hdrlight_result ofContainer[5] = {HDRLIGHT_OK, HDRLIGHT_ABSENT, HDRLIGHT_NOT_BSP, HDRLIGHT_TRUNCATED,
+                                                   HDRLIGHT_BAD_OFFSET};
     bspx_file bsp;
     bspx_lump lightmaps = {NULL, 0}, drawVerts = {NULL, 0}, lump;
     const bspx_result opened = bspx_open(file, size, &bsp);
-    hdrlight_result worst = HDRLIGHT_OK;
+    hdrlight_result firstFault = HDRLIGHT_OK;
     int i, found = 0;
     memset(light, 0, sizeof *light);
     if (opened != BSPX_OK)
-        return containers[opened];
+        return ofContainer[opened];
     bspx_slot(&bsp, 14, &lightmaps);
     bspx_slot(&bsp, 10, &drawVerts);
     for (i = 0; i < 3; i++) {
-        hdrlight_result result = containers[bspx_find(&bsp, names[i], &lump)];
+        hdrlight_result result = ofContainer[bspx_find(&bsp, names[i], &lump)];
         if (result == HDRLIGHT_ABSENT)
             continue;
         found = 1;
@@ -291,13 +295,14 @@ static inline hdrlight_result hdrlight_load(const void *file, size_t size, hdrli
             result = i == 0   ? hdrlight_parse_texels_(lump, lightmaps.size, light)
                      : i == 1 ? hdrlight_parse_vertices_(lump, drawVerts.size, light)
                               : hdrlight_parse_rnm_(lump, lightmaps.size, light);
-        if (worst == HDRLIGHT_OK)
-            worst = result;
+        if (firstFault == HDRLIGHT_OK)
+            firstFault = result;
     }
-    return found ? worst : HDRLIGHT_ABSENT;
+    return found ? firstFault : HDRLIGHT_ABSENT;
 }
 
-/* Red, green and blue of a code, 0 to 65408. Exact. */
+/* Red, green and blue of a code, 0 to 65408: 9 bits each from bit 0 up, times 2^(e - 24), where e is the 5 bits above.
+   Exact. */
 static inline void hdrlight_color(const unsigned char *code, float rgb[3]) {
     const uint32_t bits = bspx_u32(code), exponent = bits >> 27;
     float scale = exponent < 24 ? 1.0f / (float)((uint32_t)1 << (24 - exponent)) : (float)(1 << (exponent - 24));

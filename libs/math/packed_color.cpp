@@ -76,6 +76,7 @@ std::vector<Vec3f> DecodeE5bgr9(std::span<const std::uint32_t> codes) {
 }
 
 Rgbe EncodeRgbe(const Vec3f &color) {
+    // Codes of the exponent are 1 to 255, as 0 is black.
     const SharedExponent shared = ToSharedExponent(color, 1, std::ldexp(255.0, 255 - kRgbeBias), 8, 1 - kRgbeBias);
     if (IsBlack(shared))
         return {};

@@ -43,8 +43,8 @@ template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
     return middle;
 }
 
-/// A measure of the length of the curve with these control points, game units: half of a bound of its speed
-/// 2 |(b - a) + t (c - 2b + a)| at t = 7/8. 0 when the curve is nearly straight or a point.
+/// A measure of the length of the curve with these control points, game units, for Halvings: half of a bound of its
+/// speed 2 |(b - a) + t (c - 2b + a)| at t = 7/8. 0 for a curve that is nearly straight or a point, which needs none.
 float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c);
 
 /// The longest of the curves in a patch of width x height control points, game units.

@@ -135,7 +135,7 @@ inline Winding<double> ConvexHull(std::vector<Vec3d> points, const Vec3d &normal
     const auto add = [&](const Vec3d &p, std::size_t kept) {
         while (hull.size() > kept) {
             const Vec3d &a = hull[hull.size() - 2], &b = hull.back();
-            // Where p turns back, b is an extreme point however near to the line a p it is.
+            // Where p turns back, b is an extreme point, however near it is to the line through a and p.
             const double least = Dot(p - b, b - a) > 0 ? tolerance * Length(p - a) : 0;
             if (Dot(Cross(p - b, b - a), normal) > least)
                 break;

@@ -2,7 +2,11 @@
 
    A prop is an entity with a model. It has a list of meshes in the order of the model file, and each mesh a color for
    each of its vertices. A color is linear light; 1.0 is vertex color 255. See LICENSE and README.md beside this file.
- */
+
+   The BSPX lump STATIC_PROP_LIGHT, numbers of 32 bits, little endian: "SPL1", version 1, propCount, meshCount,
+   colorCount; the props, in ascending order of entities; the meshes of all props; the colors of all meshes. The members
+   of a prop and of a mesh are those of staticprops_prop and staticprops_mesh in their order, a color is a code of GL's
+   RGB9_E5. */
 #ifndef STATICPROPS_H
 #define STATICPROPS_H
 
@@ -61,8 +65,8 @@ static inline bspx_result bspx_slot(const bspx_file *bsp, unsigned slot, bspx_lu
         return BSPX_ABSENT;
     /* Numbers above 2^31 - 1 are negative in the format. */
     if (offset > INT32_MAX || length > INT32_MAX || offset + length > bsp->size || (length > 0 && offset < header))
-        /* Other compilers have text where slots 17 and 18 would be. There is no room for it if the first lump begins
-           right behind the slot: then this is a slot, and it is damaged. */
+        /* Slots 17 and 18 are sure to exist only where the first lump begins right behind the header. Where it begins
+           later, the bytes may be text of another compiler, so bad numbers mean that there is no such slot. */
         return slot >= 17 && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
     lump->data = bsp->data + offset;
     lump->size = (size_t)length;
@@ -163,6 +167,7 @@ typedef struct {
     const unsigned char *props, *meshes, *colors; /* any alignment, little endian */
 } staticprops_light;
 
+/* An entity with light. Its meshes are numbers firstMesh to firstMesh + meshCount - 1. */
 typedef struct {
     uint32_t entity;   /* number in the map's entities, worldspawn is 0 */
     uint32_t nameCrc;  /* staticprops_crc of the entity's "model" in lower case */
@@ -170,8 +175,9 @@ typedef struct {
     uint32_t firstMesh, meshCount;
 } staticprops_prop;
 
+/* A mesh of the model file. It has a color for each vertex, from color number firstColor on. */
 typedef struct {
-    uint32_t firstColor, colorCount; /* one for each vertex */
+    uint32_t firstColor, colorCount;
 } staticprops_mesh;
 
 static inline const char *staticprops_message(staticprops_result result) {
@@ -307,7 +313,8 @@ static inline int staticprops_of_entity(const staticprops_light *light, uint32_t
     return 0;
 }
 
-/* Linear light of color number `index`, below colorCount: those of a mesh begin with its firstColor. 1.0 is 255. */
+/* Linear light of color number `index`, below colorCount: those of a mesh begin with its firstColor. 1.0 is 255. A code
+   has 9 bits each of red, green and blue from bit 0 up, then 5 of the exponent e: a channel is bits * 2^(e - 24). */
 static inline void staticprops_color(const staticprops_light *light, uint32_t index, float rgb[3]) {
     const uint32_t code = bspx_u32(light->colors + (size_t)4 * index);
     int power = (int)(code >> 27) - 24, channel;

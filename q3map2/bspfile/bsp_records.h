@@ -131,6 +131,7 @@ struct bspGridPointSH_t {
     std::array<Float3, 9> coeffs;
 };
 
+/// Values as in the file: Raw is 0, Rescaled 1.
 enum class RnmStorage : std::uint32_t {
     Raw,     ///< light on each basis normal
     Rescaled ///< scaled per luxel and channel so that the mean of the three is the flat lightmap
@@ -159,11 +160,11 @@ struct bspCubeLeaf_t {
     std::uint16_t count = 0, first = 0;
 };
 
-/// Light on surfaces that face +x, -x, +y, -y, +z, -z at a position: each 0..255 of the bounds of the leaf.
+/// Light at a position in a leaf.
 struct bspCubeSample_t {
-    std::array<ColorRgbExp32, 6> sides;
-    std::array<std::uint8_t, 3> position{};
-    std::uint8_t unused = 0;
+    std::array<ColorRgbExp32, 6> sides;     ///< on surfaces that face +x, -x, +y, -y, +z, -z
+    std::array<std::uint8_t, 3> position{}; ///< by axis: 0 is the lower bound of the leaf, 255 the upper one
+    std::uint8_t unused = 0;                ///< must be 0
 };
 
 /// Head of the BSPX lump STATIC_PROP_LIGHT. Props, meshes and colors follow.
@@ -190,12 +191,14 @@ struct bspPropMesh_t {
 struct bspSparseGridHeader_t {
     std::array<char, 4> magic{'S', 'H', 'G', 'S'};
     std::uint32_t version = 1;
-    std::uint32_t bytes = 0; ///< of the lump
-    Float3 mins{}, cell{};
-    Int3 roots{};
-    std::uint32_t levels = 0, nodes = 0, points = 0, reserved = 0;
+    std::uint32_t bytes = 0;  ///< of the lump
+    Float3 mins{}, cell{};    ///< lower corner of the grid and size of the smallest cells, game units
+    Int3 roots{};             ///< number of octrees along each axis
+    std::uint32_t levels = 0; ///< a root's edge is cell * 2^levels
+    std::uint32_t nodes = 0, points = 0, reserved = 0;
 };
 
+/// Whether a record has the size that the format gives it, and can be copied as bytes.
 template <typename Record, std::size_t size>
 inline constexpr bool kPinned = sizeof(Record) == size &&std::is_trivially_copyable_v<Record>;
 static_assert(kPinned<bspShader_t, 72> && kPinned<bspPlane_t, 16> && kPinned<bspNode_t, 36>);

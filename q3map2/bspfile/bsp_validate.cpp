@@ -17,8 +17,8 @@ namespace {
 /// Surfaces without a page have -1 to -4: LIGHTMAP_NONE, _WHITEIMAGE, _BY_VERTEX and _2D of engines.
 constexpr int kLeastLightmapNum = -4;
 
-constexpr std::int64_t kMaxAreas = 256;              ///< an engine's area mask has 32 bytes
-constexpr int kMaxTreeDepth = 4096;                  ///< chosen, for code that walks the tree by recursion
+constexpr std::int64_t kMaxAreas = 256; ///< an engine's area mask has 32 bytes
+constexpr int kMaxTreeDepth = 4096;     ///< limit of this program, chosen, for code that walks the tree by recursion
 constexpr int kMinPatchSide = 3, kMaxPatchSide = 31; ///< control points, odd; MAX_PATCH_SIZE of engines is 32
 constexpr std::size_t kBoxSides = 6;
 constexpr std::int64_t kLightmapSide = 128; ///< texels of a page's side

@@ -107,7 +107,7 @@ shgrid_grid SparseReader(std::span<const std::byte> lump) {
     return reader;
 }
 
-// ---- How many points of an SH light grid are in the open ----
+// ---- How many points of an SH light grid are in the open, filled or void ----
 
 namespace {
 

@@ -53,7 +53,7 @@ shgrid_grid UniformReader(const LightGridSH &grid);
 /// A reader of the lump of a sparse grid (EncodeSparseGrid), which must outlive it. Errors: what shgrid_parse says.
 shgrid_grid SparseReader(std::span<const std::byte> lump);
 
-/// Numbers of SH grid points by position and value; each point is in one of the three. Printed by light and -info.
+/// Numbers of SH grid points by position and value; each point is in one of the three. Printed by -light and -info.
 struct GridPointCounts {
     std::size_t open = 0;     ///< in open space
     std::size_t filled = 0;   ///< in solid, not zero: light taken from points around

@@ -62,8 +62,8 @@ struct FilePlan {
     std::size_t slots = kClassicSlots;
     std::array<FilePart, kNumLumps> lumps{}; ///< only the first `slots` are in the file
     std::uint64_t bspxStart = 0;             ///< position of the BSPX directory, when there is one
-    std::vector<FilePart> bspx;
-    std::uint64_t size = 0; ///< of the whole file
+    std::vector<FilePart> bspx;              ///< the lumps of that directory, in its order
+    std::uint64_t size = 0;                  ///< of the whole file
 };
 
 /// Lays out the lumps. `slots` is 17, 18 or 19; an empty slot 17 of a 19-slot file gets offset 0. Errors: a file of

@@ -20,7 +20,7 @@ constexpr int kPlainScale = 128; ///< the code of scale 1
 constexpr int kScaleSteps = 8;   ///< codes per doubling of the scale
 constexpr float kMaxStep = 127;  ///< largest value of the signed bytes of bands 1 and 2, which stands for scale * limit
 
-/// 2^(i / 8).
+/// 2^(i / kScaleSteps).
 constexpr std::array<float, kScaleSteps> kEighths = {1.0f,        1.09050773f, 1.18920712f, 1.29683955f,
                                                      1.41421356f, 1.54221083f, 1.68179283f, 1.83400809f};
 
@@ -139,7 +139,7 @@ std::uint64_t CheckSparseHead(const SparseGridSH &grid) {
     if (grid.levels < 1 || grid.levels > kMaxSparseLevels)
         throw Error("levels is {}, expected 1 to {}", std::uint32_t(grid.levels), kMaxSparseLevels);
     const std::int32_t maxRoots = kMaxSparseCells >> grid.levels;
-    // The length of the lump is a uint32. With 2 of 40 bytes less there is room for the head, 64 bytes.
+    // The length of the lump is a uint32. A node and a point have 40 bytes; two pairs less leave room for the head, 64.
     constexpr std::size_t kMaxRecords = UINT32_MAX / (sizeof(SparseGridNode) + sizeof(SparseGridPoint)) - 2;
     if (grid.nodes.size() > kMaxRecords || grid.points.size() > kMaxRecords)
         throw Error("{} nodes and {} points, expected at most {}", grid.nodes.size(), grid.points.size(), kMaxRecords);

@@ -46,8 +46,8 @@ static_assert(kPinned<SparseGridNode, 12> && kPinned<SparseGridPoint, 28>);
 /// contains it) goes to the corners of the next cube, by trilinear weights. The sum of weighted values is divided by
 /// the sum of their weights.
 struct SparseGridSH {
-    Float3 mins{};           ///< lower corner of root 0
-    Float3 cell{};           ///< size of the smallest cells
+    Float3 mins{};           ///< lower corner of root 0, game units
+    Float3 cell{};           ///< size of the smallest cells, game units
     Int3 roots{};            ///< number of roots along each axis
     std::int32_t levels = 0; ///< a root's edge is cell * 2^levels
     std::vector<SparseGridNode> nodes;
@@ -65,7 +65,7 @@ struct SparseGridTree {
     std::vector<bspGridPointSH_t> values; ///< of stored cells, in the order of SparseGridSH::points
 };
 
-inline constexpr std::int32_t kMaxSparseLevels = 12; ///< chosen
+inline constexpr std::int32_t kMaxSparseLevels = 12; ///< limit of this program, chosen
 /// Most of the smallest cells along an axis, roots * 2^levels: floats hold all whole numbers up to it.
 inline constexpr std::int32_t kMaxSparseCells = 1 << 24;
 /// Largest |coefficient| of bands 1 and 2 over coefficient 0 of cosine-convolved light that is nowhere negative:

@@ -149,7 +149,7 @@ void CheckSparse(const Bsp &bsp, std::string_view name) {
     CheckSparseGrid(*bsp.sparseGridSH, name);
 }
 
-using enum BspxRelight;
+using enum StaleAfter;
 
 constexpr BspxRow kRows[] = {
     {BspxId::PropLight, kBspxPropLight, "light of static props", SurfaceBake, HasMember<&Bsp::propLight>,
@@ -226,9 +226,9 @@ void DropUnfitLumps(Bsp &bsp, std::string_view name, Log &log) {
     }
 }
 
-void DropStaleLumps(Bsp &bsp, BspxRelight relight) {
+void DropStaleLumps(Bsp &bsp, StaleAfter staleAfter) {
     for (const BspxRow &row : kRows)
-        if (row.relight == relight)
+        if (row.staleAfter == staleAfter)
             row.clear(bsp);
 }
 

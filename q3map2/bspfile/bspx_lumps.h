@@ -53,16 +53,16 @@ struct BspxSource {
 
 /// The lumps, in the order in which they are written. Lumps of other programs, which stay bytes, follow the first.
 enum class BspxId { PropLight, LightGridSH, LightmapsE5bgr9, VertexE5bgr9, Rnm, SparseGridSH, AmbientCubes, Count };
-inline constexpr std::size_t kBspxIds = std::size_t(BspxId::Count);
+inline constexpr std::size_t kBspxIdCount = std::size_t(BspxId::Count);
 
-/// Which bakes make a lump stale: light of an earlier bake, which does not match the new one.
-enum class BspxRelight {
+/// After which bakes a lump is stale: it has light of an earlier bake, which does not match the new one.
+enum class StaleAfter {
     EveryBake,  ///< those of grids alone too
     SurfaceBake ///< those that light surfaces
 };
-/// Whether a bake makes such lumps stale. `onlyGrid`: it lights no surfaces (-onlygrid).
-constexpr bool MakesStale(BspxRelight relight, bool onlyGrid) {
-    return relight == BspxRelight::EveryBake || !onlyGrid;
+/// Whether such lumps are stale after a bake. `onlyGrid`: it lights no surfaces (-onlygrid).
+constexpr bool MakesStale(StaleAfter staleAfter, bool onlyGrid) {
+    return staleAfter == StaleAfter::EveryBake || !onlyGrid;
 }
 
 /// A lump. Functions may be null where there is nothing to do; `write` is called only for maps that have the lump.
@@ -70,7 +70,7 @@ struct BspxRow {
     BspxId id;
     std::string_view name;
     std::string_view content; ///< for messages: "ambient cubes"
-    BspxRelight relight;      ///< which bakes make it stale
+    StaleAfter staleAfter;
     bool (*has)(const Bsp &bsp);
     void (*clear)(Bsp &bsp);
     void (*read)(const BspxSource &from, Bsp &bsp); ///< errors: bytes that are no such lump
@@ -92,7 +92,7 @@ const BspxRow *FindBspxRow(std::string_view name);
 
 /// For tables of other libraries, whose rows have a BspxId `id`: whether each lump has one row.
 template <typename Row, std::size_t N> consteval bool HasRowOfEachLump(const Row (&rows)[N]) {
-    std::array<int, kBspxIds> counts{};
+    std::array<int, kBspxIdCount> counts{};
     for (const Row &row : rows)
         ++counts[std::size_t(row.id)];
     return std::ranges::all_of(counts, [](int count) { return count == 1; });
@@ -113,8 +113,8 @@ std::uint64_t BytesOfBspx(const Bsp &bsp);
 void CheckBspxLumps(const Bsp &bsp, std::string_view name);
 /// Drops lumps that do not fit the map, each with a warning.
 void DropUnfitLumps(Bsp &bsp, std::string_view name, Log &log);
-/// Drops the lumps of that kind.
-void DropStaleLumps(Bsp &bsp, BspxRelight relight);
+/// Drops the lumps whose row has this value.
+void DropStaleLumps(Bsp &bsp, StaleAfter staleAfter);
 
 /// Reads the BSPX lumps of a file whose directory would be at `start`. Errors: those of the readers of lumps.
 void ReadBspxLumps(const ByteSource &file, std::uint64_t start, std::string_view name, Bsp &bsp, Log &log);

@@ -221,7 +221,7 @@ int StyleOfKey(std::string_view key, std::string_view beginning, std::string_vie
     if (key.size() <= beginning.size() + end.size() || !StartsWithNoCase(key, beginning) || !EndsWithNoCase(key, end))
         return -1;
     key = key.substr(beginning.size(), key.size() - beginning.size() - end.size());
-    const std::optional<int> number = WholeInteger(key);
+    const std::optional<int> number = StrictInteger(key);
     return number && *number > 0 && *number <= kLastStyle ? *number : -1;
 }
 

@@ -9,8 +9,8 @@ using enum SettingKind;
 
 /// Keeps products of intensity, color and the scales of options within float.
 inline constexpr double kMaxIntensity = 1e9;
-inline constexpr int kMaxLightSamples = 4096;     ///< chosen
-inline constexpr double kMaxFilterRadius = 65536; ///< chosen; game units
+inline constexpr int kMaxLightSamples = 4096;     ///< of one entity; limit of this program, chosen
+inline constexpr double kMaxFilterRadius = 65536; ///< game units; limit of this program, chosen
 /// For whole numbers that are only compared or tested bit by bit; an int holds them.
 inline constexpr SettingRange kAnyInteger{-1e9, 1e9};
 

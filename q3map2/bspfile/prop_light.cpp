@@ -15,7 +15,7 @@ namespace {
 /// The generator polynomial of CRC-32 (ISO 3309), x^32 left out, its lowest power in the highest bit.
 constexpr std::uint32_t kCrcPolynomial = 0xEDB88320u;
 
-/// The CRC register after each byte.
+/// kCrcTable[b]: the CRC register after byte b, if it was 0 before.
 constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
     std::array<std::uint32_t, 256> table{};
     for (std::uint32_t i = 0; i < 256; ++i) {

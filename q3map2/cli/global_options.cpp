@@ -162,7 +162,7 @@ namespace {
 
 using Group = SettingGroup<GlobalOptions>;
 
-constexpr int kMaxDrawSurfaces = 1 << 24; ///< chosen
+constexpr int kMaxDrawSurfaces = 1 << 24; ///< limit of this program, chosen
 
 Group General() {
     const auto help = [](GlobalOptions &o, const SettingValues &v) { o.help = v.words.empty() ? "" : v.words[0]; };

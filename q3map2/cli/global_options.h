@@ -22,18 +22,23 @@ namespace q3 {
 struct GlobalOptions {
     const Game *game = nullptr;
     bool verbose = false;
-    bool force = false;
-    bool version = false;
-    int threads = 0;                                    ///< 0: one per hardware thread
-    int subdivisions = BspOptions{}.subdivisions;       ///< of the bsp stage
+    bool force = false;                           ///< some errors are only warnings: the help of -force says which
+    bool version = false;                         ///< print the version, and nothing else
+    int threads = 0;                              ///< 0: one per hardware thread
+    int subdivisions = BspOptions{}.subdivisions; ///< of the bsp stage
     int maxDrawSurfaces = BspOptions{}.maxDrawSurfaces; ///< of the bsp stage
     std::string logFile;                                ///< empty: none
     std::string reportFile;                             ///< empty: none
     std::string connect;                                ///< address of the editor, empty without one
     std::optional<std::string> help;                    ///< topic, possibly empty
     std::vector<std::string> games;                     ///< every -game, in order
-    std::vector<std::string> basePaths, gameDirs, pakPaths, forbidden;
-    std::optional<std::string> baseGame, home, homeBase;
+    std::vector<std::string> basePaths;                 ///< every -fs_basepath
+    std::vector<std::string> gameDirs;                  ///< every -fs_game, the first wins
+    std::vector<std::string> pakPaths;                  ///< every -fs_pakpath
+    std::vector<std::string> forbidden;                 ///< masks of folders and archives to skip: -fs_forbiddenpath
+    std::optional<std::string> baseGame;                ///< folder of the base game; unset: that of `game`
+    std::optional<std::string> home;                    ///< folder that holds the user's files; unset: by the system
+    std::optional<std::string> homeBase;                ///< name of the user's folder in `home`; unset: that of `game`
 
     BspFormat Format() const {
         return {.version = game->bspVersion, .advertisements = game->hasAdvertisements, .force = force};

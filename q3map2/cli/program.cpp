@@ -76,7 +76,7 @@ bool IsMap(std::string_view word) {
 bool MayBeValue(const std::vector<std::string> &words, std::size_t at) {
     if (at == 0 || IsOption(words[at]))
         return false;
-    return IsOption(words[at - 1]) || (WholeNumber(words[at]) && MayBeValue(words, at - 1));
+    return IsOption(words[at - 1]) || (StrictNumber(words[at]) && MayBeValue(words, at - 1));
 }
 
 /// Position of the word that is the file: the last map, else the last word that no unknown option can claim.
@@ -205,7 +205,7 @@ StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vecto
 std::vector<std::string> TakeFiles(const StageContext &context, Arguments &arguments) {
     std::vector<std::string> files;
     for (std::size_t i = 0; i < arguments.Rest().size();)
-        if (IsOption(arguments.Rest()[i]) || (WholeNumber(arguments.Rest()[i]) && MayBeValue(arguments.Rest(), i)))
+        if (IsOption(arguments.Rest()[i]) || (StrictNumber(arguments.Rest()[i]) && MayBeValue(arguments.Rest(), i)))
             ++i;
         else
             files.push_back(arguments.TakeAt(i));
@@ -298,16 +298,16 @@ int RunProgram(StageList stages, const std::vector<std::string> &given, const st
     const std::vector<std::string> arguments = Unquoted(given);
     RunReport report;
     const std::string reportPath = LastValueOf("-report", arguments);
-    ReportFile collected;
-    bool reports = !reportPath.empty();
-    if (reports)
-        log.SetObserver(&collected);
+    ReportFile reportFile;
+    bool writesReport = !reportPath.empty();
+    if (writesReport)
+        log.SetObserver(&reportFile);
     const auto end = [&](int status, std::string_view error) {
         log.SetObserver(nullptr);
-        if (!reports)
+        if (!writesReport)
             return status;
         try {
-            collected.Write(reportPath, arguments, error);
+            reportFile.Write(reportPath, arguments, error);
         } catch (const Error &failure) {
             log.Write(LogLevel::Error, fmt::format("-report: {}\n", failure.what()));
             return 1;
@@ -320,11 +320,11 @@ int RunProgram(StageList stages, const std::vector<std::string> &given, const st
         report.PrintEnd(RunEnd::Failed, log);
         return end(1, text);
     };
-    if (reports)
+    if (writesReport)
         try {
             RequireWritable(reportPath); // fail now, not after hours of computing
         } catch (const Error &error) {
-            reports = false;
+            writesReport = false;
             return fail(fmt::format("-report: {}", error.what()));
         }
     try {

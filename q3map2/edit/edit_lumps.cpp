@@ -19,7 +19,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMostBound = 1 << 30; ///< game units; chosen
+constexpr double kMostBound = 1 << 30; ///< game units; limit of this program, chosen: an int holds it
 
 std::int32_t WholeBound(double bound) {
     return std::int32_t(std::clamp(bound, -kMostBound, kMostBound));
@@ -262,7 +262,7 @@ void TransformLumps(const AxisTransform &transform, Bsp &bsp, Log &log) {
 }
 
 void MergeLumps(const LumpMerge &maps) {
-    std::erase_if(maps.bsp.bspx, [&](const BspxLump &lump) {
+    std::erase_if(maps.merged.bspx, [&](const BspxLump &lump) {
         const bool keeps = IsGridLump(lump.name);
         if (!keeps)
             maps.log.Warn(lump.name, "{}: the BSPX lump {} ({} bytes) is dropped: it is for this map without the other",
@@ -315,7 +315,7 @@ bool IsInBoth(const LumpMerge &maps, BspxId id) {
 
 /// Pages of the second map follow those of the first.
 void MergeHdrLightmaps(const LumpMerge &maps) {
-    std::vector<std::uint32_t> &codes = maps.bsp.lightmapsE5bgr9;
+    std::vector<std::uint32_t> &codes = maps.merged.lightmapsE5bgr9;
     if (IsInBoth(maps, BspxId::LightmapsE5bgr9))
         codes.insert(codes.end(), maps.added.lightmapsE5bgr9.begin(), maps.added.lightmapsE5bgr9.end());
     else
@@ -323,7 +323,7 @@ void MergeHdrLightmaps(const LumpMerge &maps) {
 }
 
 void MergeVertexLight(const LumpMerge &maps) {
-    std::vector<std::uint32_t> &codes = maps.bsp.vertexE5bgr9;
+    std::vector<std::uint32_t> &codes = maps.merged.vertexE5bgr9;
     if (!IsInBoth(maps, BspxId::VertexE5bgr9)) {
         codes.clear();
         return;
@@ -337,7 +337,7 @@ void MergeVertexLight(const LumpMerge &maps) {
 /// RNM pages name their lightmap, so they are kept even if only one of the maps has them.
 void MergeRnm(const LumpMerge &maps) {
     const std::optional<RnmLightmaps> &added = maps.added.rnm;
-    std::optional<RnmLightmaps> &rnm = maps.bsp.rnm;
+    std::optional<RnmLightmaps> &rnm = maps.merged.rnm;
     if (!added)
         return;
     if (!rnm) {
@@ -379,7 +379,7 @@ void MergeProps(const LumpMerge &maps) {
     try {
         PropLight light = maps.main.propLight.value_or(PropLight{});
         AppendProps(*maps.added.propLight, StoredEntities(maps.main.entities, maps.mainName).size(), light);
-        maps.bsp.propLight = std::move(light);
+        maps.merged.propLight = std::move(light);
     } catch (const Error &error) {
         maps.log.Warn(kBspxPropLight, "{}: the BSPX lump {} is dropped: {}", maps.addedName, kBspxPropLight,
                       error.what());

@@ -51,11 +51,11 @@ void TransformLumps(const AxisTransform &transform, Bsp &bsp, Log &log);
 struct LumpMerge {
     const Bsp &main, &added;
     std::string_view mainName, addedName;
-    Bsp &bsp; ///< `main` with the records and entities of `added` after its own
+    Bsp &merged; ///< `main` with the records and entities of `added` after its own
     Log &log;
-    int lightmapBase = 0; ///< number in `bsp` of the first lightmap of `added`
-    /// First vertex and count of each run of vertices of `added` in `bsp`, in the order in which they follow those of
-    /// `main`.
+    int lightmapBase = 0; ///< number in `merged` of the first lightmap of `added`
+    /// First vertex and count of each run of vertices of `added` in `merged`, in the order in which they follow those
+    /// of `main`.
     std::vector<std::pair<int, int>> vertRuns;
 };
 
@@ -75,7 +75,7 @@ struct LumpEdit {
     BspxId id;
     LumpSpace space;
     void (*transform)(const AxisTransform &transform, Bsp &bsp); ///< only for maps that have the lump
-    /// Makes the lump of LumpMerge::bsp, which begins as that of `main`.
+    /// Makes the lump of LumpMerge::merged, which begins as that of `main`.
     void (*merge)(const LumpMerge &maps);
 };
 

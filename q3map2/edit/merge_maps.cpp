@@ -20,7 +20,7 @@ namespace q3 {
 
 namespace {
 
-/// Boxes are listed in leafs that are this near too; chosen, game units.
+/// Boxes are listed in leafs that are this near too. Game units; chosen.
 constexpr double kBoxMargin = 1;
 
 } // namespace
@@ -50,7 +50,7 @@ std::vector<std::size_t> LeafLists::LeafsIn(const Boundsf &box) const {
         const bspPlane_t &plane = bsp_.planes[std::size_t(node.planeNum)];
         const Vec3d normal(plane.normal);
         const double distance = Dot(normal, center) - double(plane.dist);
-        // Half the extent of the box along the normal.
+        // Half the extent of the box along the normal, and the margin.
         const double reach =
             std::abs(normal.x) * half.x + std::abs(normal.y) * half.y + std::abs(normal.z) * half.z + kBoxMargin;
         if (distance > -reach)

@@ -42,7 +42,7 @@ std::vector<SettingGroup<MergeOptions>> MergeSettings() {
 Vec3d TakeAxisValues(Arguments &arguments, std::string_view stage) {
     std::vector<double> values;
     for (std::size_t i = 0; i < arguments.Rest().size() && arguments.Rest().size() > 1;) {
-        const auto number = WholeNumber(arguments.Rest()[i]);
+        const auto number = StrictNumber(arguments.Rest()[i]);
         if (number) {
             values.push_back(*number);
             arguments.TakeAt(i);
@@ -62,7 +62,7 @@ namespace {
 
 /// A triangle of edges u and v is flat up to this (u.u v.v - (u.v)^2) / (u.u v.v), the squared sine of their angle.
 constexpr double kFlatTriangle = 1e-9;
-constexpr double kMostFactor = 65536; ///< chosen
+constexpr double kMostFactor = 65536; ///< limit of this program, chosen
 /// Values of the key `angle` for movers that go up or down.
 constexpr double kUp = -1, kDown = -2;
 
@@ -270,7 +270,7 @@ class Shifter {
     }
 
     std::size_t ModelOf(const Entity &entity) const;
-    void MarkAsStaying(std::size_t model);
+    void MarkAsStaying(std::size_t number);
     void ShiftEntities(std::string_view name);
     void ShiftVerts();
     void ShiftPlanes();

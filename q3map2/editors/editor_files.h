@@ -32,6 +32,7 @@ std::vector<EditorBuild> EditorBuilds(std::span<const std::string_view> presets)
 
 // ---- Menus and profiles in the forms that level editors read ----
 
+/// A file for an editor.
 struct EditorFile {
     std::string path; ///< folder of the editor and name
     std::string text;

@@ -211,9 +211,9 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     }
     if (setup.options.staticPropLighting)
         LightStaticProps(setup, lightmap, surfaces ? surfaces->Bounced() : nullptr, jobs, log, result);
-    for (const BspxRelight relight : {BspxRelight::EveryBake, BspxRelight::SurfaceBake})
-        if (MakesStale(relight, lightmap.onlyGrid))
-            DropStaleLumps(bsp, relight);
+    for (const StaleAfter staleAfter : {StaleAfter::EveryBake, StaleAfter::SurfaceBake})
+        if (MakesStale(staleAfter, lightmap.onlyGrid))
+            DropStaleLumps(bsp, staleAfter);
     if (setup.options.staticPropLighting)
         bsp.propLight = PackPropLight(setup.props, result.props);
     setup.stored.front().Erase(kGridSHKey);

@@ -223,6 +223,7 @@ void BoostValues(std::vector<float> &values, double boost) {
         value = float(value * boost / std::max((boost - 1) * value + 1, kLeast));
 }
 
+/// v becomes contrast v + brightness.
 struct LevelCurve {
     double contrast, brightness;
 };
@@ -277,7 +278,7 @@ void ApplyMinimapLevels(MinimapValues &image, const MinimapOptions &options, Log
 
 namespace {
 
-constexpr int kMaxFailures = 1000; ///< chosen: so many moves in a row that do not spread the points end the search
+constexpr int kMaxFailures = 1000; ///< moves in a row that do not spread the points, which end the search; chosen
 
 /// A pseudorandom number from 0 to 1 for each index.
 double RandomUnit(std::uint64_t index) {

@@ -43,16 +43,18 @@ const MinimapStyle &MinimapStyleOf(std::string_view game);
 
 struct MinimapOptions {
     int size = 512;               ///< pixels a side
-    double sharpen = 1;           ///< strength; negative: none
+    double sharpen = 1;           ///< weight of the difference from the eight pixels around; negative: none
     int samples = 1;              ///< a pixel, the same places in each
     int randomSamples = 0;        ///< a pixel, other places in each; 0: `samples` counts
     std::optional<double> border; ///< fraction of the image on each side; unset: that of the game
-    bool keepAspect = true;
-    std::string output;                              ///< path of the image; empty: that of the game
-    std::optional<Boundsd> box;                      ///< what is drawn, game units; unset: the world
+    bool keepAspect = true;       ///< the shorter side is widened to a square; else the map is stretched to one
+    std::string output;           ///< path of the image; empty: that of the game
+    std::optional<Boundsd> box;   ///< what is drawn, game units; unset: the world
     bool gray = false, black = false, white = false; ///< at most one; none: that of the game
-    double boost = 1, brightness = 0, contrast = 1;
-    bool autoLevel = false;
+    // What ApplyMinimapLevels does with values, in its order.
+    double boost = 1;                    ///< v becomes v boost / ((boost - 1) v + 1)
+    bool autoLevel = false;              ///< values are stretched to 0..1
+    double brightness = 0, contrast = 1; ///< v becomes v contrast + brightness
 
     double Border(const MinimapStyle &style) const { return border.value_or(style.border); }
     MinimapPixels Pixels(const MinimapStyle &style) const;

@@ -196,7 +196,8 @@ std::string WithTga(std::string_view line) {
     constexpr std::array<std::string_view, 4> kRenamed = {"map", "clampmap", "animmap", "clampanimmap"};
     const std::size_t indent = std::min(line.find_first_not_of('\t'), line.size());
     std::string result(line.substr(0, indent));
-    std::size_t firstImage = 0, number = 0;
+    constexpr auto kNoImages = std::size_t(-1);
+    std::size_t firstImage = 0, number = 0; // numbers of words in the line
     for (std::string_view rest = line.substr(indent); !rest.empty(); ++number) {
         const std::size_t end = std::min(rest.find(' '), rest.size());
         const std::string_view word = rest.substr(0, end);
@@ -204,7 +205,7 @@ std::string WithTga(std::string_view line) {
         if (number == 0) {
             const bool isRenamed = std::ranges::any_of(kRenamed, [&](auto w) { return EqualNoCase(w, word); });
             const bool hasRate = EqualNoCase(word, "animmap") || EqualNoCase(word, "clampanimmap");
-            firstImage = !isRenamed ? std::size_t(-1) : hasRate ? 2 : 1;
+            firstImage = !isRenamed ? kNoImages : hasRate ? 2 : 1;
         }
         result += number > 0 ? " " : "";
         result += number >= firstImage && !IsBuiltIn(word) ? ImageName(word) + ".tga" : std::string(word);

@@ -290,7 +290,7 @@ class NeedsOfMap {
 constexpr std::size_t kHeadBytes = 108, kSurfaceCountAt = 84, kSurfacesAt = 100;
 constexpr std::size_t kSurfaceBytes = 108, kShaderCountAt = 76, kShadersAt = 92, kSurfaceEndAt = 104;
 constexpr std::size_t kShaderBytes = 68, kShaderNameBytes = 64;
-constexpr std::uint32_t kMostSurfaces = 1024, kMostShaders = 256; // chosen, for damaged files
+constexpr std::uint32_t kMostSurfaces = 1024, kMostShaders = 256; // limits of this program, chosen, for damaged files
 
 } // namespace
 

@@ -16,7 +16,8 @@
 
 namespace q3 {
 
-/// Names in lower case, those of files without extension, those of scripts without folder too.
+/// What a package leaves out because players have it. Names are in lower case, those of files without extension, those
+/// of scripts without folder too.
 struct Exclusions {
     std::set<std::string> textures, shaders, shaderFiles, sounds, videos;
 
@@ -28,6 +29,7 @@ struct Exclusions {
     /// Whether it is a texture of the list and no shader of it: an image that the game has under a name for which a
     /// script must define nothing else.
     bool IsPureTexture(std::string_view name) const { return HasTexture(name) && !HasShader(name); }
+    /// Adds the names of another list.
     void Add(const Exclusions &other);
 };
 
@@ -37,6 +39,7 @@ Exclusions ReadExclusions(std::string text, std::string_view name);
 
 // ---- Where files of a package come from ----
 
+/// Where a file is, as far as it matters to a package.
 enum class Whereabouts {
     Nowhere,
     InBase, ///< in an archive that players have

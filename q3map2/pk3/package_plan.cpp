@@ -184,9 +184,11 @@ class Planner {
     const PlanRules &rules_;
     Log &log_;
     PackagePlan plan_;
-    std::vector<std::string> restricted_; ///< by script: why it must not be packed; empty: it may be
-    WantedList images_, plainImages_, scriptFiles_, videos_;
-    std::vector<std::string> models_;
+    std::vector<std::string> restrictions_; ///< by script: why it must not be packed; empty: it may be
+    WantedList images_;                     ///< of shaders that scripts define
+    WantedList plainImages_; ///< with the name of a shader that no script defines, or that names no image
+    WantedList scriptFiles_, videos_;
+    std::vector<std::string> models_; ///< files of models and skins
 };
 
 /// Plans a model file that exists, and adds the shaders that it names.
@@ -230,7 +232,7 @@ void Planner::FindRestrictedScripts() {
         for (const std::string &shader : script.shaders)
             if (why.empty() && (exclusions.HasShader(shader) || exclusions.IsPureTexture(shader)))
                 why = fmt::format("it also defines {}, which is excluded", shader);
-        restricted_.push_back(rules_.wholeScripts ? std::move(why) : std::string());
+        restrictions_.push_back(rules_.wholeScripts ? std::move(why) : std::string());
     }
 }
 
@@ -263,9 +265,9 @@ void Planner::PlanShader(const Wanted &wanted) {
 void Planner::PlanDefined(const EngineShader &shader, const Wanted &wanted) {
     const EngineScripts::Script &script = scripts_.Scripts()[shader.script];
     const bool isInBase = source_.Find(script.name) == Whereabouts::InBase;
-    if (!restricted_[shader.script].empty() && !isInBase) {
+    if (!restrictions_[shader.script].empty() && !isInBase) {
         plan_.missing.push_back(fmt::format("{}: wanted by {}; its script {} cannot be packed: {}", shader.name,
-                                            wanted.why, script.name, restricted_[shader.script]));
+                                            wanted.why, script.name, restrictions_[shader.script]));
         return;
     }
     const std::string why = fmt::format("shader {}", shader.name);
@@ -311,8 +313,8 @@ bool IsLightFile(const fs::path &file) {
     constexpr std::array<std::string_view, 4> kImages = {".tga", ".jpg", ".png", ".hdr"};
     const std::string stem = fs::path(name).stem().string(), extension = fs::path(name).extension().string();
     if (stem.starts_with("sp_") && extension == ".vhv")
-        return WholeInteger(stem.substr(3)).has_value();
-    return stem.starts_with("lm_") && WholeInteger(stem.substr(3, stem.find('_', 3) - 3)).has_value() &&
+        return StrictInteger(stem.substr(3)).has_value();
+    return stem.starts_with("lm_") && StrictInteger(stem.substr(3, stem.find('_', 3) - 3)).has_value() &&
            std::ranges::find(kImages, extension) != kImages.end();
 }
 

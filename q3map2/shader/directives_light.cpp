@@ -14,8 +14,9 @@ namespace {
 
 using Words = DirectiveWords;
 
-constexpr int kMaxSkyIterations = 128, kMinSkyIterations = 2; ///< chosen; 4 (N - 1)^2 + 1 suns
-constexpr std::size_t kMaxSuns = 256; ///< of a shader; chosen, as a chain of q3map_baseShader adds up its suns
+// Limits of this program, chosen.
+constexpr int kMaxSkyIterations = 128, kMinSkyIterations = 2; ///< N of q3map_skyLight, which makes 4 (N - 1)^2 + 1 suns
+constexpr std::size_t kMaxSuns = 256; ///< of a shader: a chain of q3map_baseShader adds up its suns
 
 template <typename T> void AddSunOrSkyLight(DirectiveContext &c, std::vector<T> &suns, const T &sun) {
     if (suns.size() < kMaxSuns)

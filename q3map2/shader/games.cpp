@@ -62,7 +62,7 @@ Game QuakeLive() {
     Game game = MakeGame("quakelive", "baseq3", ".quakelive", "quake", QuakeLiveParms());
     game.bspVersion = 47;
     game.hasAdvertisements = true;
-    game.bevelSurfaceFlags = 0x1C3043;
+    game.bevelSurfaceFlags = 0x1C3043; // also woodsteps; 0x80000 is snowsteps too
     return game;
 }
 
@@ -99,7 +99,7 @@ Game Wolf(std::string_view name, std::string_view gameDir, std::string_view home
     Game game = MakeGame(name, gameDir, homeDir, magic, std::move(parms));
     game.bspVersion = 47;
     game.wolfLighting = true;
-    game.bevelSurfaceFlags = 0x7FFC3043;
+    game.bevelSurfaceFlags = 0x7FFC3043; // also all bits from woodsteps to monsterslicksouth
     return game;
 }
 

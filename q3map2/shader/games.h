@@ -52,13 +52,15 @@ struct Game {
     bool wolfLighting = false;      ///< linear falloff without angle attenuation by default
     // Defaults of the options -nostyle, -keeplights, -patchshadows and -lightanglehl.
     bool noStyles = false, keepLights = false, patchShadows = false, halfLambert = false;
+    // Defaults of -sRGBlight, -sRGBtex and -sRGBcolor.
     bool sRgbLightmap = false, sRgbTexture = false, sRgbColor = false;
-    // Defaults of the options of these names.
+    // Defaults of the options -gamma, -exposure, -compensate, -gridscale and -gridambientscale.
     float gamma = 1, exposure = 0, compensate = 1;
     float gridScale = 1, gridAmbientScale = 1;
     /// Of draw surfaces. Engines have SHADER_MAX_VERTEXES 1000 and SHADER_MAX_INDEXES 6000.
     int maxSurfaceVerts = 64, maxVertexLitVerts = 999, maxSurfaceIndexes = 6000;
-    std::uint32_t bevelSurfaceFlags = 0xC3043; ///< surface flags that bevel sides inherit
+    /// Surface flags that bevel sides inherit: nodamage, slick, flesh, metalsteps, nosteps, dust and, in quake3, noob.
+    std::uint32_t bevelSurfaceFlags = 0xC3043;
     std::string_view flareShader = "flareshader";
     int lightmapSize = 128;                     ///< side of a lightmap page in the file
     bool deluxe = false, deluxeTangent = false; ///< light direction pages by default; in tangent space

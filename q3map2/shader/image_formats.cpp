@@ -13,7 +13,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMaxSide = 16384; ///< texels; chosen
+constexpr int kMaxSide = 16384; ///< texels, as in CheckImageSize
 
 int Byte(std::span<const std::byte> file, std::size_t at) {
     return std::to_integer<int>(file[at]);

@@ -15,7 +15,7 @@ namespace {
 using Words = DirectiveWords;
 using Context = DirectiveContext;
 
-// Limits of a shader; chosen.
+// Limits of this program for a shader, chosen.
 constexpr std::size_t kMaxColorSteps = 64, kMaxScattered = 64; ///< scattered: models or foliage
 constexpr int kMaxTextureSide = 65536, kMaxFurLayers = 256;    ///< side: texels
 constexpr float kTerrainShadeAngle = 179;                      // degrees; q3map_terrain smooths everything

@@ -10,7 +10,8 @@ namespace q3 {
 
 namespace {
 
-constexpr int kMaxReplacements = 16;     ///< in a row, q3map_deprecateShader; chosen, as they may form a circle
+/// Of q3map_deprecateShader in a row, which may form a circle; limit of this program, chosen.
+constexpr int kMaxReplacements = 16;
 constexpr float kLeastBacksplash = -900; ///< game units: lower distances mean that none is set
 
 std::string TableKey(std::string_view name) {

@@ -23,6 +23,7 @@ namespace q3 {
 
 /// One step of q3map_rgbMod or q3map_alphaMod, on vertex colors as bytes.
 struct ColorStep {
+    /// The method words; help of q3map_rgbMod (shader_geometry.cpp) has the formulas.
     enum class Kind { Set, Scale, DotProduct, DotProductScale, DotProduct2, DotProduct2Scale, Volume };
     Kind kind = Kind::Set;
     bool alpha = false;     ///< acts on alpha; else on the three colors
@@ -54,10 +55,11 @@ struct FurDirective {
     float fade = 0;   ///< loss of alpha by layer, 0 to 1
 };
 
-/// Names of shaders are full names. Defaults hold where a directive is absent.
+/// Directives that shape surfaces; flags have the names of theirs. Names of shaders are full names. Defaults hold where
+/// a directive is absent.
 struct GeometryDirectives {
     float tessSize = 0; ///< game units; below 1: off
-    float offset = 0;   ///< along the normals
+    float offset = 0;   ///< along the normals, game units
     bool polygonOffset = false, autosprite2 = false, invert = false, noClip = false, noTJunctions = false;
     bool forceMeta = false, nonPlanar = false, indexed = false, terrain = false, clipModel = false;
     bool globalTexture = false, noFog = false;
@@ -83,20 +85,21 @@ struct GeometryDirectives {
 
 /// q3map_sun, q3map_sunExt, sun.
 struct SunDirective {
-    Vec3f direction;    ///< unit, toward the sun
-    Vec3f color;        ///< largest component 1
-    float photons = 0;  ///< may be negative
-    float deviance = 0; ///< radians
-    int samples = 1;
-    float filterRadius = 0;
-    int style = 0;
+    Vec3f direction;        ///< unit, toward the sun
+    Vec3f color;            ///< largest component 1
+    float photons = 0;      ///< light on a surface that faces it, 255 is full; may be negative
+    float deviance = 0;     ///< radians
+    int samples = 1;        ///< suns that it is split into, within the deviance
+    float filterRadius = 0; ///< game units
+    int style = 0;          ///< light style
 };
 
 /// q3map_skyLight.
 struct SkyLightDirective {
-    float value = 0;
-    int iterations = 2, horizonMin = 0, horizonMax = 90;
-    bool sampleColor = true;
+    float value = 0;                     ///< V of the help: light on an open floor is 0.5 to 0.63 of it
+    int iterations = 2;                  ///< N of the help: 4 (N - 1)^2 + 1 suns
+    int horizonMin = 0, horizonMax = 90; ///< elevations of the suns, degrees
+    bool sampleColor = true;             ///< colors are those of the sky images; else that of the shader
 };
 
 /// Directives about lightmaps and vertex light.
@@ -135,20 +138,20 @@ struct ShaderInfo {
     bool defined = false; ///< by a script
     std::uint32_t surfaceFlags = 0, contentFlags = 1, compileFlags = C_SOLID;
 
-    float surfaceLight = 0; ///< q3map_surfacelight
-    float backsplashFraction = 0.05f, backsplashDistance = 23;
-    float bounceScale = 1;
-    float lightSubdivide = 0; ///< 0: unset
+    float surfaceLight = 0;                                    ///< q3map_surfacelight
+    float backsplashFraction = 0.05f, backsplashDistance = 23; ///< q3map_backsplash; distance in game units
+    float bounceScale = 1;                                     ///< factor of the light that surfaces reflect
+    float lightSubdivide = 0;                                  ///< game units; 0: unset
     int lightStyle = 0;
-    float vertexScale = 1;
-    float lightmapFilterRadius = 0, lightFilterRadius = 0; ///< q3map_lightmapFilterRadius self other
+    float vertexScale = 1;                                 ///< factor of the light of vertices
+    float lightmapFilterRadius = 0, lightFilterRadius = 0; ///< q3map_lightmapFilterRadius OWN OTHERS, game units
     LightmapDirectives lightmap;
     GeometryDirectives geometry;
     bool twoSided = false;       ///< cull none / disable / twosided
     bool autosprite = false;     ///< deformVertexes autosprite...
     bool normalMapStage = false; ///< a stage names a normal map
     bool noFast = false;         ///< q3map_noFast
-    bool forceSunlight = false;
+    bool forceSunlight = false;  ///< q3map_forceSunlight
     std::vector<SunDirective> suns;
     std::vector<SkyLightDirective> skyLights;
     std::string skyImageBase; ///< skyParms base, without _up etc.; empty: none
@@ -199,8 +202,9 @@ class ShaderTable {
     const ParsedShader *Find(std::string_view name, Log &log) const;
     /// The same; an unknown name is added as an implicit shader.
     ParsedShader &FindOrAdd(std::string_view name, Log &log);
+    /// Number of shaders that scripts define.
     std::size_t DefinedCount() const { return definedCount_; }
-    static constexpr std::size_t kMaxCustomParms = 256;
+    static constexpr std::size_t kMaxCustomParms = 256; ///< limit of this program, chosen
     /// One more surfaceparm, after those of the game; false: there are too many.
     bool AddCustomParm(std::string name, std::uint32_t contentFlags, std::uint32_t surfaceFlags);
     /// Flags that the command line gives to all shaders.

@@ -165,8 +165,6 @@ std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize
     return package.Finish();
 }
 
-// ---- The page that shows a map, the map in it, and the options of -shreport ----
-
 // ---- Options of the stage -shreport ----
 
 std::vector<SettingGroup<SHReportOptions>> SHReportSettings() {

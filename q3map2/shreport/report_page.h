@@ -39,8 +39,6 @@ struct ReportedMap {
 /// Errors: a file beside the map cannot be read.
 std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize, const JobPool &jobs, Log &log);
 
-// ---- The page that shows a map, the map in it, and the options of -shreport ----
-
 // ---- Options of the stage -shreport ----
 
 struct SHReportOptions {
@@ -54,6 +52,8 @@ struct SHReportOptions {
 std::vector<SettingGroup<SHReportOptions>> SHReportSettings();
 /// Takes them off `arguments`.
 SHReportOptions ParseSHReportOptions(Arguments &arguments, Log &log);
+
+// ---- The page that shows a map, and the map in it ----
 
 /// The text of tools/viewer/viewer.html, embedded when the program was built.
 std::string ViewerPage();

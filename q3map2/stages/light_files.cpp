@@ -117,6 +117,7 @@ void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, co
         return;
     }
     log.Section("Light grid formats");
+    // Factors that are not above 0 count as 1.
     const GridStoring storing{.ambientFactor = options.gridAmbientScale > 0 ? double(options.gridAmbientScale) : 1};
     WriteGridFiles(folder, StoreGridFormats(bsp, formats, storing, jobs, log), log);
 }
@@ -155,7 +156,7 @@ struct BakeSettings {
     const GridFormats &formats;
 };
 
-/// A lump that is lost by a bake that makes it stale (BspxRow::relight) and does not make it again.
+/// A lump that is lost by a bake that makes it stale (BspxRow::staleAfter) and does not make it again.
 struct LostLump {
     BspxId id;
     std::string_view kind;   ///< of the warning
@@ -226,7 +227,7 @@ void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const Light
     };
     for (const LostLump &lost : kLostLumps) {
         const BspxRow &row = RowOf(lost.id);
-        if (row.has(bsp) && MakesStale(row.relight, lightmap.onlyGrid) &&
+        if (row.has(bsp) && MakesStale(row.staleAfter, lightmap.onlyGrid) &&
             !lost.isMadeAgain({options, lightmap, formats}))
             warn(lost.kind, lost.what, BytesOfLump(bsp, lost.id), IsInBspx(bsp, row) ? lost.option : "-sh");
     }

@@ -135,7 +135,7 @@ TEST(HdrLumps, WhatDoesNotFitTheMapIsDroppedWithAWarning) {
         const FileBytes file = WriteBsp(bsp, {});
         std::vector<std::string> order;
         const auto lumps = LumpsOf(file, order);
-        DropStaleLumps(bsp, BspxRelight::SurfaceBake);
+        DropStaleLumps(bsp, StaleAfter::SurfaceBake);
         for (const std::string &name : order)
             bsp.bspx.push_back({name, lumps.at(name)});
         change(bsp);

@@ -127,11 +127,11 @@ TEST_F(SettingsTest, ErrorsSayTheWholeRangeAndWhyItEnds) {
     EXPECT_EQ(ErrorOf("-fine 9"), "-fine 9: expected a whole number from 1 to 8; time grows with it");
 }
 
-TEST(ArgumentsTest, TakeWhole) {
+TEST(ArgumentsTest, TakeInteger) {
     Arguments arguments({"-n", "3", "a.bsp", "-N", "5", "-low", "1"});
-    EXPECT_EQ(arguments.TakeWhole("-n", 7, 1), 5) << "the last counts";
-    EXPECT_EQ(arguments.TakeWhole("-n", 7, 1), 7) << "all are taken";
-    EXPECT_THROW(arguments.TakeWhole("-low", 7, 2), Error);
+    EXPECT_EQ(arguments.TakeInteger("-n", 7, 1), 5) << "the last counts";
+    EXPECT_EQ(arguments.TakeInteger("-n", 7, 1), 7) << "all are taken";
+    EXPECT_THROW(arguments.TakeInteger("-low", 7, 2), Error);
     EXPECT_EQ(arguments.Rest(), std::vector<std::string>{"a.bsp"});
 }
 

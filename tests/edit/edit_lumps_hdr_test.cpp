@@ -57,7 +57,7 @@ TEST(HdrMerge, PagesVerticesAndBasisMapsFollowThoseOfTheFirst) {
 
 TEST(HdrMerge, WhatOnlyOneMapHasIsDroppedButBasisMaps) {
     Bsp plain = LitBsp(1, 0);
-    DropStaleLumps(plain, BspxRelight::SurfaceBake);
+    DropStaleLumps(plain, StaleAfter::SurfaceBake);
     const auto [first, firstWarnings] = MergeBoth(LitBsp(1, 7), plain);
     EXPECT_TRUE(first.lightmapsE5bgr9.empty());
     EXPECT_TRUE(first.vertexE5bgr9.empty());

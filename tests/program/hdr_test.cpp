@@ -110,7 +110,7 @@ TEST_F(HdrProgramTest, ToneMapNamesWhatIsWrong) {
     ExpectError("-tonemap " + (folder_ / "page.gif").string() + " " + png, "expected hdr, exr or pfm");
     ExpectError("-tonemap -operator best MAP " + png, "best");
     Bsp bsp = Load();
-    DropStaleLumps(bsp, BspxRelight::SurfaceBake);
+    DropStaleLumps(bsp, StaleAfter::SurfaceBake);
     KeptLog quiet;
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
     ExpectError("-tonemap MAP " + png, "the map has no HDR lightmaps");

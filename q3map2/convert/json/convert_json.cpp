@@ -114,7 +114,7 @@ class Unpacker {
     const Game &game_;
     const fs::path &folder_;
     Log &log_;
-    std::array<bool, kBspxIds> inFile_{}; ///< by BspxId
+    std::array<bool, kBspxIdCount> inFile_{}; ///< by BspxId
 };
 
 } // namespace

@@ -34,7 +34,7 @@ std::optional<int> ExternalImageNumber(std::string_view path) {
     const std::size_t digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
     if (digits == 0 || !EqualNoCase(rest.substr(digits), kImageExtension))
         return std::nullopt;
-    return WholeInteger(rest.substr(0, digits));
+    return StrictInteger(rest.substr(0, digits));
 }
 
 } // namespace
@@ -97,7 +97,7 @@ float PrintableNumber(float value) {
 
 /// Number of an inline model from "*12".
 std::optional<int> InlineModel(std::string_view name) {
-    return name.starts_with('*') ? WholeInteger(name.substr(1)) : std::nullopt;
+    return name.starts_with('*') ? StrictInteger(name.substr(1)) : std::nullopt;
 }
 
 class MeshSceneBuilder {

@@ -296,7 +296,7 @@ std::optional<std::size_t> Decompiler::ModelOf(const Entity &entity, std::size_t
     const std::string_view model = entity.Value("model");
     if (!model.starts_with('*'))
         return std::nullopt;
-    const std::optional<int> index = WholeInteger(model.substr(1));
+    const std::optional<int> index = StrictInteger(model.substr(1));
     if (index && *index > 0 && std::size_t(*index) < bsp_.models.size())
         return std::size_t(*index);
     context_.log.Warn("missing model", "{}: entity {} has the model {}, and there are {}: it gets no brushes", name_,

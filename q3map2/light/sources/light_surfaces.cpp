@@ -59,7 +59,7 @@ std::string MaterialName(std::string_view name) {
 /// Whether "_-12" or the like ends the name; takes it off.
 bool TakeNumberAtEnd(std::string_view &name) {
     const std::size_t bar = name.find_last_of('_');
-    if (bar == std::string_view::npos || !WholeInteger(name.substr(bar + 1)))
+    if (bar == std::string_view::npos || !StrictInteger(name.substr(bar + 1)))
         return false;
     name = name.substr(0, bar);
     return true;
@@ -134,7 +134,7 @@ void TexLights::ReadLight(const Line &line, std::string_view name, bool hdr, Log
     std::vector<double> numbers;
     std::string_view rest = line.text;
     for (std::string_view word = TakeWord(rest); !word.empty(); word = TakeWord(rest)) {
-        const std::optional<double> number = WholeNumber(word);
+        const std::optional<double> number = StrictNumber(word);
         if (!number)
             return refuse(fmt::format("numbers after the name, not \"{}\"", word));
         numbers.push_back(*number);

@@ -92,7 +92,7 @@ constexpr SettingRange kPositive{.low = 0, .aboveLow = true}, kFraction{0, 1};
 void TakeSamples(LightmapOptions &o, const Values &v) {
     const std::string &word = v.words.front();
     o.samplesExact = word.starts_with('+');
-    const std::optional<int> samples = WholeInteger(word);
+    const std::optional<int> samples = StrictInteger(word);
     if (!samples || *samples < 1 || *samples > (o.samplesExact ? kMaxExactSamples : kMaxSamples))
         throw Error("-samples {}: expected a whole number from 1 to {}, or + and a number of samples", word,
                     kMaxSamples);
@@ -101,7 +101,7 @@ void TakeSamples(LightmapOptions &o, const Values &v) {
 
 void TakeBounces(LightmapOptions &o, const Values &v) {
     const std::string &word = v.words.front();
-    const std::optional<int> bounces = EqualNoCase(word, "inf") ? kEndlessBounces : WholeInteger(word);
+    const std::optional<int> bounces = EqualNoCase(word, "inf") ? kEndlessBounces : StrictInteger(word);
     if (!bounces || *bounces < 0 || (*bounces > kMaxBounces && *bounces != kEndlessBounces))
         throw Error("-bounce {}: expected a whole number from 0 to {}, or inf", word, kMaxBounces);
     o.bounces = *bounces;

@@ -110,10 +110,10 @@ TEST_F(LumpsTest, BakesDropWhatTheyMakeWrong) {
     Bsp bsp = MapWithoutLumps();
     for (const BspxRow &row : BspxRows())
         AddLump(bsp, row.id, 7);
-    DropStaleLumps(bsp, BspxRelight::EveryBake);
+    DropStaleLumps(bsp, StaleAfter::EveryBake);
     EXPECT_FALSE(bsp.gridSH || bsp.sparseGridSH || bsp.ambientCubes);
     EXPECT_TRUE(bsp.rnm && bsp.propLight && !bsp.lightmapsE5bgr9.empty() && !bsp.vertexE5bgr9.empty());
-    DropStaleLumps(bsp, BspxRelight::SurfaceBake);
+    DropStaleLumps(bsp, StaleAfter::SurfaceBake);
     EXPECT_EQ(BytesOfBspx(bsp), 0u);
 }
 

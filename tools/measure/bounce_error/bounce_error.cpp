@@ -88,18 +88,18 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
         AddBounces("1,4", command);
     while (const auto text = arguments.TakeValue("--options"))
         command.options = *text;
-    command.luxels = arguments.TakeWhole("--luxels", command.luxels, 1);
-    command.points = arguments.TakeWhole("--points", command.points, 0);
-    command.paths = arguments.TakeWhole("--paths", command.paths, 2 * kPathGroup);
-    command.seed = std::uint64_t(arguments.TakeWhole("--seed", 1, 0));
-    command.worst = arguments.TakeWhole("--worst", 0, 0);
+    command.luxels = arguments.TakeInteger("--luxels", command.luxels, 1);
+    command.points = arguments.TakeInteger("--points", command.points, 0);
+    command.paths = arguments.TakeInteger("--paths", command.paths, 2 * kPathGroup);
+    command.seed = std::uint64_t(arguments.TakeInteger("--seed", 1, 0));
+    command.worst = arguments.TakeInteger("--worst", 0, 0);
     command.causes = arguments.TakeFlag("--causes");
     command.check = arguments.TakeFlag("--check");
     while (const auto text = arguments.TakeValue("--lit-direct"))
         command.litDirect = *text;
     while (const auto text = arguments.TakeValue("--lit-bounced"))
         command.litBounced = *text;
-    command.litBounces = arguments.TakeWhole("--lit-limit", 0, 0);
+    command.litBounces = arguments.TakeInteger("--lit-limit", 0, 0);
     if (command.litDirect.empty() != command.litBounced.empty())
         throw Error("--lit-direct, --lit-bounced: expected both");
     command.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "bounce_error";

@@ -101,7 +101,7 @@ void Print(const Result &r, std::size_t worst) {
 
 int Run(const std::vector<std::string> &words) {
     Arguments arguments(words);
-    const int moves = arguments.TakeWhole("--moves", 100000, 1), worst = arguments.TakeWhole("--worst", 10, 1);
+    const int moves = arguments.TakeInteger("--moves", 100000, 1), worst = arguments.TakeInteger("--worst", 10, 1);
     if (arguments.Rest().size() != 2) {
         fmt::print("{}", kUsage);
         return 1;

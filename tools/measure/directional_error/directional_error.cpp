@@ -65,8 +65,8 @@ int Run(const std::vector<std::string> &words) {
         fmt::print("{}", kUsage);
         return 0;
     }
-    const int luxels = arguments.TakeWhole("--luxels", 1000, 1), normals = arguments.TakeWhole("--normals", 32, 1);
-    const int rays = arguments.TakeWhole("--rays", 4096, 1), bounces = arguments.TakeWhole("--bounce", 2, 0);
+    const int luxels = arguments.TakeInteger("--luxels", 1000, 1), normals = arguments.TakeInteger("--normals", 32, 1);
+    const int rays = arguments.TakeInteger("--rays", 4096, 1), bounces = arguments.TakeInteger("--bounce", 2, 0);
     Log log(PrintWarnings);
     const GlobalOptions game = ParseGlobalOptions(arguments, log);
     const VirtualFileSystem files = OpenGameFiles(game, GameFolders(game, {}, {}), log);

@@ -30,8 +30,8 @@ int Run(const std::vector<std::string> &words) {
         fmt::print("{}", kUsage);
         return 0;
     }
-    const int samples = arguments.TakeWhole("--samples", 1000, 1), worst = arguments.TakeWhole("--worst", 10, 0);
-    const int side = arguments.TakeWhole("--pagesize", 128, 2);
+    const int samples = arguments.TakeInteger("--samples", 1000, 1), worst = arguments.TakeInteger("--worst", 10, 0);
+    const int side = arguments.TakeInteger("--pagesize", 128, 2);
     const auto jsonFile = arguments.TakeValue("--json");
     Log log(PrintWarnings);
     const GlobalOptions game = ParseGlobalOptions(arguments, log);

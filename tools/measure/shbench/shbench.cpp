@@ -67,7 +67,7 @@ void ParseWorst(Arguments &arguments, Command &command) {
     if (settings.drawWorst && !IsPictureName(command.worstPicture))
         throw Error("--worst-picture {}: expected a name that ends in .png or .svg", command.worstPicture);
     const int usual = settings.drawWorst ? kUsualWorstCount : 0, least = settings.drawWorst ? 1 : 0;
-    settings.worstCount = std::size_t(arguments.TakeWhole("--worst", usual, least));
+    settings.worstCount = std::size_t(arguments.TakeInteger("--worst", usual, least));
     const std::string of = TakeText(arguments, "--worst-of"), by = TakeText(arguments, "--worst-by");
     if (settings.worstCount == 0 && !(of.empty() && by.empty()))
         throw Error("--worst-of, --worst-by: expected --worst or --worst-picture with it");
@@ -92,9 +92,9 @@ Command ParseCommand(Arguments arguments, Log &log) {
     while (const auto text = arguments.TakeValue("--bake"))
         settings.bakes.push_back(ParseBakeSetting(*text));
     settings.options = TakeText(arguments, "--options");
-    settings.truth.positions = arguments.TakeWhole("--positions", settings.truth.positions, 1);
-    settings.truth.seed = std::uint64_t(arguments.TakeWhole("--seed", 1, 0));
-    settings.repeats = arguments.TakeWhole("--repeat", 1, 1);
+    settings.truth.positions = arguments.TakeInteger("--positions", settings.truth.positions, 1);
+    settings.truth.seed = std::uint64_t(arguments.TakeInteger("--seed", 1, 0));
+    settings.repeats = arguments.TakeInteger("--repeat", 1, 1);
     ParseWorst(arguments, command);
     ParseErrorList(arguments, command);
     settings.cache = std::filesystem::path(g_get_user_cache_dir()) / "q3map2-sh" / "shbench";
@@ -109,7 +109,7 @@ Command ParseCommand(Arguments arguments, Log &log) {
     command.scaleLights = arguments.TakeFlag("--scale-lights");
     command.scaleCells = arguments.TakeFlag("--scale-cells");
     command.lightmaps = arguments.TakeFlag("--lightmaps");
-    command.maxLights = arguments.TakeWhole("--lights", command.maxLights, 1);
+    command.maxLights = arguments.TakeInteger("--lights", command.maxLights, 1);
     command.global = ParseGlobalOptions(arguments, log);
     command.map = arguments.TakeLast();
     if (!arguments.Empty())

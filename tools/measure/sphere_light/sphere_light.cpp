@@ -134,7 +134,7 @@ Differences ComparePlace(const SpherePlace &place, const Image &image, const Nor
 }
 
 int CompareImages(Arguments &arguments) {
-    const int renderer = arguments.TakeWhole("--renderer", 1, 1), shift = arguments.TakeWhole("--shift", 0, 0);
+    const int renderer = arguments.TakeInteger("--renderer", 1, 1), shift = arguments.TakeInteger("--shift", 0, 0);
     const std::string grid = arguments.TakeValue("--grid").value_or("sh");
     const auto limit = arguments.TakeValue("--limit");
     if (renderer > 2)

@@ -28,8 +28,8 @@ int Run(const std::vector<std::string> &words) {
     const std::optional<double> margin = TakeNumber(rest);
     if (!margin || *margin < 0 || !rest.empty())
         throw Error("--margin {}: expected a number from 0 up", marginText);
-    const int pairs = arguments.TakeWhole("--pairs", 1000000, 1);
-    const auto seed = std::uint32_t(arguments.TakeWhole("--seed", 1, 0));
+    const int pairs = arguments.TakeInteger("--pairs", 1000000, 1);
+    const auto seed = std::uint32_t(arguments.TakeInteger("--seed", 1, 0));
     bool anyMissing = false;
     Log log(PrintWarnings);
     while (!arguments.Empty()) {
