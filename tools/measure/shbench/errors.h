@@ -50,7 +50,7 @@ std::vector<PositionErrors> ErrorsByPlace(const Truth &truth, const ShownLight &
 /// The error by which positions are ranked.
 enum class WorstBy {
     Reference, ///< PositionErrors::shown
-    Projection   ///< PositionErrors::grid
+    Projection ///< PositionErrors::grid
 };
 double ErrorOf(const PositionErrors &errors, WorstBy by);
 
