@@ -91,11 +91,14 @@ double CheckedNumber(const SettingInfo &info, SettingKind kind, std::string_view
     return used;
 }
 
+/// Gives the word the spelling of the choice that it equals but for case.
 void CheckChoice(const SettingInfo &info, std::string_view name, std::string &word, Log &log) {
     for (std::size_t at = 0; at <= info.values.size();) {
         const std::size_t end = std::min(info.values.find('|', at), info.values.size());
-        if (EqualNoCase(info.values.substr(at, end - at), word))
+        if (const std::string_view choice = info.values.substr(at, end - at); EqualNoCase(choice, word)) {
+            word = choice;
             return;
+        }
         at = end + 1;
     }
     if (info.outside == OutOfRange::Refuse)

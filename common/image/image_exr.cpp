@@ -23,7 +23,7 @@ namespace {
 constexpr std::array<const char *, 3> kExrChannels = {"R", "G", "B"};
 constexpr int kMaxExrSide = 16384; ///< texels, as in CheckImageSize
 constexpr int kNoThreads = 0;      ///< of the library: it works in the calling thread
-/// Keeps memory in proportion to the file; only uniform images with thousands of rows could exceed it.
+/// Keeps memory in proportion to the file. Limit of this program, chosen: only images of a single color come near it.
 constexpr std::uint64_t kMaxExrTexelsPerByte = 2048;
 
 class BytesIn : public Imf::IStream {

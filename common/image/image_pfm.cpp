@@ -15,7 +15,7 @@ namespace q3 {
 
 namespace {
 
-constexpr std::size_t kMaxWord = 32;      ///< bytes of a word that are looked at
+constexpr std::size_t kMaxWord = 32;      ///< bytes of a word; the rest of a longer one is skipped
 constexpr std::size_t kMaxSideDigits = 9; ///< such numbers fit 32 bits; CheckImageSize has the limit
 
 class PfmReader {
@@ -51,10 +51,9 @@ class PfmReader {
         while (at_ < file_.size() && IsBlank(char(file_[at_])))
             ++at_;
         std::string word;
-        while (at_ < file_.size() && !IsBlank(char(file_[at_])) && word.size() < kMaxWord) {
-            const char c = char(file_[at_++]);
-            word += c > ' ' && c < 127 ? c : '?';
-        }
+        for (; at_ < file_.size() && !IsBlank(char(file_[at_])); ++at_)
+            if (const char c = char(file_[at_]); word.size() < kMaxWord)
+                word += c > ' ' && c < 127 ? c : '?';
         if (at_ >= file_.size())
             throw Error("{}: PFM ends at byte {} in its {}", name_, file_.size(), what);
         ++at_;

@@ -240,8 +240,8 @@ static inline float directional_lightmass_factor_(const float direction[3], floa
 
 /* Color of two coefficient images at values 0 to 1 (texels as a sampler returns them, filtered or not). Color image:
    square roots of the chromaticity, then log2 of the luminance; direction image: (y, z, x). residual: added to the
-   value of the log, in steps of 1 / 255; black: what was added to the luminance before its log was taken, 2^-5.75 or
-   2^-8. */
+   value of the log, at most half a step of 1 / 255; black: what was added to the luminance before its log was taken,
+   2^-5.75 or 2^-8. */
 static inline void directional_lightmass_(const float color[4], const float direction[4],
                                           const directional_range *range, float residual, float black,
                                           const float *normal, float rgb[3]) {
@@ -253,7 +253,7 @@ static inline void directional_lightmass_(const float color[4], const float dire
     if (normal)
         luminance *= directional_lightmass_factor_(d, range->add[1][3], normal);
     else
-        luminance *= 0.6f;
+        luminance *= 0.6f; /* as Unreal Engine does without directions */
     for (i = 0; i < 3; i++) {
         const float root = color[i] * range->multiply[0][i] + range->add[0][i];
         rgb[i] = luminance * root * root;
@@ -261,14 +261,14 @@ static inline void directional_lightmass_(const float color[4], const float dire
 }
 
 /* High quality: texels 0 to 1; normal in the space of the baked directions, which is the world's, or NULL for no
-   direction: 0.6 takes the factor's place. At the normal that the luxel was baked with, the luminance is right to
-   1.2e-4 of itself + 0.0186. */
+   direction: 0.6 takes the factor's place. At the normal that the luxel was baked with, the error of the
+   luminance is at most 1.2e-4 (luminance + 2^-5.75). */
 static inline void directional_lightmass_high(const float color[4], const float direction[4],
                                               const directional_range *range, const float *normal, float rgb[3]) {
     directional_lightmass_(color, direction, range, (direction[3] - 0.5f) / 255, 0.01858136f, normal, rgb);
 }
 
-/* Low quality: log luminance in one byte, error up to 2.2 % of luminance + 0.0039 over the whole range of 2^16, less
+/* Low quality: log luminance in one byte, error up to 2.2 % of (luminance + 2^-8) over the whole range of 2^16, less
    where the map's own range is smaller. */
 static inline void directional_lightmass_low(const float color[4], const float direction[4],
                                              const directional_range *range, const float *normal, float rgb[3]) {

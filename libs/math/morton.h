@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Morton codes: points next to each other in this order are near to each other in space.
+// GPL-2.0-or-later. Morton codes: points next to each other in this order are mostly near in space.
 #pragma once
 
 #include <cstdint>

@@ -16,7 +16,7 @@ constexpr float kStraightCosine = 0.99f; ///< of the angles between control poin
 
 } // namespace
 
-float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
+float HalvingMeasure(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
     const float ab = Length(b - a), bc = Length(c - b), ac = Length(c - a);
     if (ab < kShortEdge || bc < kShortEdge || ac < kShortEdge)
         return 0;

@@ -43,20 +43,21 @@ template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
     return middle;
 }
 
-/// A measure of the length of the curve with these control points, game units, for Halvings: half of a bound of its
-/// speed 2 |(b - a) + t (c - 2b + a)| at t = 7/8. 0 for a curve that is nearly straight or a point, which needs none.
-float CurveLength(const Vec3f &a, const Vec3f &b, const Vec3f &c);
+/// What decides how often the curve with these control points is halved, as in the established program: |b - a| +
+/// 7/8 |c - 2b + a|, a bound of half its speed |(b - a) + t (c - 2b + a)| at t = 7/8. Game units. 0 for a curve that is
+/// nearly straight or a point, which needs none.
+float HalvingMeasure(const Vec3f &a, const Vec3f &b, const Vec3f &c);
 
-/// The longest of the curves in a patch of width x height control points, game units.
-template <typename Vert> float LongestCurve(int width, int height, const Vert *verts) {
+/// The largest HalvingMeasure of the curves in a patch of width x height control points, game units.
+template <typename Vert> float LargestHalvingMeasure(int width, int height, const Vert *verts) {
     const auto at = [&](int x, int y) {
         return Vec3f(verts[std::size_t(y) * std::size_t(width) + std::size_t(x)].xyz);
     };
     float longest = 0;
     for (int y = 0; y + 2 < height; y += 2)
         for (int x = 0; x + 2 < width; x += 2) {
-            longest = std::max(longest, CurveLength(at(x, y), at(x + 1, y), at(x + 2, y)));
-            longest = std::max(longest, CurveLength(at(x, y), at(x, y + 1), at(x, y + 2)));
+            longest = std::max(longest, HalvingMeasure(at(x, y), at(x + 1, y), at(x + 2, y)));
+            longest = std::max(longest, HalvingMeasure(at(x, y), at(x, y + 1), at(x, y + 2)));
         }
     return longest;
 }
@@ -66,8 +67,8 @@ namespace patch {
 
 /// q3map2's default of `subdivisions`; larger numbers give coarser meshes.
 inline constexpr int kSubdivisions = 8;
-/// How often the curves of a patch are halved: n times if CurveLength is at most subdivisions * 16 * 2^n game units, at
-/// most 3 times.
+/// How often the curves of a patch are halved: n times if HalvingMeasure is at most subdivisions * 16 * 2^n game units,
+/// at most 3 times.
 int Halvings(float longestCurve, int subdivisions = kSubdivisions);
 /// How many of `spans` curves along an axis of `size` points are halved before the mesh gets too large.
 int SpansToHalve(int size, int spans);

@@ -48,8 +48,9 @@ struct Sample3 {
     double u, v, w;
 };
 
-/// Point `i` of the R3 sequence in [0, 1)^3, likewise: steps are powers of the root of x^4 = x + 1.
-constexpr Sample3 PlasticSample3(std::uint32_t i, std::uint64_t seed) {
+/// Point `i` of the R3 sequence in [0, 1)^3, likewise: steps are 1/x, 1/x^2 and 1/x^3 of the
+/// root x of x^4 = x + 1.
+constexpr Sample3 R3Sample(std::uint32_t i, std::uint64_t seed) {
     constexpr double kSteps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     std::uint64_t hash = seed;
     double at[3] = {};

@@ -141,7 +141,7 @@ Float3 GridCellOf(const Entity &world) {
     return given->Array();
 }
 
-void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log) {
+void TransformLight(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log) {
     if (!bsp.gridPoints.empty() && !FitLegacyGrid(before, transform, bsp)) {
         bsp.gridPoints.clear();
         log.Warn("light grid", "the legacy light grid is dropped: engines would look for its points elsewhere; "
@@ -150,7 +150,7 @@ void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp,
     for (const LumpEdit &edit : LumpEdits())
         if (edit.transform != nullptr && RowOf(edit.id).has(bsp))
             edit.transform(transform, bsp);
-    TransformLumps(transform, bsp, log);
+    TransformUnknownLumps(transform, bsp, log);
 }
 
 // ---- BSPX lumps of maps that were scaled, moved or merged ----
@@ -251,7 +251,7 @@ bool IsGridLump(std::string_view name) {
 
 } // namespace
 
-void TransformLumps(const AxisTransform &transform, Bsp &bsp, Log &log) {
+void TransformUnknownLumps(const AxisTransform &transform, Bsp &bsp, Log &log) {
     std::erase_if(bsp.bspx, [&](BspxLump &lump) {
         const bool keeps = TransformLump(transform, lump);
         if (!keeps)
@@ -403,14 +403,14 @@ void KeepCubes(const LumpMerge &maps) {
 }
 
 constexpr LumpEdit kLumpEdits[] = {
-    {BspxId::LightmapsE5bgr9, LumpSpace::None, nullptr, MergeHdrLightmaps},
-    {BspxId::VertexE5bgr9, LumpSpace::None, nullptr, MergeVertexLight},
-    {BspxId::Rnm, LumpSpace::None, nullptr, MergeRnm},
-    {BspxId::PropLight, LumpSpace::None, nullptr, MergeProps},
-    {BspxId::LightGridSH, LumpSpace::Directions, TransformUniformGrid, KeepUniformGrid},
-    {BspxId::SparseGridSH, LumpSpace::Directions, TransformSparseGrid, KeepSparseGrid},
+    {BspxId::LightmapsE5bgr9, UnevenScaling::KeepsLight, nullptr, MergeHdrLightmaps},
+    {BspxId::VertexE5bgr9, UnevenScaling::KeepsLight, nullptr, MergeVertexLight},
+    {BspxId::Rnm, UnevenScaling::KeepsLight, nullptr, MergeRnm},
+    {BspxId::PropLight, UnevenScaling::KeepsLight, nullptr, MergeProps},
+    {BspxId::LightGridSH, UnevenScaling::SpoilsLight, TransformUniformGrid, KeepUniformGrid},
+    {BspxId::SparseGridSH, UnevenScaling::SpoilsLight, TransformSparseGrid, KeepSparseGrid},
     // A cube's position is a fraction of its leaf's box on each axis, so it moves with the leaf.
-    {BspxId::AmbientCubes, LumpSpace::Directions, nullptr, KeepCubes},
+    {BspxId::AmbientCubes, UnevenScaling::SpoilsLight, nullptr, KeepCubes},
 };
 static_assert(HasRowOfEachLump(kLumpEdits));
 
@@ -428,9 +428,9 @@ void WarnOfLostGrid(const LumpMerge &maps, bool inMain, bool inAdded, std::strin
                       maps.addedName, what, maps.mainName);
 }
 
-bool HasDirections(const Bsp &bsp) {
+bool IsSpoiledByUnevenScaling(const Bsp &bsp) {
     return std::ranges::any_of(kLumpEdits, [&](const LumpEdit &edit) {
-        return edit.space == LumpSpace::Directions && RowOf(edit.id).has(bsp);
+        return edit.unevenScaling == UnevenScaling::SpoilsLight && RowOf(edit.id).has(bsp);
     });
 }
 

@@ -40,12 +40,13 @@ void TransformBox(const AxisTransform &transform, Int3 &mins, Int3 &maxs);
 /// Takes the grids of `before` over to `bsp`, the transformed map with transformed world bounds and a gridsize that
 /// fits. The head of the SH grid says where its points are, so they move exactly. Engines derive the points of the
 /// legacy grid from world bounds and gridsize: where that does not give the transformed points, the grid is dropped
-/// with a warning. World bounds and gridsize may change by rounding. BSPX lumps: LumpEdits, TransformLumps.
-void TransformGrids(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log);
+/// with a warning. World bounds and gridsize may change by rounding. All other BSPX lumps are edited too: by LumpEdits
+/// and TransformUnknownLumps.
+void TransformLight(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log);
 
-/// Keeps lumps without positions and transforms positions in lumps of known formats. Other lumps may hold positions:
-/// each is dropped with a warning.
-void TransformLumps(const AxisTransform &transform, Bsp &bsp, Log &log);
+/// Edits the BSPX lumps that Bsp has no members for: keeps those without positions and transforms positions in known
+/// formats. Others may hold positions: each is dropped with a warning.
+void TransformUnknownLumps(const AxisTransform &transform, Bsp &bsp, Log &log);
 
 /// Two maps whose records are merged already.
 struct LumpMerge {
@@ -54,8 +55,8 @@ struct LumpMerge {
     Bsp &merged; ///< `main` with the records and entities of `added` after its own
     Log &log;
     int lightmapBase = 0; ///< number in `merged` of the first lightmap of `added`
-    /// First vertex and count of each run of vertices of `added` in `merged`, in the order in which they follow those
-    /// of `main`.
+    /// The runs of vertices of `added` that were copied, first (its number in `added`) and count, in the order in which
+    /// they follow those of `main` in `merged`.
     std::vector<std::pair<int, int>> vertRuns;
 };
 
@@ -64,17 +65,18 @@ struct LumpMerge {
 /// `added` if `main` has none.
 void MergeLumps(const LumpMerge &maps);
 
-/// What a lump says about places.
-enum class LumpSpace {
-    None,      ///< light at records of the map
-    Directions ///< light by direction: that of another shape once axes are scaled by different factors
+/// What becomes of a lump's light if axes are scaled by different factors, which turns normals.
+enum class UnevenScaling {
+    KeepsLight, ///< it belongs to records of the map
+    SpoilsLight ///< it is stored by direction
 };
 
-/// An edit of a lump. A null function leaves it as it is.
+/// An edit of a lump.
 struct LumpEdit {
     BspxId id;
-    LumpSpace space;
-    void (*transform)(const AxisTransform &transform, Bsp &bsp); ///< only for maps that have the lump
+    UnevenScaling unevenScaling;
+    /// Only for maps that have the lump. Null: it has no positions.
+    void (*transform)(const AxisTransform &transform, Bsp &bsp);
     /// Makes the lump of LumpMerge::merged, which begins as that of `main`.
     void (*merge)(const LumpMerge &maps);
 };
@@ -85,7 +87,7 @@ std::span<const LumpEdit> LumpEdits();
 /// Warns that light grids are those of the main map, if it lacks one that the other has. `what`: the grid.
 void WarnOfLostGrid(const LumpMerge &maps, bool inMain, bool inAdded, std::string_view what);
 
-/// Whether the map has lumps of LumpSpace::Directions.
-bool HasDirections(const Bsp &bsp);
+/// Whether the map has lumps with UnevenScaling::SpoilsLight.
+bool IsSpoiledByUnevenScaling(const Bsp &bsp);
 
 } // namespace q3

@@ -210,10 +210,10 @@ void ScaleMap(Bsp &bsp, const ScaleOptions &options, std::string_view name, Log 
     const Bsp before = bsp;
     Scaler(bsp, options).Run(name);
     const AxisTransform transform{options.factors, {}};
-    if (!transform.IsUniform() && (HasDirections(bsp) || !bsp.gridPoints.empty()))
+    if (!transform.IsUniform() && (IsSpoiledByUnevenScaling(bsp) || !bsp.gridPoints.empty()))
         log.Warn("light of another shape",
                  "factors differ, and directions of the light grids are those of the old shape: light the map again");
-    TransformGrids(before, transform, bsp, log);
+    TransformLight(before, transform, bsp, log);
     ValidateBsp(bsp, name, log);
 }
 
@@ -403,7 +403,7 @@ void ShiftMap(Bsp &bsp, const Vec3d &shift, std::string_view name, Log &log) {
             throw Error("-shift: the distance is {:g}, expected at most {:g}", by, kMostShift);
     const Bsp before = bsp;
     Shifter(bsp, shift).Run(name);
-    TransformGrids(before, {.shift = shift}, bsp, log);
+    TransformLight(before, {.shift = shift}, bsp, log);
     ValidateBsp(bsp, name, log);
 }
 

@@ -146,7 +146,7 @@ LightStyles NumberStyles(const LightOptions &options, const SurfaceTable &table,
 /// What lights are made of, beside surfaces.
 struct LightSources {
     const LightInputs &inputs;
-    const std::vector<Entity> &stored; ///< entities that the map keeps
+    const std::vector<Entity> &bspEntities; ///< entities that the map keeps
     const BspSpace &space;
     const LightOptions &options;
     const WorldLight &world;
@@ -155,7 +155,7 @@ struct LightSources {
 /// The lights of entities and surfaces. Sets `styles`, and in `table` texture lights and sky numbers.
 std::vector<Light> CreateLightsLogged(const LightSources &from, SurfaceTable &table, LightStyles &styles,
                                       ShaderLibrary &library, Log &log) {
-    auto [entities, numbers] = EntitiesWithLights(from.stored, from.inputs, log);
+    auto [entities, numbers] = EntitiesWithLights(from.bspEntities, from.inputs, log);
     log.Section("CreateLights");
     ApplyTexLights(from.inputs.texLights, table, log);
     try {
@@ -179,14 +179,15 @@ float IgnoreRadius(const GridLayout &layout) {
 
 LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOptions &given,
                        const SurfaceDefaults &defaults, ShaderLibrary &library, Log &log)
-    : bsp(map), stored(StoredEntities(map.entities, inputs.name)), layout(SetupGridLogged(map, stored.front(), log)),
-      world(ReadWorldLight(stored.front(), given)), options(WithWorld(given, world)),
-      table(MakeSurfaceTable(map, stored, inputs.surfaceFile, inputs.name + ".srf", library, log,
+    : bsp(map), bspEntities(StoredEntities(map.entities, inputs.name)),
+      layout(SetupGridLogged(map, bspEntities.front(), log)), world(ReadWorldLight(bspEntities.front(), given)),
+      options(WithWorld(given, world)),
+      table(MakeSurfaceTable(map, bspEntities, inputs.surfaceFile, inputs.name + ".srf", library, log,
                              WithWorld(defaults, world))),
       space(map, OpaqueBrushes(map, library)),
-      lights(CreateLightsLogged({inputs, stored, space, options, world}, table, styles, library, log)),
+      lights(CreateLightsLogged({inputs, bspEntities, space, options, world}, table, styles, library, log)),
       props(LoadStaticProps(
-          stored, inputs.vfs, int(map.drawSurfaces.size()),
+          bspEntities, inputs.vfs, int(map.drawSurfaces.size()),
           [&inputs](std::string_view model) { return inputs.texLights.CastsTextureShadow(model); }, options, library,
           log)),
       scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)) {

@@ -33,15 +33,15 @@ struct LightInputs {
 /// A map ready to be lit: everything that grids and surfaces share. Const while workers run. Keeps references to
 /// the Bsp and to the library's shaders.
 struct LightSetup {
-    /// Errors: Error, for invalid keys and files. Changes worldspawn's gridsize, in `stored`, if it allows too many
-    /// points.
+    /// Errors: Error, for invalid keys and files. Changes worldspawn's gridsize, in `bspEntities`, if it allows too
+    /// many points.
     LightSetup(const Bsp &bsp, const LightInputs &inputs, const LightOptions &options, const SurfaceDefaults &defaults,
                ShaderLibrary &library, Log &log);
 
     // Each member is made of those above it.
     const Bsp &bsp;
-    std::vector<Entity> stored; ///< entities that the map keeps
-    GridLayout layout;          ///< of the legacy grid
+    std::vector<Entity> bspEntities; ///< of the .bsp, the world first
+    GridLayout layout;               ///< of the legacy grid
     WorldLight world;
     LightOptions options; ///< with worldspawn's _maxlight
     SurfaceTable table;

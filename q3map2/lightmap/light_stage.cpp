@@ -216,8 +216,8 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
             DropStaleLumps(bsp, staleAfter);
     if (setup.options.staticPropLighting)
         bsp.propLight = PackPropLight(setup.props, result.props);
-    setup.stored.front().Erase(kGridSHKey);
-    RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap, options, setup.stored.front(), log);
+    setup.bspEntities.front().Erase(kGridSHKey);
+    RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap, options, setup.bspEntities.front(), log);
     if (!options.noGrid)
         bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
     if (options.sh || options.shAdaptive) {
@@ -226,7 +226,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
         bsp.gridSHContainer = options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
         bsp.sparseGridSH = std::move(baked.sparse);
         if (options.shRadiance)
-            setup.stored.front().Set(kGridSHKey, kRadiance);
+            setup.bspEntities.front().Set(kGridSHKey, kRadiance);
     }
     if (options.ambientCubes)
         bsp.ambientCubes =
@@ -234,13 +234,13 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     if (!options.sh)
         bsp.gridSH.reset();
     if (!lightmap.onlyGrid) {
-        RecordStyles(setup.styles, setup.stored);
-        bsp.entities = FormatEntities(setup.stored); // generated shaders depend on keys of the world
+        RecordStyles(setup.styles, setup.bspEntities);
+        bsp.entities = FormatEntities(setup.bspEntities); // generated shaders depend on keys of the world
         result.lightmaps = surfaces->Store(inputs.name, bsp);
         StoreHdrLight(lightmap, result.lightmaps, bsp);
-        RecordRnm(lightmap, result.lightmaps, setup.stored.front());
+        RecordRnm(lightmap, result.lightmaps, setup.bspEntities.front());
     }
-    bsp.entities = FormatEntities(setup.stored);
+    bsp.entities = FormatEntities(setup.bspEntities);
     return result;
 }
 

@@ -163,8 +163,8 @@ void FinishPatches(std::deque<Patch> &patches) {
     std::vector<Group> byRoot(patches.size());
     for (std::size_t i = 0; i < patches.size(); ++i) {
         Group &group = byRoot[groups.Of(i)];
-        group.longestCurve =
-            std::max(group.longestCurve, LongestCurve(patches[i].width, patches[i].height, patches[i].verts.data()));
+        group.longestCurve = std::max(
+            group.longestCurve, LargestHalvingMeasure(patches[i].width, patches[i].height, patches[i].verts.data()));
         for (const DrawVert &v : patches[i].verts)
             group.bounds.Add(v.xyz);
     }

@@ -14,12 +14,12 @@ namespace q3 {
 
 // ---- Names of files or shaders that a package wants, and who wants them ----
 
-std::string PackageName(std::string_view name) {
+std::string NameInPackage(std::string_view name) {
     return PlainName(name);
 }
 
 bool WantedList::Add(std::string_view name, std::string_view why, Need need) {
-    std::string clean = PackageName(name);
+    std::string clean = NameInPackage(name);
     if (clean.empty())
         return false;
     if (known_.insert(LowerCase(clean)).second) {
@@ -31,7 +31,7 @@ bool WantedList::Add(std::string_view name, std::string_view why, Need need) {
     return false;
 }
 
-// ---- Shader scripts as engines read them ----
+// ---- Shader scripts, read as compilers do and checked as engines do ----
 
 namespace {
 
@@ -151,7 +151,7 @@ class BodyReader {
                 AddSky(words[at + kInner], shader_.extraImages);
             return rest;
         case ImageUse::Video: {
-            std::string video = PackageName(first);
+            std::string video = NameInPackage(first);
             if (video.find('/') == std::string::npos)
                 video = "video/" + video;
             if (video.find('.') == std::string::npos)
@@ -182,7 +182,7 @@ class BodyReader {
 
     void AddSky(std::string_view box, std::vector<std::string> &images) {
         shader_.drawsWithoutImage = true;
-        if (box != "-" && !EqualNoCase(box, "full"))
+        if (box != "-" && !EqualNoCase(box, "full")) // words for a sky without images
             for (const std::string_view side : kSkySides)
                 images.push_back(ImageName(box) + std::string(side));
     }
@@ -246,7 +246,7 @@ std::string FaultOf(std::string_view name, const std::string &text) {
 
 std::string ImageName(std::string_view name) {
     constexpr std::array<std::string_view, 5> kExtensions = {".tga", ".jpg", ".jpeg", ".png", ".dds"};
-    std::string clean = PackageName(name);
+    std::string clean = NameInPackage(name);
     for (const std::string_view extension : kExtensions)
         if (clean.size() > extension.size() &&
             EqualNoCase(std::string_view(clean).substr(clean.size() - extension.size()), extension)) {
@@ -268,7 +268,7 @@ void EngineScripts::Read(std::string_view name, std::string text, Log &log) {
                 continue;
             }
             EngineShader shader;
-            shader.name = PackageName(shaderName);
+            shader.name = NameInPackage(shaderName);
             shader.script = scripts_.size() - 1;
             const char *begin = scanner.Unread().data();
             BodyReader(scanner, shader).Read();
@@ -282,7 +282,7 @@ void EngineScripts::Read(std::string_view name, std::string text, Log &log) {
 }
 
 std::span<const EngineShader> EngineScripts::Find(std::string_view shader) const {
-    const auto found = shaders_.find(LowerCase(PackageName(shader)));
+    const auto found = shaders_.find(LowerCase(NameInPackage(shader)));
     return found == shaders_.end() ? std::span<const EngineShader>() : std::span(found->second);
 }
 

@@ -16,7 +16,7 @@
 namespace q3 {
 
 /// PlainName: how files of packages are named.
-std::string PackageName(std::string_view name);
+std::string NameInPackage(std::string_view name);
 
 /// Whether a package without a file is incomplete.
 enum class Need { Required, Optional };

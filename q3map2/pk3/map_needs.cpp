@@ -39,13 +39,13 @@ constexpr std::array<ExclusionBlock, 5> kBlocks = {{{"textures", &Exclusions::te
 
 /// The file without extension, in lower case.
 std::string FileKey(std::string_view file) {
-    return PathOf(LowerCase(PackageName(file))).replace_extension().generic_string();
+    return PathOf(LowerCase(NameInPackage(file))).replace_extension().generic_string();
 }
 
 /// A name as the set of such a block has it.
 std::string KeyFor(std::set<std::string> Exclusions::*block, std::string_view name) {
     if (block == &Exclusions::shaders)
-        return LowerCase(PackageName(name));
+        return LowerCase(NameInPackage(name));
     if (block == &Exclusions::shaderFiles)
         return std::filesystem::path(FileKey(name)).filename().generic_string();
     return FileKey(name);

@@ -322,7 +322,7 @@ bool IsLightFile(const fs::path &file) {
 
 void PackagePlan::Add(std::string name, fs::path disk) {
     if (names_.Add(name, ""))
-        files_.push_back({PackageName(name), std::move(disk)});
+        files_.push_back({NameInPackage(name), std::move(disk)});
 }
 
 PackagePlan MakePlan(MapNeeds &needs, const PackageSource &source, const EngineScripts &scripts, const PlanRules &rules,

@@ -27,8 +27,8 @@ class ShaderLibrary {
 
     /// The shader of that name (without extension, case-insensitive). Unknown names give an implicit shader with the
     /// image of that name. The reference stays valid as long as the library. Images, and colors from them, are there
-    /// for shaders that emit or transmit light, or with ShaderOptions::imageSizes for those with a flare shader only;
-    /// for others see ReleaseImages.
+    /// for shaders that emit or transmit light; with ShaderOptions::imageSizes (the bsp stage) only for those with a
+    /// flare shader. For others see ReleaseImages.
     const ShaderInfo &Get(std::string_view name);
     /// As Get, with the light image and the colors of any shader that is drawn.
     const ShaderInfo &GetWithImage(std::string_view name);

@@ -103,7 +103,7 @@ void LogFarPlane(const FarPlane &farPlane, Log &log) {
         log.Print("farplane Origin2Origin mode on\n");
     if (farPlane.mode == FarPlaneMode::RadiusOnly)
         log.Print("farplane Radius+Radius mode on\n");
-    if (farPlane.mode == FarPlaneMode::Exact)
+    if (farPlane.mode == FarPlaneMode::Farthest)
         log.Print("farplane Exact distance mode on\n");
 }
 
@@ -186,7 +186,7 @@ FarPlane FarPlaneOf(const Entity &world) {
     if (value.ends_with('o'))
         farPlane.mode = FarPlaneMode::Origins;
     else if (value.ends_with('e'))
-        farPlane.mode = FarPlaneMode::Exact;
+        farPlane.mode = FarPlaneMode::Farthest;
     else if (value.ends_with('r'))
         farPlane.mode = FarPlaneMode::RadiusOnly;
     return farPlane;

@@ -18,7 +18,7 @@ namespace q3 {
 enum class FarPlaneMode {
     Nearest,    ///< nearest points of their spheres
     Origins,    ///< their centers
-    Exact,      ///< farthest points of their spheres against twice the distance
+    Farthest,   ///< farthest points of their spheres against twice the distance
     RadiusOnly, ///< the sum of their radii; their positions do not matter
 };
 

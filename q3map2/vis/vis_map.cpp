@@ -32,7 +32,7 @@ bool IsTooFar(const FarPlane &farPlane, const FlowPortal &p, const FlowPortal &t
     switch (farPlane.mode) {
     case FarPlaneMode::Origins:
         return length > farPlane.distance;
-    case FarPlaneMode::Exact:
+    case FarPlaneMode::Farthest:
         return length + radii > 2 * farPlane.distance;
     case FarPlaneMode::RadiusOnly:
         return radii > farPlane.distance;

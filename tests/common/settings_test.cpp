@@ -17,7 +17,7 @@ struct Options {
     int count = 3;
     float ratio = 0.5f;
     std::optional<int> maybe;
-    std::string name;
+    std::string name, color = "red";
     std::vector<std::string> list, idle;
     double product = 1;
 };
@@ -44,6 +44,7 @@ std::vector<SettingGroup<Options>> Table() {
          "",
          {{{.name = "-name", .values = "NAME", .help = "Name"}, &Options::name},
           {{.name = "-list", .values = "NAME", .help = "List"}, &Options::list},
+          {{.name = "-color", .values = "red|Blue", .kind = SettingKind::Choice, .help = "Color"}, &Options::color},
           {{.name = "-maybe", .values = "[N]", .kind = SettingKind::Integer, .help = "Maybe"}, Do<Options>(optional)},
           {{.name = "-scale", .values = "F", .kind = SettingKind::Number, .initial = "1", .help = "Scale"},
            Do<Options>(multiply)},
@@ -98,6 +99,13 @@ TEST_F(SettingsTest, ValuesThatAreNoNumbersAreRefusedByName) {
     EXPECT_NE(ErrorOf("-count 9").find("-count 9"), std::string::npos);
     EXPECT_NE(ErrorOf("-n").find("-n needs a value"), std::string::npos);
     EXPECT_NE(ErrorOf("-name -flag").find("-name needs a value"), std::string::npos);
+}
+
+/// Stages compare the words exactly.
+TEST_F(SettingsTest, AChoiceInAnyCaseIsTakenAsItIsSpelled) {
+    EXPECT_EQ(Take("-color blue").color, "Blue");
+    EXPECT_EQ(Take("-color RED").color, "red");
+    EXPECT_EQ(ErrorOf("-color green"), "-color green: expected red|Blue");
 }
 
 TEST_F(SettingsTest, ANumberOutsideCanHaveAValueOfItsOwn) {

@@ -38,7 +38,7 @@ TEST(EditedLumps, DirectionsOfAnotherShapeAreAWarning) {
         KeptLog log;
         ScaleMap(bsp, {.factors = {2, 2, 3}}, "map", log.log);
         EXPECT_EQ(log.text.find("directions of the light grids") != std::string::npos,
-                  edit.space == LumpSpace::Directions)
+                  edit.unevenScaling == UnevenScaling::SpoilsLight)
             << RowOf(edit.id).name;
     }
 }
@@ -50,7 +50,7 @@ TEST(EditedLumps, GridsOfAMergedMapAreThoseOfTheFirst) {
         const Bsp both = MergeMaps({main, "main"}, {added, "added"}, {.world = true}, log.log);
         const std::vector<std::byte> merged = LumpOf(both, edit.id), first = LumpOf(main, edit.id);
         const std::string_view name = RowOf(edit.id).name;
-        if (edit.space == LumpSpace::Directions)
+        if (edit.unevenScaling == UnevenScaling::SpoilsLight)
             EXPECT_EQ(merged, first) << name;
         else
             EXPECT_GT(merged.size(), first.size()) << name << " is that of both";

@@ -98,6 +98,7 @@ TEST_F(LightFilesTest, HdrFiles) {
     ExpectOutput("-hdrfiles rend2", with({{"lm_0000.hdr", kAnySize}, {"vertlight.raw", vertices}}));
     ExpectOutput("-hdrfiles ioquake3", with({{"lm_0000.hdr", kIoquake3}, {"vertlight.raw", vertices}}));
     ExpectOutput("-hdrfiles pfm", with({{"lm_0000.pfm", kPfm}}));
+    ExpectOutput("-hdrfiles PFM", with({{"lm_0000.pfm", kPfm}}));
     if (HasOpenExr())
         ExpectOutput("-hdrfiles exr", with({{"lm_0000.exr", kAnySize}}));
     Expected deluxe = with({{"lm_0000.pfm", kPfm}});

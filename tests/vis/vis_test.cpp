@@ -111,7 +111,7 @@ TEST(Vis, FarPlaneIsTheFirstKeyThatIsNotEmpty) {
     EXPECT_EQ(FarPlaneOf(world).mode, FarPlaneMode::Nearest);
     world.Set("fogclip", "600e");
     EXPECT_EQ(FarPlaneOf(world).distance, 600);
-    EXPECT_EQ(FarPlaneOf(world).mode, FarPlaneMode::Exact);
+    EXPECT_EQ(FarPlaneOf(world).mode, FarPlaneMode::Farthest);
     world.Set("_farplanedist", "-5");
     EXPECT_EQ(FarPlaneOf(world).distance, 0);
 }

@@ -157,7 +157,7 @@ std::vector<CubePlace> FindCubePlaces(const BspSpace &space, const LeafPolytopes
                             [&](const CubePlace &place) { return place.stored == sample.position; });
     };
     for (std::uint32_t i = 0; i < tries && found.size() < wanted; ++i) {
-        const Sample3 s = PlasticSample3(i, kSeedCubes + leaf);
+        const Sample3 s = R3Sample(i, kSeedCubes + leaf);
         const Vec3d asked = polytope.bounds.mins + Vec3d{s.u, s.v, s.w} * size;
         bspCubeSample_t stored;
         stored.position = EncodeCubePosition(record, Vec3f(asked));

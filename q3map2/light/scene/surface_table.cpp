@@ -25,8 +25,8 @@ Mesh TessellatePatch(const Bsp &bsp, const bspDrawSurface_t &surface, float long
     return Tessellated(std::move(mesh), longestCurve);
 }
 
-float LongestCurve(const Bsp &bsp, const bspDrawSurface_t &surface) {
-    return LongestCurve(surface.patchWidth, surface.patchHeight, bsp.drawVerts.data() + surface.firstVert);
+float LargestHalvingMeasure(const Bsp &bsp, const bspDrawSurface_t &surface) {
+    return LargestHalvingMeasure(surface.patchWidth, surface.patchHeight, bsp.drawVerts.data() + surface.firstVert);
 }
 
 // ---- Properties of draw surfaces that lighting needs beyond their .bsp records ----
@@ -225,7 +225,7 @@ void DeriveLongestCurves(const Bsp &bsp, SurfaceTable &table) {
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
         if (surface.surfaceType == MST_PATCH) {
             float &longest = groups[group(surface)];
-            longest = std::max(longest, LongestCurve(bsp, surface));
+            longest = std::max(longest, LargestHalvingMeasure(bsp, surface));
         }
     for (std::size_t i = 0; i < table.size(); ++i)
         if (bsp.drawSurfaces[i].surfaceType == MST_PATCH)

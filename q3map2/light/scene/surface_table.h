@@ -19,7 +19,7 @@ namespace q3 {
 Mesh TessellatePatch(const Bsp &bsp, const bspDrawSurface_t &surface, float longestCurve);
 
 /// Longest curve of the patch from its control points, for a map without a .srf file. Game units.
-float LongestCurve(const Bsp &bsp, const bspDrawSurface_t &surface);
+float LargestHalvingMeasure(const Bsp &bsp, const bspDrawSurface_t &surface);
 
 /// The normal map of a surface's shader.
 struct NormalImage {

@@ -108,7 +108,7 @@ void AddPositions(const BspSpace &space, const Vec3f &origin, const Light &light
                                         int(float(z) * step / kLeastStep)};
                 const std::uint64_t key =
                     KeyOf({cell[0] & kKeyMask, cell[1] & kKeyMask, cell[2] & kKeyMask}); // coordinates may be negative
-                const Sample3 jitter = PlasticSample3(0, key);
+                const Sample3 jitter = R3Sample(0, key);
                 const Vec3f p = origin + Vec3f{float(cell[0]) + float(jitter.u), float(cell[1]) + float(jitter.v),
                                                float(cell[2]) + float(jitter.w)} *
                                              kLeastStep;

@@ -178,7 +178,8 @@ class SingleRayLight {
     };
 
     float Prepare(std::size_t batch);
-    /// Whether coarse visibility is good enough for a light that gives at most `strongest`.
+    /// Whether coarse visibility is good enough for a light that gives at most `strongest`. More samples (-shsamples)
+    /// ask for more quality, so the limit is lower with them.
     bool IsDim(float strongest) const {
         return isGridSH_ && settings_.skip.coarse &&
                strongest * MaxAbsComponent(light_.color) * settings_.samples < kDim;

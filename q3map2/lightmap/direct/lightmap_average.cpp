@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. The last steps of the passes over luxels: light of their own for all, and averages of super luxels.
+// GPL-2.0-or-later. The last steps of a pass over luxels: dirt and floodlight, light from neighbors for luxels
+// without a position, and averages of super luxels.
 #include "q3map2/lightmap/direct/lightmap_average.h"
 
 #include "libs/math/vec.h"
@@ -194,7 +195,7 @@ class Averager {
         const std::size_t count = std::size_t(lightmap_.width) * std::size_t(lightmap_.height);
         grid.colors.resize(count);
         grid.valid.resize(count);
-        grid.directions.resize(HasDirections() ? count : 0);
+        grid.directions.resize(IsSpoiledByUnevenScaling() ? count : 0);
         if (lightmap_.super == 1 && !options_.debug && !options_.border)
             return FillWithoutSuper(grid, ambient);
         for (int y = 0; y < lightmap_.height; ++y)
@@ -208,7 +209,7 @@ class Averager {
                 // -debug marks the lightmap of a further style by a corner of 2 x 2 luxels.
                 if (options_.debug && slot_ > 0 && x < 2 && y < 2)
                     grid.colors[at] = kBorderColor, grid.valid[at] = true;
-                if (HasDirections())
+                if (IsSpoiledByUnevenScaling())
                     grid.directions[at] = sum.direction;
             }
     }
@@ -240,7 +241,7 @@ class Averager {
         return litCount > 0 ? lit / float(litCount) : reserveCount > 0 ? reserve / float(reserveCount) : ambient;
     }
 
-    bool HasDirections() const { return slot_ == 0 && !lightmap_.directions.empty(); }
+    bool IsSpoiledByUnevenScaling() const { return slot_ == 0 && !lightmap_.directions.empty(); }
 
     /// Fill without supersampling.
     void FillWithoutSuper(LuxelGrid &grid, const Vec3f &ambient) const {
@@ -250,7 +251,7 @@ class Averager {
             grid.valid[at] = filled[at] != 0 || lightmap_.luxelClusters[at] != kUnmapped;
             grid.colors[at] = filled[at] != 0 ? light[at] : ambient;
         }
-        if (HasDirections())
+        if (IsSpoiledByUnevenScaling())
             grid.directions = lightmap_.directions;
     }
 
@@ -268,7 +269,7 @@ class Averager {
         const int cluster = lightmap_.luxelClusters[at];
         const bool filled = lightmap_.filled[slot_][at] != 0;
         sum.surfaceCount += cluster != kUnmapped;
-        if (HasDirections())
+        if (IsSpoiledByUnevenScaling())
             sum.direction += lightmap_.directions[at];
         if (options_.border &&
             (x == 0 || y == 0 || x == lightmap_.SuperWidth() - 1 || y == lightmap_.SuperHeight() - 1)) {

@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. The last steps of the passes over luxels: light of their own for all, and averages of super luxels.
+// GPL-2.0-or-later. The last steps of a pass over luxels: dirt and floodlight, light from neighbors for luxels
+// without a position, and averages of super luxels.
 #pragma once
 
 #include "q3map2/lightmap/raw/lightmaps.h"

@@ -15,15 +15,28 @@
 
 namespace q3 {
 
+namespace {
+
+/// With a source and _keepLights, lights are those of the .bsp, by their numbers there.
+std::optional<std::vector<Entity>> KeptLights(const LightInputs &inputs, const LightSetup &setup) {
+    if (!inputs.mapEntities || !keys::kKeepLights.Flag(setup.bspEntities.front()))
+        return {};
+    return setup.bspEntities;
+}
+
+/// Whether surfaces name their entities by numbers in the source, which the .srf has, or without a source in the .bsp.
+bool HasSurfaceNumbers(const LightInputs &inputs) {
+    return !inputs.mapEntities || !inputs.surfaceFile.empty();
+}
+
+} // namespace
+
 Explainer::Explainer(const Bsp &bsp, const LightInputs &inputs, const std::string &mapText, const std::string &mapName,
                      const LightOptions &options, const LightmapOptions &lightmap, ShaderLibrary &library,
                      const Game &game, const JobPool &jobs, Log &log)
     : quiet_(Log::Nowhere()), setup_(bsp, inputs, options, SurfaceDefaultsOf(lightmap), library, log),
-      lightmap_(lightmap), source_(inputs.mapEntities.value_or(setup_.stored),
-                                   inputs.mapEntities && keys::kKeepLights.Flag(setup_.stored.front())
-                                       ? std::optional(setup_.stored)
-                                       : std::optional<std::vector<Entity>>(),
-                                   !inputs.mapEntities || !inputs.surfaceFile.empty()),
+      lightmap_(lightmap),
+      source_(inputs.mapEntities.value_or(setup_.bspEntities), KeptLights(inputs, setup_), HasSurfaceNumbers(inputs)),
       obstacles_(setup_, source_), lights_(setup_, source_, obstacles_),
       prepared_(PrepareLights(setup_, LightPass::GridSH, lightmap_.fastPoint)),
       grid_(setup_, obstacles_, jobs), in_{setup_.bsp, setup_.space, setup_.scene, setup_.table, setup_.options,

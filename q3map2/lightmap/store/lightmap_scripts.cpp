@@ -96,7 +96,9 @@ std::string MapPath(std::string_view mapName, std::string_view name) {
     return fmt::format("maps/{}/{}", mapName, name);
 }
 
-/// Shaders of mipmap hints are named by this and a number. Long names of maps are cut, so that shader records hold it.
+/// Mipmap hints are surfaces that are never drawn: their shaders name pages under `nomipmaps`, so that engines load
+/// these without mipmaps. Their shaders are named by this and a number. Long names of maps are cut, so that shader
+/// records hold it.
 std::string HintPrefix(std::string_view mapName) {
     constexpr std::size_t kRest = std::string_view("maps//nomipmaps000").size();
     return MapPath(mapName.substr(0, kMaxShaderName - kRest), "nomipmaps");

@@ -184,6 +184,11 @@ TEST(PfmTest, BytesOfTheFormat) {
     EXPECT_EQ(DecodePfm(gray, "x").texels, (std::vector<Vec3f>{{4, 4, 4}}));
 }
 
+TEST(PfmTest, ALongScaleIsOneWord) {
+    const FloatFile file = FileOf("Pf\n1 1\n-1." + std::string(40, '0') + "\n", {0, 0, 0x80, 0x40});
+    EXPECT_EQ(DecodePfm(file, "x").texels, (std::vector<Vec3f>{{4, 4, 4}}));
+}
+
 TEST(PfmTest, RoundTripIsExact) {
     const FloatImage image = RandomImage(33, 17, 9);
     EXPECT_EQ(DecodePfm(EncodePfm(image), "x").texels, image.texels);

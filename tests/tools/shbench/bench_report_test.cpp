@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Errors, reports and charts.
 #include "tests/tools/shbench/bench_fixture.h"
 #include "tools/measure/shbench/bench_run.h"
+#include "tools/measure/shbench/embree_throughput.h"
 #include "tools/measure/shbench/plain.h"
-#include "tools/measure/shbench/raw.h"
 #include "tools/measure/shbench/scaling.h"
 
 #include <cmath>

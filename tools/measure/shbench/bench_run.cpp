@@ -4,8 +4,8 @@
 #include "common/error.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/stages/light_files.h"
+#include "tools/measure/shbench/embree_throughput.h"
 #include "tools/measure/shbench/plain.h"
-#include "tools/measure/shbench/raw.h"
 
 #include <algorithm>
 #include <functional>

@@ -6,8 +6,8 @@
 #include "q3map2/cli/stage_files.h"
 #include "tools/measure/shbench/bench_run.h"
 #include "tools/measure/shbench/drawing.h"
+#include "tools/measure/shbench/embree_throughput.h"
 #include "tools/measure/shbench/lightmap_passes.h"
-#include "tools/measure/shbench/raw.h"
 #include "tools/measure/shbench/scaling.h"
 
 #include <glib.h>

@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Light of one source at a place without spherical harmonics.
+// GPL-2.0-or-later. Light of one source at a place by brute force: falloff, cones, random rays to areas. It is summed
+// for each normal, and as the exact SH projection, than which no grid is better.
 #include "tools/measure/shbench/truth_lights.h"
 
 #include "libs/sh/sh.h"

@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Light of one source at a place without spherical harmonics: falloff, cones, random rays to areas.
+// GPL-2.0-or-later. Light of one source at a place by brute force: falloff, cones, random rays to areas. It is summed
+// for each normal, and as the exact SH projection, than which no grid is better.
 #pragma once
 
 #include "q3map2/light/scene/light_scene.h"

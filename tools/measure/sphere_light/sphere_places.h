@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Places of a map where the camera sees the whole sphere.
+// GPL-2.0-or-later. Places of a map where the camera sees the whole test model, a sphere in front of the eye.
 #pragma once
 
 #include "q3map2/bspfile/bsp.h"

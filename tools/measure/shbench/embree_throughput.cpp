@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Ray throughput of bare Embree on a map: the most that a bake can reach.
-#include "tools/measure/shbench/raw.h"
+#include "tools/measure/shbench/embree_throughput.h"
 
 #include "q3map2/light/scene/light_embree.h"
 #include "q3map2/light/scene/shadow_casters.h"
