@@ -152,10 +152,13 @@ class Reader:
 
     def check_options(self, where, words):
         stage = next((word.lower() for word in words if word.lower() in self.options), "-bsp")
+        known = self.options[stage] | self.options[""]
+        if stage == "-shreport" and "-explain" in words:  # explains a run of the light stage
+            known = known | self.options["-light"]
         for word in words:
             name = word.lower()
             is_option = name.startswith("-") and not re.match(r"-[\d.]", name)
-            if is_option and name != stage and name not in self.options[stage] | self.options[""]:
+            if is_option and name != stage and name not in known:
                 self.failures.append(f"{where}: {stage} has no option {word}")
 
     def run(self, where, command, words):

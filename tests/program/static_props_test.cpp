@@ -274,7 +274,7 @@ TEST_F(StaticPropTest, BoxesMakeDirtBesideThem) {
     walls.AddWalls(20, {0, 64});
     AddModel("post", {walls});
     Compile(Prop("post") + Lamp({120, 0, 200}, 200));
-    const std::vector<Vec3f> points{{30, 0, 0}, {210, 0, 0}};
+    const std::vector<Vec3f> points{{30, 0, 0}, {-144, 96, 0}};
     const auto clean = FloorLight("-staticproplighting", points);
     const auto dirty = FloorLight("-staticproplighting -dirty", points);
     EXPECT_LT(dirty[0], 0.8 * clean[0]);

@@ -101,7 +101,7 @@ TEST_F(ScriptsTest, HintsOfALongMapNameAreFoundByTheirShaderAndGoAgain) {
     MakeLightmaps(200, 200);
     for (std::uint32_t i = 0; i < 6; ++i)
         FillNoise(surfaces.lightmaps[i], i);
-    StoredLightmaps stored = Finish();
+    StoredLightmaps stored = Finish(1, map);
     const std::size_t count = bsp.drawSurfaces.size();
     FinishForFile(lightmap, map, stored, bsp);
     ASSERT_EQ(bsp.drawSurfaces.size(), count + 1);
