@@ -45,7 +45,7 @@ struct SHReportOptions {
     std::string output;    ///< path of the page; empty: x.html beside x.bsp
     int textureSize = 128; ///< most texels on the longer side of a texture; 0: no textures
     bool explain = false;  ///< places are explained; options of the light stage may follow
-    int places = 3000;     ///< explained at most
+    int places = 2000;     ///< explained at most
 };
 
 /// The options of the stage, declared.

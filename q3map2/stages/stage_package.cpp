@@ -242,8 +242,9 @@ std::string ExplainPlaces(const Bsp &bsp, const fs::path &bspPath, const LightRu
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
     std::string text;
     WithExplainer(bsp, bspPath, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &jobs) {
+        log.Section("Explain");
         const std::vector<PlaceInFront> places = PlacesInFrontOfSurfaces(explainer, std::size_t(options.places));
-        text = ExplanationsJson(explainer, places, PathInPackage(bspPath), lightWords, jobs);
+        text = ExplanationsJson(explainer, places, PathInPackage(bspPath), lightWords, jobs, log);
         log.Count(places.size(), "places explained");
     });
     return text;

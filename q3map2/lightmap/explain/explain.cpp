@@ -210,9 +210,10 @@ std::vector<PlaceInFront> PlacesInFrontOfSurfaces(const Explainer &explainer, st
 }
 
 std::string ExplanationsJson(const Explainer &explainer, std::span<const PlaceInFront> places, std::string_view map,
-                             std::string_view options, const JobPool &jobs) {
+                             std::string_view options, const JobPool &jobs, Log &log) {
     std::vector<Json> list(places.size());
-    jobs.For(std::int64_t(places.size()), [&](std::int64_t i, int) {
+    Progress progress(log, std::int64_t(places.size()));
+    const auto explain = [&](std::int64_t i, int) {
         const ReportLimits limits{.lights = 8, .nothing = 6, .sources = 4};
         const PlaceInFront &place = places[std::size_t(i)];
         const Explanation explanation = explainer.Explain(place.point);
@@ -221,7 +222,9 @@ std::string ExplanationsJson(const Explainer &explainer, std::span<const PlaceIn
                                 {"surface", place.surface},
                                 {"text", ReportOf(explanation, limits)},
                                 {"rays", RaysOf(explanation.lights, limits.lights)}};
-    });
+    };
+    jobs.For(std::int64_t(places.size()), explain, [&](std::int64_t done) { progress.Update(done, 0); });
+    progress.Finish();
     const Json all{
         {"format", "q3map2-sh explanations"}, {"version", 1}, {"map", map}, {"options", options}, {"places", list}};
     return all.dump(-1, ' ', true, Json::error_handler_t::replace);

@@ -83,6 +83,9 @@ LuxelExplainer::LuxelExplainer(const SurfaceInputs &in, const LightSetup &setup,
                                const ObstacleFinder &obstacles)
     : in_(in), setup_(setup), obstacles_(obstacles), explainer_(setup, source, obstacles),
       lights_(PrepareLights(setup, LightPass::Surfaces, in.lightmap.fastPoint)), surfaces_(SetupSurfaceLight(in)) {
+    int culled = 0;
+    passLights_ = SetupEnvelopes(setup.lights, LightPass::Surfaces, setup.options, setup.space, setup.skySeenFrom,
+                                 culled, in.lightmap.fastPoint);
     surfaces_.styled = std::ranges::any_of(setup.lights, [](const Light &light) { return light.style != 0; });
     if (in.lightmap.shade)
         SmoothNormals(in, surfaces_);
@@ -234,11 +237,8 @@ void LuxelExplainer::AddLight(SurfaceLight &surfaces, const Spot &spot, LuxelAcc
     if (!raw.dirt.empty())
         account.dirt = LuxelMeans(raw, 1.0f, [&](std::size_t at) { return raw.dirt[at]; })[raw.Index(x, y)];
     account.ambient = raw.ambient;
-    int culled = 0;
-    const std::vector<Light> lights = SetupEnvelopes(setup_.lights, LightPass::Surfaces, setup_.options, setup_.space,
-                                                     setup_.skySeenFrom, culled, in_.lightmap.fastPoint);
     ContributionCounts counts;
-    LightLuxels(in_, lights, {}, surfaces, counts);
+    LightLuxels(in_, passLights_, {}, surfaces, counts);
     RawLightmap filled = raw;
     FillWallLuxels(in_.space, filled);
     for (int sy = y * raw.super; sy < (y + 1) * raw.super; ++sy)

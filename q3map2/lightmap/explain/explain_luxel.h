@@ -45,7 +45,8 @@ class LuxelExplainer {
     const LightSetup &setup_;
     const ObstacleFinder &obstacles_;
     LightExplainer explainer_;
-    std::vector<PreparedLight> lights_;
+    std::vector<PreparedLight> lights_; ///< all, with the reasons of those that the pass leaves out
+    std::vector<Light> passLights_;     ///< as the pass takes them
     SurfaceLight surfaces_; ///< set up, without luxels
 };
 

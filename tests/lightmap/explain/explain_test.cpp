@@ -281,7 +281,9 @@ TEST_F(ExplainTest, ExplanationsOfPlacesHaveTheReportAndTheRays) {
     Explain(HalvedRoom(-60), "", [](const Explainer &explainer, const JobPool &jobs) {
         const std::array<PlaceInFront, 2> places{
             {{0, {120, 10, -60}, {120, 10, -36}}, {1, {-120, 10, -60}, {-120, 10, -36}}}};
-        const auto json = nlohmann::json::parse(ExplanationsJson(explainer, places, "maps/x.bsp", "-sh", jobs));
+        KeptLog quiet;
+        const auto json =
+            nlohmann::json::parse(ExplanationsJson(explainer, places, "maps/x.bsp", "-sh", jobs, quiet.log));
         EXPECT_EQ(json["map"], "maps/x.bsp");
         EXPECT_EQ(json["options"], "-sh");
         ASSERT_EQ(json["places"].size(), 2u);
