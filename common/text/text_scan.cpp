@@ -23,7 +23,8 @@ std::size_t PlainEnd(const std::string &text, std::size_t begin, char stop) {
     return std::size_t(end - text.c_str());
 }
 
-/// Whether the rest of a line is empty or holds only quoted tokens that are closed.
+/// Whether the rest of a line holds nothing but closed quoted tokens, up to its end, a comment, or the } of an entity
+/// on one line. A rest that begins with neither a blank nor a } does not.
 bool HasCompleteQuotes(std::string_view line) {
     if (!line.empty() && !IsBlank(line.front()) && line.front() != '}')
         return false;

@@ -29,10 +29,10 @@ float HalvingMeasure(const Vec3f &a, const Vec3f &b, const Vec3f &c) {
 
 namespace patch {
 
-int Halvings(float longestCurve, int subdivisions) {
+int Halvings(float halvingMeasure, int subdivisions) {
     const float unit = kCurveUnit * float(subdivisions);
     int halvings = 0;
-    while (halvings < kMaxHalvings && unit * float(1 << halvings) < longestCurve)
+    while (halvings < kMaxHalvings && unit * float(1 << halvings) < halvingMeasure)
         ++halvings;
     return halvings;
 }

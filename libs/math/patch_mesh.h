@@ -69,7 +69,7 @@ namespace patch {
 inline constexpr int kSubdivisions = 8;
 /// How often the curves of a patch are halved: n times if HalvingMeasure is at most subdivisions * 16 * 2^n game units,
 /// at most 3 times.
-int Halvings(float longestCurve, int subdivisions = kSubdivisions);
+int Halvings(float halvingMeasure, int subdivisions = kSubdivisions);
 /// How many of `spans` curves along an axis of `size` points are halved before the mesh gets too large.
 int SpansToHalve(int size, int spans);
 /// Whether p is so close to the line through a and b that the mesh leaves it out.
@@ -149,10 +149,10 @@ template <typename Vert> MeshOf<Vert> OnCurve(MeshOf<Vert> mesh) {
     return patch::Transposed(mesh);
 }
 
-/// The mesh that casts and receives light for these control points; longestCurve (game units) sets its resolution.
+/// The mesh that casts and receives light for these control points; halvingMeasure (game units) sets its resolution.
 template <typename Vert>
-MeshOf<Vert> Tessellated(MeshOf<Vert> mesh, float longestCurve, int subdivisions = patch::kSubdivisions) {
-    for (int i = patch::Halvings(longestCurve, subdivisions); i > 0; --i)
+MeshOf<Vert> Tessellated(MeshOf<Vert> mesh, float halvingMeasure, int subdivisions = patch::kSubdivisions) {
+    for (int i = patch::Halvings(halvingMeasure, subdivisions); i > 0; --i)
         mesh = patch::Transposed(patch::HalvedColumns(patch::Transposed(patch::HalvedColumns(mesh))));
     mesh = OnCurve(std::move(mesh));
     return patch::Transposed(patch::WithoutFlatColumns(patch::Transposed(patch::WithoutFlatColumns(mesh))));

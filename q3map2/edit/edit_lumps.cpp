@@ -141,7 +141,7 @@ Float3 GridCellOf(const Entity &world) {
     return given->Array();
 }
 
-void TransformLight(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log) {
+void TransformLumps(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log) {
     if (!bsp.gridPoints.empty() && !FitLegacyGrid(before, transform, bsp)) {
         bsp.gridPoints.clear();
         log.Warn("light grid", "the legacy light grid is dropped: engines would look for its points elsewhere; "
@@ -150,7 +150,7 @@ void TransformLight(const Bsp &before, const AxisTransform &transform, Bsp &bsp,
     for (const LumpEdit &edit : LumpEdits())
         if (edit.transform != nullptr && RowOf(edit.id).has(bsp))
             edit.transform(transform, bsp);
-    TransformUnknownLumps(transform, bsp, log);
+    TransformRawLumps(transform, bsp, log);
 }
 
 // ---- BSPX lumps of maps that were scaled, moved or merged ----
@@ -251,7 +251,7 @@ bool IsGridLump(std::string_view name) {
 
 } // namespace
 
-void TransformUnknownLumps(const AxisTransform &transform, Bsp &bsp, Log &log) {
+void TransformRawLumps(const AxisTransform &transform, Bsp &bsp, Log &log) {
     std::erase_if(bsp.bspx, [&](BspxLump &lump) {
         const bool keeps = TransformLump(transform, lump);
         if (!keeps)

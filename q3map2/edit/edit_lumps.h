@@ -41,12 +41,12 @@ void TransformBox(const AxisTransform &transform, Int3 &mins, Int3 &maxs);
 /// fits. The head of the SH grid says where its points are, so they move exactly. Engines derive the points of the
 /// legacy grid from world bounds and gridsize: where that does not give the transformed points, the grid is dropped
 /// with a warning. World bounds and gridsize may change by rounding. All other BSPX lumps are edited too: by LumpEdits
-/// and TransformUnknownLumps.
-void TransformLight(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log);
+/// and TransformRawLumps.
+void TransformLumps(const Bsp &before, const AxisTransform &transform, Bsp &bsp, Log &log);
 
 /// Edits the BSPX lumps that Bsp has no members for: keeps those without positions and transforms positions in known
 /// formats. Others may hold positions: each is dropped with a warning.
-void TransformUnknownLumps(const AxisTransform &transform, Bsp &bsp, Log &log);
+void TransformRawLumps(const AxisTransform &transform, Bsp &bsp, Log &log);
 
 /// Two maps whose records are merged already.
 struct LumpMerge {

@@ -213,7 +213,7 @@ void ScaleMap(Bsp &bsp, const ScaleOptions &options, std::string_view name, Log 
     if (!transform.IsUniform() && (IsSpoiledByUnevenScaling(bsp) || !bsp.gridPoints.empty()))
         log.Warn("light of another shape",
                  "factors differ, and directions of the light grids are those of the old shape: light the map again");
-    TransformLight(before, transform, bsp, log);
+    TransformLumps(before, transform, bsp, log);
     ValidateBsp(bsp, name, log);
 }
 
@@ -403,7 +403,7 @@ void ShiftMap(Bsp &bsp, const Vec3d &shift, std::string_view name, Log &log) {
             throw Error("-shift: the distance is {:g}, expected at most {:g}", by, kMostShift);
     const Bsp before = bsp;
     Shifter(bsp, shift).Run(name);
-    TransformLight(before, {.shift = shift}, bsp, log);
+    TransformLumps(before, {.shift = shift}, bsp, log);
     ValidateBsp(bsp, name, log);
 }
 

@@ -34,7 +34,7 @@ using Group = SettingGroup<BspOptions>;
 
 constexpr int kMinSurfaceVerts = 3, kMaxScore = 1 << 30;
 constexpr int kMaxBevelSnap = 65536; ///< game units
-constexpr SettingRange kVerts{kMinSurfaceVerts, std::numeric_limits<int>::max()}, kSampleSize{1, kMaxSampleSize};
+constexpr SettingRange kSurfaceSize{kMinSurfaceVerts, std::numeric_limits<int>::max()}, kSampleSize{1, kMaxSampleSize};
 constexpr SettingRange kScore{-1, kMaxScore};
 constexpr SettingRange kEpsilon{.low = 0, .high = 1, .aboveLow = true, .belowHigh = true};
 
@@ -105,14 +105,14 @@ Group Surfaces() {
              {{.name = "-mv",
                .values = "N",
                .initial = "by game, usually 64",
-               .range = kVerts,
+               .range = kSurfaceSize,
                .help = "Most vertices of a surface with a lightmap",
                .details = "Other surfaces may have 999, or N if that is more."},
               &BspOptions::maxSurfaceVerts},
              {{.name = "-mi",
                .values = "N",
                .initial = "by game, usually 6000",
-               .range = kVerts,
+               .range = kSurfaceSize,
                .help = "Most indexes of a surface"},
               &BspOptions::maxSurfaceIndexes},
              {{.name = "-np",

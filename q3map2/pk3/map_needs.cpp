@@ -120,17 +120,17 @@ fs::path PackageSource::LooseFile(std::string_view name) const {
 
 Whereabouts PackageSource::Find(std::string_view name) const {
     if (!LooseFile(name).empty())
-        return Whereabouts::Here;
+        return Whereabouts::NotInBase;
     const std::string location = vfs_.Location(name);
     if (location.empty())
         return Whereabouts::Nowhere;
     const std::size_t inside = location.find(kInArchive);
     if (inside == std::string::npos)
-        return Whereabouts::Here;
+        return Whereabouts::NotInBase;
     const std::string pak = LowerCase(fs::path(location.substr(0, inside)).filename().string());
     const bool isBase = std::ranges::any_of(
         basePaks_, [&](const std::string &mask) { return g_pattern_match_simple(mask.c_str(), pak.c_str()) != FALSE; });
-    return isBase ? Whereabouts::InBase : Whereabouts::Here;
+    return isBase ? Whereabouts::InBase : Whereabouts::NotInBase;
 }
 
 std::optional<std::vector<std::byte>> PackageSource::Read(std::string_view name) const {

@@ -26,8 +26,8 @@ struct Exclusions {
     bool HasShaderFile(std::string_view script) const;
     bool HasSound(std::string_view sound) const;
     bool HasVideo(std::string_view video) const;
-    /// Whether it is a texture of the list and no shader of it: an image that the game has under a name for which a
-    /// script must define nothing else.
+    /// Whether the list has it as a texture but not as a shader: players have the image, and a script that defines a
+    /// shader of that name would replace it.
     bool IsPureTexture(std::string_view name) const { return HasTexture(name) && !HasShader(name); }
     /// Adds the names of another list.
     void Add(const Exclusions &other);
@@ -42,8 +42,8 @@ Exclusions ReadExclusions(std::string text, std::string_view name);
 /// Where a file is, as far as it matters to a package.
 enum class Whereabouts {
     Nowhere,
-    InBase, ///< in an archive that players have
-    Here    ///< elsewhere: it must be packed
+    InBase,   ///< in an archive that players have
+    NotInBase ///< elsewhere: it must be packed
 };
 
 /// The folders that the maps are in, then the game's files.

@@ -120,7 +120,7 @@ class Planner {
     /// Adds the file unless it comes with the game; reports it if it does not exist.
     void Take(const std::string &name, const Wanted &wanted) {
         const Whereabouts where = source_.Find(name);
-        if (where == Whereabouts::Here)
+        if (where == Whereabouts::NotInBase)
             plan_.Add(name);
         else if (where == Whereabouts::Nowhere)
             Report(wanted, "");
@@ -193,7 +193,7 @@ class Planner {
 
 /// Plans a model file that exists, and adds the shaders that it names.
 void Planner::PlanModel(const std::string &name, const std::string &why) {
-    if (source_.Find(name) == Whereabouts::Here)
+    if (source_.Find(name) == Whereabouts::NotInBase)
         models_.push_back(name);
     const auto bytes = source_.Read(name);
     if (!bytes)
@@ -348,7 +348,7 @@ void AddLightFiles(const fs::path &bspPath, const WantedList &externalPages, con
             std::ranges::any_of(pages, [&](const fs::path &p) { return p.stem() == stem && p.extension() != ".hdr"; });
         if (isBeside || !StartsWithNoCase(page.name, fmt::format("maps/{}/", name)))
             continue;
-        if (source.Find(page.name) == Whereabouts::Here)
+        if (source.Find(page.name) == Whereabouts::NotInBase)
             plan.Add(page.name);
         else if (source.Find(page.name) == Whereabouts::Nowhere)
             plan.missing.push_back(fmt::format("{}: wanted by {}", page.name, page.why));
@@ -363,7 +363,7 @@ void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const
     const auto addIfThere = [&](const std::string &entry, const fs::path &beside, std::string_view use) {
         if (fs::is_regular_file(beside))
             plan.Add(entry, beside);
-        else if (source.Find(entry) == Whereabouts::Here)
+        else if (source.Find(entry) == Whereabouts::NotInBase)
             plan.Add(entry);
         else if (!use.empty())
             plan.absent.push_back(fmt::format("{}: {}", entry, use));

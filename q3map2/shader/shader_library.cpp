@@ -414,7 +414,8 @@ void ShaderLibrary::SetDefaultFlags(std::string_view name, std::uint32_t surface
     ParsedShader &shader = state_->table.FindOrAdd(name, state_->log);
     if (shader.info.defined)
         return;
-    // Single surfaces have flags of their own, such as curves that are there for collision only.
+    // Of records of one name, what all have counts: single surfaces have flags of their own, such as curves that are
+    // there for collision only. Contents are those of the first.
     const bool hadBspFlags = std::exchange(shader.hasBspFlags, true);
     if (hadBspFlags) {
         surfaceFlags &= shader.info.surfaceFlags;

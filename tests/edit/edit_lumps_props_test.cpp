@@ -97,7 +97,7 @@ TEST(EditedLumps, GridsOfOtherEnginesMoveAlong) {
     bsp.bspx = {
         {"LIGHTGRID_OCTREE", plain}, {"LIGHTGRIDS", behindLength}, {"RGBLIGHTING", plain}, {"FACENORMALS", plain}};
     KeptLog log;
-    TransformUnknownLumps({.factors = {2, 2, 2}, .shift = {10, 20, 30}}, bsp, log.log);
+    TransformRawLumps({.factors = {2, 2, 2}, .shift = {10, 20, 30}}, bsp, log.log);
     ASSERT_EQ(bsp.bspx.size(), 4u);
     const auto moved = GridLump({128, 128, 256}, {-118, 20, 286});
     EXPECT_EQ(bsp.bspx[0].data, moved);
@@ -114,7 +114,7 @@ TEST(EditedLumps, WhatMayHoldPositionsIsDroppedWithAWarningEach) {
                 {"LIGHTGRID_OCTREE", std::vector<std::byte>(8)},
                 {"FACENORMALS", {}}};
     KeptLog log;
-    TransformUnknownLumps({.factors = {1, 1, 2}, .shift = {}}, bsp, log.log);
+    TransformRawLumps({.factors = {1, 1, 2}, .shift = {}}, bsp, log.log);
     EXPECT_TRUE(bsp.bspx.empty());
     for (const char *text : {"BRUSHLIST (0 bytes) is dropped", "ENVMAP (7 bytes) is dropped",
                              "LIGHTGRID_OCTREE (8 bytes) is dropped", "FACENORMALS (0 bytes) is dropped"})

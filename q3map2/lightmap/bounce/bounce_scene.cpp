@@ -104,18 +104,18 @@ float BounceScale(const SurfaceInputs &in, std::size_t surface) {
 
 struct BounceScene::State {
     /// What a ray meets on the surface.
-    struct Reflection {
+    struct SurfaceTraits {
         bool emits = false, twoSided = false;
     };
     FaceScene faces;
-    std::vector<Reflection> reflections; ///< by draw surface
+    std::vector<SurfaceTraits> traits; ///< by draw surface
     const SurfaceInputs &in;
     const SurfaceLight &surfaces;
     const EmitterIndex &emitters;
     std::map<const ShaderInfo *, CoarseTexture> textures;
 
     State(const SurfaceInputs &inputs, const SurfaceLight &light, const EmitterIndex &numbers)
-        : reflections(inputs.bsp.drawSurfaces.size()), in(inputs), surfaces(light), emitters(numbers) {}
+        : traits(inputs.bsp.drawSurfaces.size()), in(inputs), surfaces(light), emitters(numbers) {}
 
     void AddSurface(int number);
     EmitterId EmitterAt(const FaceTriangle &triangle, float u, float v) const;
@@ -131,8 +131,8 @@ void BounceScene::State::AddSurface(int number) {
     const ShaderInfo &shader = *in.table[index].shader;
     if (!IsInBounceScene(in, index))
         return;
-    reflections[index] = {shader.bounceScale > 0, shader.twoSided};
-    if (reflections[index].emits)
+    traits[index] = {shader.bounceScale > 0, shader.twoSided};
+    if (traits[index].emits)
         textures.try_emplace(&shader, shader, in.lightmap);
     for (const Face &face : FacesOf(in, surfaces, index))
         faces.Add(number, face);
@@ -177,7 +177,7 @@ std::array<EmitterId, kPacketSize> BounceScene::FirstEmitters(const RayPacket &r
         found[i] = kNoEmitter;
         if (!hits.triangle[i])
             continue;
-        const auto [emits, twoSided] = state_->reflections[std::size_t(hits.triangle[i]->surface)];
+        const auto [emits, twoSided] = state_->traits[std::size_t(hits.triangle[i]->surface)];
         if (!twoSided && !hits.InFront(i, rays))
             found[i] = kBackOfSurface;
         else if (emits)
@@ -200,7 +200,7 @@ void BounceScene::FindReflectance(const SurfaceInputs &in, const SurfaceLight &s
                 if (!hits.triangle[i])
                     continue;
                 const FaceTriangle &triangle = *hits.triangle[i];
-                const auto [emits, twoSided] = state_->reflections[std::size_t(triangle.surface)];
+                const auto [emits, twoSided] = state_->traits[std::size_t(triangle.surface)];
                 if (emits && (twoSided || hits.InFront(i, packet)))
                     reflectance_[emitters.FirstOf(std::size_t(number)) + texels[i]] =
                         state_->ColorAt(triangle.surface, triangle.TextureAt(hits.u[i], hits.v[i]));

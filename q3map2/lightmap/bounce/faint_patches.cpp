@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Under -fast: which emitters are too faint to light a receiver.
+// GPL-2.0-or-later. Under -fast: surfaces cut into patches as by the established program, and which of them are too
+// faint to light a receiver.
 #include "q3map2/lightmap/bounce/faint_patches.h"
 
 #include "libs/math/winding.h"
@@ -29,9 +30,10 @@ constexpr float kFlatQuad = 0.1f;
 constexpr int kMaxWeight = 5, kMaxSamples = 150;
 /// For form factors, receivers nearer to the plane of a patch than this are moved to this height over it. Game units.
 constexpr float kMinHeight = 8;
-/// The form factor that is compared with the tolerance is not clipped at the receiver's horizon: the part of the patch
-/// behind the receiver counts negative. Up to kMinHeight off the patch's plane, ContributionFraction is the unclipped /
-/// the clipped form factor; from there it rises linearly to 1 at kClipHeight. Game units.
+/// The established program compares a form factor with the tolerance that is not clipped at the receiver's horizon: the
+/// part of the patch behind the receiver counts negative, so that less light near the patch's plane counts. This does
+/// too. Up to kMinHeight off the patch's plane, ContributionFraction is the unclipped / the clipped form factor; from
+/// there it rises linearly to 1 at kClipHeight. Game units.
 constexpr float kClipHeight = 16;
 /// Receivers farther than this behind Patch::origin's plane, which is 1 unit in front of the patch, are behind the
 /// patch. 0.01 is for rounding. Game units.

@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. Under -fast: which emitters are too faint to light a receiver.
+// GPL-2.0-or-later. Under -fast: surfaces cut into patches as by the established program, and which of them are too
+// faint to light a receiver.
 #pragma once
 
 #include "q3map2/lightmap/bounce/bounce_scene.h"

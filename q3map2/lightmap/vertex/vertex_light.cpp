@@ -136,10 +136,10 @@ class VertexLighter {
                                                    VertexIndices &open);
     /// Lights the vertices moved by `offset`; returns those that are not occluded there.
     VertexIndices LightAt(const VertexIndices &vertices, const Vec3f &offset);
-    void AddLights(std::span<SurfaceReceiverBatch> blocks, const VertexIndices &vertices);
-    void AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices);
+    void AddLights(std::span<SurfaceReceiverBatch> batches, const VertexIndices &vertices);
+    void AddAmbientOcclusion(const SurfaceReceiverBatch &batch, std::span<const std::size_t> vertices);
     void AddTo(std::size_t slot, std::size_t vertex, const Vec3f &light);
-    void FillOccluded(const std::vector<bool> &lit);
+    void FillWithoutPlace(const std::vector<bool> &lit);
 
     const SurfaceInputs &in_;
     const SurfacePass &pass_;
@@ -212,42 +212,42 @@ SurfaceVertexLight VertexLighter::Run() {
                     lit[v] = true;
                 std::erase_if(hidden, [&](std::size_t v) { return lit[v]; });
             }
-    FillOccluded(lit);
+    FillWithoutPlace(lit);
     return std::move(result_);
 }
 
 /// Receivers at the vertices moved by `offset` that are not occluded there, and their indices.
 std::vector<SurfaceReceiverBatch> VertexLighter::OpenVertices(const VertexIndices &vertices, const Vec3f &offset,
                                                               VertexIndices &open) {
-    std::vector<SurfaceReceiverBatch> blocks;
+    std::vector<SurfaceReceiverBatch> batches;
     for (const std::size_t v : vertices) {
         const int cluster = places_.ClusterAt(v, offset);
         if (cluster < 0)
             continue;
         if (open.size() % kPacketSize == 0) {
-            blocks.emplace_back();
-            blocks.back().twoSided = entry_.shader->twoSided;
+            batches.emplace_back();
+            batches.back().twoSided = entry_.shader->twoSided;
         }
         open.push_back(v);
-        blocks.back().Add(places_.RayOrigin(v) + offset, verts_[v].normal, cluster);
+        batches.back().Add(places_.RayOrigin(v) + offset, verts_[v].normal, cluster);
     }
-    return blocks;
+    return batches;
 }
 
 /// Leaves out lights of styles that find no slot.
 void VertexLighter::ChooseStyles() {
     VertexIndices every(verts_.size()), open;
     std::iota(every.begin(), every.end(), std::size_t(0));
-    std::vector<SurfaceReceiverBatch> blocks = OpenVertices(every, {}, open);
+    std::vector<SurfaceReceiverBatch> batches = OpenVertices(every, {}, open);
     StyleChoice choice;
     SurfaceIncidentLight incident;
     for (const Light *light : lights_) {
         double energy = 0;
-        for (SurfaceReceiverBatch &block : blocks) {
+        for (SurfaceReceiverBatch &batch : batches) {
             if (light->style == 0)
                 continue;
-            LightContributionToSample(*light, settings_, in_.scene, block, incident, counts_);
-            for (std::size_t i = 0; i < block.count; ++i)
+            LightContributionToSample(*light, settings_, in_.scene, batch, incident, counts_);
+            for (std::size_t i = 0; i < batch.count; ++i)
                 if (incident.live[i] != 0)
                     energy += double(incident.strength[i]) * double(light->color.x + light->color.y + light->color.z);
         }
@@ -260,26 +260,26 @@ void VertexLighter::ChooseStyles() {
 
 VertexLighter::VertexIndices VertexLighter::LightAt(const VertexIndices &vertices, const Vec3f &offset) {
     VertexIndices open;
-    std::vector<SurfaceReceiverBatch> blocks = OpenVertices(vertices, offset, open);
+    std::vector<SurfaceReceiverBatch> batches = OpenVertices(vertices, offset, open);
     for (const std::size_t v : open)
         for (std::size_t slot = 0; slot < kStyles; ++slot)
             if (!result_.values[slot].empty())
                 result_.values[slot][v] = slot == 0 ? ambient_ : Vec3f{};
-    AddLights(blocks, open);
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-        AddAmbientOcclusion(blocks[b], std::span(open).subspan(b * kPacketSize, blocks[b].count));
+    AddLights(batches, open);
+    for (std::size_t b = 0; b < batches.size(); ++b)
+        AddAmbientOcclusion(batches[b], std::span(open).subspan(b * kPacketSize, batches[b].count));
     return open;
 }
 
-void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const VertexIndices &vertices) {
+void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> batches, const VertexIndices &vertices) {
     SurfaceIncidentLight incident;
     for (const Light *light : lights_) {
         const std::size_t slot = StyleSlotFor(result_.styles, light->style);
         if (slot == kStyles) // its light arrived beside vertices in solids only, where ChooseStyles did not look
             continue;
-        for (std::size_t b = 0; b < blocks.size(); ++b) {
-            LightContributionToSample(*light, settings_, in_.scene, blocks[b], incident, counts_);
-            for (std::size_t i = 0; i < blocks[b].count; ++i) {
+        for (std::size_t b = 0; b < batches.size(); ++b) {
+            LightContributionToSample(*light, settings_, in_.scene, batches[b], incident, counts_);
+            for (std::size_t i = 0; i < batches[b].count; ++i) {
                 if (incident.live[i] == 0)
                     continue;
                 const std::size_t v = vertices[b * kPacketSize + i];
@@ -288,7 +288,7 @@ void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> blocks, const Vert
                 result_.styles[slot] = std::uint8_t(light->style);
                 const Vec3f &soFar = result_.values[0][v];
                 if (in_.lightmap.cheap && std::min({soFar.x, soFar.y, soFar.z}) >= kWhite)
-                    blocks[b].wanted[i] = 0;
+                    batches[b].wanted[i] = 0;
             }
         }
     }
@@ -302,7 +302,7 @@ void VertexLighter::AddTo(std::size_t slot, std::size_t vertex, const Vec3f &lig
 }
 
 /// Multiplies by dirt, then adds floodlight.
-void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::span<const std::size_t> vertices) {
+void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &batch, std::span<const std::size_t> vertices) {
     const bool dirty = in_.lightmap.dirty && !pass_.bounce && !entry_.shader->lightmap.noDirt;
     if (!dirty && flood_.light == Vec3f{})
         return;
@@ -310,8 +310,8 @@ void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::
     receivers.receiveShadows = entry_.receiveShadows;
     receivers.surfaces = {&surfaceNumber_, 1};
     receivers.atVertices = true;
-    for (std::size_t i = 0; i < block.count; ++i)
-        receivers.Add(block.position[i], block.normal[i],
+    for (std::size_t i = 0; i < batch.count; ++i)
+        receivers.Add(batch.position[i], batch.normal[i],
                       std::uint32_t(surface_.firstVert) + std::uint32_t(vertices[i]));
     const bool anyLight = std::any_of(vertices.begin(), vertices.end(), [&](std::size_t v) {
         return std::any_of(result_.values.begin(), result_.values.end(),
@@ -321,13 +321,13 @@ void VertexLighter::AddAmbientOcclusion(const SurfaceReceiverBatch &block, std::
         std::vector<Lanes> dirt;
         occlusion_.Dirt({&receivers, 1}, dirt, counts_);
         for (std::vector<Vec3f> &values : result_.values)
-            for (std::size_t i = 0; i < block.count && !values.empty(); ++i)
+            for (std::size_t i = 0; i < batch.count && !values.empty(); ++i)
                 values[vertices[i]] *= dirt[0][i];
     }
     if (flood_.light != Vec3f{}) {
         Lanes visibility;
         occlusion_.SkyVisibility(receivers, flood_.distance, visibility, counts_);
-        for (std::size_t i = 0; i < block.count; ++i)
+        for (std::size_t i = 0; i < batch.count; ++i)
             result_.values[0][vertices[i]] += flood_.light * visibility[i];
     }
 }
@@ -340,7 +340,7 @@ Vec3f MeanOf(const std::vector<Vec3f> &values, const std::set<std::size_t> &vert
 }
 
 /// Vertices that are occluded at all offsets get the mean of the others that they share edges with, or of all others.
-void VertexLighter::FillOccluded(const std::vector<bool> &lit) {
+void VertexLighter::FillWithoutPlace(const std::vector<bool> &lit) {
     if (std::find(lit.begin(), lit.end(), false) == lit.end())
         return;
     std::vector<std::set<std::size_t>> around(lit.size()); // lit vertices at the other ends of edges

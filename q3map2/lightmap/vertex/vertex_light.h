@@ -21,7 +21,7 @@ class VertexPlaces {
     /// shares edges with, clear of solids that touch it; right over it if only that is in the open.
     const Vec3f &RayOrigin(std::size_t vertex) const { return rayOrigins_[vertex]; }
     /// Cluster of the ray origin moved by `offset`, or kSolidCluster if the vertex may not be lit from there:
-    /// - offset 0, the usual place: the ray origin or the vertex must be in the open;
+    /// - offset 0, the usual place: the cluster of the vertex, or of its ray origin if the vertex is in a solid;
     /// - other offsets, tried for vertices in solids: the place must be in the open, in front of the surface, and on
     ///   that side of a wall on which the surface comes out of the solid.
     int ClusterAt(std::size_t vertex, const Vec3f &offset);
