@@ -5,6 +5,7 @@
 #include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/lightmap/explain/explain.h"
+#include "q3map2/lightmap/store/lightmap_scripts.h"
 #include "q3map2/pk3/package_plan.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/shreport/report_page.h"
@@ -233,10 +234,12 @@ std::string PathInPackage(const fs::path &bspPath) {
 }
 
 /// Places of the map, explained as its light run sees them: text of maps/x.explain.json.
-std::string ExplainPlaces(const Bsp &bsp, const fs::path &bspPath, const LightRun &run, const VirtualFileSystem &vfs,
+std::string ExplainPlaces(Bsp bsp, const fs::path &bspPath, const LightRun &run, const VirtualFileSystem &vfs,
                           const SHReportOptions &options, const std::string &lightWords, const StageContext &context) {
     Log &log = context.log;
+    WarnIfSourceIsNewer(bspPath, log);
     LightInputs inputs = ReadLightInputs(bspPath, log);
+    RemoveMipmapHints(inputs.name, bsp); // as in the light stage: the .srf numbers surfaces without them
     inputs.vfs = &vfs;
     inputs.texLights = ReadTexLights(bspPath, vfs, run.options.texLightFiles, run.lightmap.hdr, log);
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);

@@ -67,7 +67,7 @@ std::optional<PlaceInFront> Explainer::PlaceInFrontOf(const SurfaceTriangle &tri
         const ShadowRay ray{triangle.normal, height - kStart};
         if (PlaceInOpen(setup_.space, point).state == PointState::Open &&
             obstacles_.Blocking(from, {&ray, 1}, {}).empty())
-            return PlaceInFront{triangle.surface, p, point};
+            return PlaceInFront{p, point};
     }
     return {};
 }
@@ -219,7 +219,6 @@ std::string ExplanationsJson(const Explainer &explainer, std::span<const PlaceIn
         const Explanation explanation = explainer.Explain(place.point);
         list[std::size_t(i)] = {{"at", Rounded(place.point)},
                                 {"on", Rounded(place.onSurface)},
-                                {"surface", place.surface},
                                 {"text", ReportOf(explanation, limits)},
                                 {"rays", RaysOf(explanation.lights, limits.lights)}};
     };

@@ -16,7 +16,6 @@ namespace q3 {
 
 /// A place in front of a surface, in the open.
 struct PlaceInFront {
-    int surface = -1; ///< draw surface
     Vec3f onSurface;
     Vec3f point; ///< on the normal there
 };

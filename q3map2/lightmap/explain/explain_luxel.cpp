@@ -130,7 +130,7 @@ std::vector<SurfaceTriangle> LuxelExplainer::Triangles() const {
         for (const Face &face : FacesOf(in_, surfaces_, i))
             for (std::size_t k = 2; k < face.size(); ++k) {
                 const Vec3f &a = face[0].xyz, &b = face[k - 1].xyz, &c = face[k].xyz;
-                triangles.push_back({int(i), {a, b, c}, Normalize(Cross(c - a, b - a))});
+                triangles.push_back({{a, b, c}, Normalize(Cross(c - a, b - a))});
             }
     }
     return triangles;

@@ -15,7 +15,6 @@ inline constexpr float kLuxelReach = 64;
 
 /// A triangle of a surface with a lightmap, clockwise seen from the front.
 struct SurfaceTriangle {
-    int surface = -1; ///< draw surface
     std::array<Vec3f, 3> corners{};
     Vec3f normal;
 };
@@ -47,7 +46,7 @@ class LuxelExplainer {
     LightExplainer explainer_;
     std::vector<PreparedLight> lights_; ///< all, with the reasons of those that the pass leaves out
     std::vector<Light> passLights_;     ///< as the pass takes them
-    SurfaceLight surfaces_; ///< set up, without luxels
+    SurfaceLight surfaces_;             ///< set up, without luxels
 };
 
 } // namespace q3

@@ -280,7 +280,7 @@ TEST_F(ExplainTest, PlacesAreOnTheSideOfTheirSurface) {
 TEST_F(ExplainTest, ExplanationsOfPlacesHaveTheReportAndTheRays) {
     Explain(HalvedRoom(-60), "", [](const Explainer &explainer, const JobPool &jobs) {
         const std::array<PlaceInFront, 2> places{
-            {{0, {120, 10, -60}, {120, 10, -36}}, {1, {-120, 10, -60}, {-120, 10, -36}}}};
+            {{{120, 10, -60}, {120, 10, -36}}, {{-120, 10, -60}, {-120, 10, -36}}}};
         KeptLog quiet;
         const auto json =
             nlohmann::json::parse(ExplanationsJson(explainer, places, "maps/x.bsp", "-sh", jobs, quiet.log));

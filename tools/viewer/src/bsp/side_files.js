@@ -99,8 +99,7 @@ export function parseErrors(text) {
  *
  * @typedef {object} Place
  * @property {number[]} at where lights and grids are explained
- * @property {number[]} on the point of the surface before which it is
- * @property {number} surface
+ * @property {number[]} on the point of the surface in front of which it is
  * @property {string} text the report, as of `-explain`
  * @property {Ray[]} rays to the strongest lights
  *
@@ -117,7 +116,6 @@ export function parseExplanations(text) {
     const isPlace = (place) =>
         isPoint(place?.at) &&
         isPoint(place.on) &&
-        Number.isInteger(place.surface) &&
         typeof place.text === 'string' &&
         Array.isArray(place.rays) &&
         place.rays.every(isRay);

@@ -1,33 +1,20 @@
 // GPL-2.0-or-later. Which explained place a click on a surface means.
 
 const kAlike = 0.7; // cosine of the largest angle between two normals that count as the same way
-const kOtherWay = 64; // units that a place before a surface that faces another way counts as farther
+const kOtherWay = 64; // units that a place in front of a surface that faces another way counts as farther
 const kBehind = 1e6; // the same for a place behind the surface: more than maps are large
-
-/** Normal of the first triangle of a surface with an area; clockwise seen from the front. */
-function normalOf(triangles) {
-    for (let i = 0; i + 8 < triangles.length; i += 9) {
-        const [a, b, c] = [0, 3, 6].map((k) => triangles.slice(i + k, i + k + 3));
-        const [u, v] = [b, c].map((p) => p.map((x, axis) => x - a[axis]));
-        const cross = [v[1] * u[2] - v[2] * u[1], v[2] * u[0] - v[0] * u[2], v[0] * u[1] - v[1] * u[0]];
-        const length = Math.hypot(...cross);
-        if (length > 0) return cross.map((x) => x / length);
-    }
-    return [0, 0, 0];
-}
 
 const dot = (u, v) => u.reduce((sum, x, axis) => sum + x * v[axis], 0);
 const difference = (u, v) => u.map((x, axis) => x - v[axis]);
 
 /**
- * The explained place nearest to the point of a surface that was clicked, of those before surfaces that face the same
- * way; a place behind the surface, such as one in the next room, only if there is no other. Null: there are no places.
+ * The explained place nearest to the point of a surface that was clicked, of those in front of surfaces that face the
+ * same way; a place behind the surface, such as one in the next room, only if there is no other. Null: there are no places.
  * @param {import('../bsp/side_files.js').Place[]} places
- * @param {{point: {toArray: () => number[]}, triangles: Float32Array}} picked of MapMesh.surfaceOn
+ * @param {{point: {toArray: () => number[]}, normal: {toArray: () => number[]}}} picked of MapMesh.surfaceOn
  */
-export function nearestPlace(places, { point, triangles }) {
-    const clicked = point.toArray();
-    const normal = normalOf(triangles);
+export function nearestPlace(places, picked) {
+    const [clicked, normal] = [picked.point.toArray(), picked.normal.toArray()];
     let [best, least] = [null, Infinity];
     for (const place of places) {
         const offset = difference(place.at, clicked);

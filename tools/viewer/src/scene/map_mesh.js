@@ -369,7 +369,8 @@ export class MapMesh {
     }
 
     /**
-     * The nearest shown surface on a ray, with its place and luxel size; null: none.
+     * The nearest shown surface on a ray, with its place, the normal there on the side that the ray comes from, and its
+     * luxel size; null: none.
      * @param {THREE.Raycaster} raycaster
      * @param {number | null} height above which the map is cut
      */
@@ -385,7 +386,9 @@ export class MapMesh {
         const { position } = batch.geometry.attributes;
         const corners = [...array.subarray(range.first, range.first + range.count)];
         const triangles = new Float32Array(corners.flatMap((i) => [position.getX(i), position.getY(i), position.getZ(i)]));
-        return { ...range, point: hit.point, triangles };
+        const normal = hit.face.normal.clone();
+        if (normal.dot(raycaster.ray.direction) > 0) normal.negate();
+        return { ...range, point: hit.point, normal, triangles };
     }
 
     dispose() {

@@ -6,7 +6,7 @@ const kLeakRadius = 1.6;
 const kRayRadius = 0.7;
 const kPlaceRadius = 3;
 const kSunLength = 4096; // of rays to suns
-const [kRed, kYellow] = [0xff4d4d, 0xf2c14e];
+const [kRed, kOrange] = [0xff4d4d, 0xf2c14e]; // as the screen shows them
 const kLightRadius = 7;
 const kMostLights = 8192;
 
@@ -41,7 +41,7 @@ export function leakLine(points) {
 }
 
 /**
- * The rays from an explained place to its strongest lights: yellow to lights of which at least a part arrives, red up
+ * The rays from an explained place to its strongest lights: orange to lights of which at least a part arrives, red up
  * to what is in the way.
  * @param {import('../bsp/side_files.js').Place} place
  */
@@ -54,7 +54,7 @@ export function lightRays(place) {
         for (const stop of stops) stopped.push([from, new THREE.Vector3(...stop)]);
     }
     const group = new THREE.Group();
-    group.add(rods(lit, kRayRadius, kYellow), rods(stopped, kRayRadius, kRed), dots([place.at], kPlaceRadius, kYellow));
+    group.add(rods(lit, kRayRadius, kOrange), rods(stopped, kRayRadius, kRed), dots([place.at], kPlaceRadius, kOrange));
     group.add(dots(stopped.map(([, stop]) => stop.toArray()), kPlaceRadius, kRed));
     return group;
 }
@@ -74,7 +74,7 @@ export function placeDots(places) {
     const mesh = dots(
         places.map(({ at }) => at),
         kPlaceRadius,
-        kYellow,
+        kOrange,
     );
     mesh.material.depthTest = true;
     return mesh;
@@ -87,7 +87,7 @@ export function surfaceMark(triangles) {
     const mark = new THREE.Mesh(
         geometry,
         new THREE.MeshBasicMaterial({
-            color: kYellow,
+            color: kOrange,
             transparent: true,
             opacity: 0.22,
             side: THREE.DoubleSide,

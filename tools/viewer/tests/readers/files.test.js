@@ -142,13 +142,13 @@ test('errors of grids', () => {
 });
 
 test('explanations', () => {
-    const place = { at: [0, 0, 24], on: [0, 0, 0], surface: 3, text: 'Lights', rays: [{ to: [9, 9, 9], visible: 0.5 }] };
+    const place = { at: [0, 0, 24], on: [0, 0, 0], text: 'Lights', rays: [{ to: [9, 9, 9], visible: 0.5 }] };
     const text = (...places) =>
         JSON.stringify({ format: 'q3map2-sh explanations', version: 1, map: 'maps/x.bsp', options: '-sh', places });
     assert.deepEqual(parseExplanations(text(place)), { map: 'maps/x.bsp', options: '-sh', places: [place] });
     assert.throws(() => parseExplanations('['), /JSON/);
     assert.throws(() => parseExplanations(text(place).replace('"version":1', '"version":2')), /version 1/);
-    for (const fault of [{ at: [0, 0] }, { text: 5 }, { surface: 'a' }, { rays: [{ to: [1, 2, 3] }] }, { on: null }])
+    for (const fault of [{ at: [0, 0] }, { text: 5 }, { rays: [{ to: [1, 2, 3] }] }, { on: null }])
         assert.throws(() => parseExplanations(text({ ...place, ...fault })), /not complete/);
     const stopped = { to: [9, 9, 9], visible: 0, stops: [[1, 2, 'x']] };
     assert.throws(() => parseExplanations(text({ ...place, rays: [stopped] })), /not complete/);
@@ -157,12 +157,12 @@ test('explanations', () => {
 });
 
 test('the explained place of a click is the nearest one before the surface', () => {
-    const floor = Float32Array.of(0, 0, 0, 0, 64, 0, 64, 0, 0); // clockwise seen from above
+    const up = { toArray: () => [0, 0, 1] };
     const point = { toArray: () => [20, 20, 0] };
     const over = { at: [80, 20, 24], on: [80, 20, 0] };
     const under = { at: [20, 20, -10], on: [20, 20, -2] };
     const wall = { at: [28, 20, 12], on: [4, 20, 12] };
-    const find = (...places) => nearestPlace(places, { point, triangles: floor });
+    const find = (...places) => nearestPlace(places, { point, normal: up });
     assert.equal(find(under, over), over);
     assert.equal(find(under), under);
     assert.equal(find(wall, over), over);
