@@ -155,7 +155,7 @@ SurfaceLight LuxelExplainer::OneLightmap(const Spot &spot) const {
 
 void LuxelExplainer::AddPage(const Spot &spot, LuxelAccount &account) const {
     const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(spot.surface)];
-    account.page = surface.lightmapNum;
+    account.page = surface.lightmapNum[0];
     if (account.page < 0)
         return;
     const RawLightmap &raw = surfaces_.lightmaps[spot.lightmap];
