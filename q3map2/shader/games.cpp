@@ -152,7 +152,7 @@ Game QFusion() {
     game.bspVersion = 1;
     game.styleSlots = true;
     game.sRgbLightmap = game.sRgbTexture = game.sRgbColor = true;
-    game.halfLambert = game.noStyles = game.keepLights = game.patchShadows = true;
+    game.halfLambert = game.keepLights = game.patchShadows = true;
     game.lightmapSize = 512;
     game.deluxe = true;
     constexpr int kVertices = 65535;

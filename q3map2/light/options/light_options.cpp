@@ -24,6 +24,7 @@ LightOptions GameDefaults(const Game &game) {
     o.gridScale = game.gridScale;
     o.gridAmbientScale = game.gridAmbientScale;
     o.noStyles = game.noStyles;
+    o.styleSlots = game.styleSlots;
     o.patchShadows = game.patchShadows;
     o.noDrawSurfaceFlags = game.NoDrawSurfaceFlags();
     o.skip.coarse = true; // ApplyInclusions clears it without -fastgrid

@@ -257,6 +257,9 @@ struct SurfaceInputs {
     const WorldLight &world;
     const JobPool &jobs;
     Log &log;
+    /// All lightmaps go into pages of the game's size. Others need a generated shader, which shows style 0 alone where
+    /// records hold the styles.
+    bool gamePagesOnly = false;
 };
 
 /// The kind of pass over surfaces. Functions of passes are called from one thread and use the workers of
