@@ -41,7 +41,10 @@ struct GlobalOptions {
     std::optional<std::string> homeBase;                ///< name of the user's folder in `home`; unset: that of `game`
 
     BspFormat Format() const {
-        return {.version = game->bspVersion, .advertisements = game->hasAdvertisements, .force = force};
+        return {.version = game->bspVersion,
+                .advertisements = game->hasAdvertisements,
+                .force = force,
+                .ident = game->bspIdent};
     }
 };
 

@@ -98,7 +98,7 @@ std::size_t CountEntities(std::string_view text) {
 
 } // namespace
 
-void WarnOfLimits(const Bsp &bsp, Log &log) {
+void WarnOfLimits(const Bsp &bsp, const Game &game, Log &log) {
     int lastArea = 0;
     for (const bspLeaf_t &leaf : bsp.leafs)
         lastArea = std::max(lastArea, leaf.area);
@@ -126,7 +126,7 @@ void WarnOfLimits(const Bsp &bsp, Log &log) {
         {"draw vertices", bsp.drawVerts.size(), 524288, "use -meta, and simpler models"},
         {"draw indexes", bsp.drawIndexes.size(), 524288, "use simpler models"},
         {"areas", std::size_t(lastArea) + 1, 256, "use fewer area portals"},
-        {"fogs", bsp.fogs.size(), 31, "use fewer fog brushes"},
+        {"fogs", bsp.fogs.size(), std::size_t(game.maxFogs), "use fewer fog brushes"},
     };
     for (const Limit &limit : limits)
         if (limit.count > limit.most)
@@ -442,7 +442,7 @@ CompiledMap MapCompiler::Compile() {
     writer_.bsp.entities = GameEntities(map_, context_.options);
     result_.bsp = std::move(writer_.bsp);
     result_.surfaceFile = std::move(writer_.surfaceFile);
-    WarnOfLimits(result_.bsp, log);
+    WarnOfLimits(result_.bsp, context_.game, log);
     return std::move(result_);
 }
 

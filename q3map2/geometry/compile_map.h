@@ -16,7 +16,7 @@ std::string CaulkText(const MapEntity &world);
 /// -fakemap: the world's brushes as map source.
 std::string FakeMapText(const MapEntity &world, const PlaneTable &planes);
 /// Warns of each number of records that exceeds what engines can load.
-void WarnOfLimits(const Bsp &bsp, Log &log);
+void WarnOfLimits(const Bsp &bsp, const Game &game, Log &log);
 
 /// Numbers the models: sets the key `model` of brush entities to *N, and of clones to the value of the named entity.
 void NumberModels(Map &map, const BspContext &context);

@@ -15,6 +15,7 @@ namespace q3 {
 BspOptions ParseBspOptions(Arguments &arguments, const Game &game, Log &log) {
     BspOptions o;
     o.keepLights = game.keepLights;
+    o.flares = game.flares;
     o.maxSurfaceVerts = game.maxSurfaceVerts;
     o.maxVertexLitVerts = game.maxVertexLitVerts;
     o.maxSurfaceIndexes = game.maxSurfaceIndexes;
@@ -143,7 +144,7 @@ Group Merging() {
          {{.name = "-maxarea", .help = "Triangulate faces into large triangles instead of strips"},
           &BspOptions::maxArea},
          {{.name = "-nobrushsnap", .help = "Do not round vertices to 1/8 game unit"}, Off(&BspOptions::snapVertices)},
-         {{.name = "-flares", .initial = "off", .help = "Make flare surfaces for lights and shaders"},
+         {{.name = "-flares", .initial = "by game, usually off", .help = "Make flare surfaces for lights and shaders"},
           &BspOptions::flares},
          {{.name = "-noflares", .help = "Make no flare surfaces"}, Off(&BspOptions::flares)},
          {{.name = "-skyfix", .help = "Add invisible surfaces that make old drivers load sky images"},

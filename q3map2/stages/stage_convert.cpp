@@ -156,7 +156,9 @@ void WriteForGame(const ConvertJob &job) {
     Bsp bsp = InputBsp(job);
     ConvertToGame(bsp, job.context.game, game, job.context.log);
     const fs::path output = PathOfOutput(job.input, FormatKind::Game, {});
-    WriteBspFile(output, bsp, {.version = game.bspVersion, .advertisements = game.hasAdvertisements}, job.context.log);
+    const BspFormat format{
+        .version = game.bspVersion, .advertisements = game.hasAdvertisements, .ident = game.bspIdent};
+    WriteBspFile(output, bsp, format, job.context.log);
     WarnOfEngineMemory(output, bsp, game, job.context.log);
 }
 

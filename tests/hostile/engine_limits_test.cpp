@@ -55,7 +55,7 @@ class LimitTest : public testing::TestWithParam<Limit> {
         KeptLog out;
         Bsp bsp;
         GetParam().fill(bsp, count);
-        WarnOfLimits(bsp, out.log);
+        WarnOfLimits(bsp, *FindGame("quake3"), out.log);
         return out.text;
     }
 };
