@@ -196,7 +196,7 @@ Group Shaders() {
                           "farthest if that is less; other kinds use -F."},
               &BspOptions::clipDepth},
              {{.name = "-rename", .help = "Append _BSP to shader names of models"}, &BspOptions::rename},
-             {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
+             {{.name = "-custinfoparms", .help = "Read more surfaceparms from custinfoparms.txt, beside the shader scripts"},
               &BspOptions::customInfoParms},
              {{.name = "-noob", .help = "Give the surfaceparm noob to every shader without ob"}, &BspOptions::noOb},
              {{.name = "-globalflag",

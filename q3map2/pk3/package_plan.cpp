@@ -355,8 +355,8 @@ void AddLightFiles(const fs::path &bspPath, const WantedList &externalPages, con
     }
 }
 
-void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const Game &game,
-                 const PackageSource &source, PackagePlan &plan) {
+void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const PackageSource &source,
+                 PackagePlan &plan) {
     AddLightFiles(bspPath, externalPages, source, plan);
     const std::string name = bspPath.stem().string();
     plan.Add(fmt::format("maps/{}.bsp", name), bspPath);
@@ -371,8 +371,8 @@ void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const
     for (const std::string_view end : {".aas", "_b0.aas", "_b1.aas"})
         addIfThere(fmt::format("maps/{}{}", name, end), bspPath.parent_path() / (name + std::string(end)),
                    end == ".aas" ? "bots will not play the map" : "");
-    addIfThere(fmt::format("{}/{}.arena", game.shaderDir, name), {}, "the menus of the game will not list the map");
-    addIfThere(fmt::format("{}/{}.defi", game.shaderDir, name), {}, "");
+    addIfThere(fmt::format("scripts/{}.arena", name), {}, "the menus of the game will not list the map");
+    addIfThere(fmt::format("scripts/{}.defi", name), {}, "");
 }
 
 fs::path WritePackage(const fs::path &path, const fs::path &failedPath, int level, const PackageSource &source,

@@ -138,7 +138,7 @@ Game Raven(std::string_view name, std::string_view homeDir, std::string_view mag
     game.shaderDir = "shaders";
     game.bspIdent = "RBSP";
     game.bspVersion = 1;
-    game.styleSlots = game.flares = true;
+    game.styleSlots = game.flares = game.refusesFoliage = true;
     game.bevelSurfaceFlags = 0x144C000; // slick, metalsteps, nodamage, nosteps and nomiscents, which have other bits
     game.flareShader = flareShader;
     game.originShader = "system/origin";

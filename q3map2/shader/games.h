@@ -38,6 +38,7 @@ struct Game {
     /// Surface flags that bevel sides inherit: nodamage, slick, flesh, metalsteps, nosteps, dust and, in quake3, noob.
     std::uint32_t bevelSurfaceFlags = 0xC3043;
     std::string_view flareShader = "flareshader";
+    bool refusesFoliage = false; ///< the engine ends with an error when a map has surfaces of foliage
     std::string_view originShader = "common/origin"; ///< of origin brushes
     int maxFogs = 31;       ///< that engines draw; some need a bit pattern of their five bits for something else
     int lightmapSize = 128; ///< side of a lightmap page in the file

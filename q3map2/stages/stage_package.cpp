@@ -187,7 +187,7 @@ int PackStage(const StageContext &context, Arguments arguments) {
     PackagePlan plan = MakePlan(packing.needs, packing.source, packing.scripts,
                                 {.exclusions = packing.exclusions, .png = options.png, .list = options.list}, log);
     for (const fs::path &map : packing.maps)
-        AddMapFiles(map, packing.needs.externalPages, *context.options.game, packing.source, plan);
+        AddMapFiles(map, packing.needs.externalPages, packing.source, plan);
     for (const fs::path &map : packing.maps)
         WarnOfBotFiles(map, packing.source, plan, log);
     files.CheckUnchanged();

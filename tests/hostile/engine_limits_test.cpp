@@ -69,6 +69,14 @@ TEST_P(LimitTest, IsToldWithTheNumber) {
     EXPECT_EQ(std::ranges::count(said, '\n'), 1);
 }
 
+TEST(LimitsOfGames, RavensGamesHaveOneFogLess) {
+    KeptLog out;
+    Bsp bsp;
+    bsp.fogs.resize(31);
+    WarnOfLimits(bsp, *FindGame("ja"), out.log);
+    EXPECT_THAT(out.text, testing::HasSubstr("31 fogs, engines hold 30"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Engines, LimitTest, testing::ValuesIn(Limits()),
                          [](const auto &limit) { return std::string(limit.param.name); });
 

@@ -33,7 +33,7 @@ class PackageTest : public testing::Test {
         PackagePlan plan = MakePlan(needs, *source_, scripts_,
                                     {.exclusions = exclusions, .png = png, .wholeScripts = wholeScripts}, log_.log);
         folder_.Write("base/maps/x.bsp", Bytes(bsp));
-        AddMapFiles(folder_ / "base/maps/x.bsp", needs.externalPages, Quake3(), *source_, plan);
+        AddMapFiles(folder_ / "base/maps/x.bsp", needs.externalPages, *source_, plan);
         return plan;
     }
 

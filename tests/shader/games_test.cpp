@@ -98,6 +98,11 @@ TEST(Games, ParmsOfRavensGames) {
     EXPECT_THAT(Words(game.FindParm("forcesight")), ElementsAre(0, 0, 0x2000000, 0, 0, 0));
     EXPECT_EQ(FindGame("jk2")->FindParm("forcesight"), nullptr);
     EXPECT_EQ(game.NoDrawSurfaceFlags(), 0x200000u);
+    std::uint32_t bevels = 0;
+    for (const auto *name : {"slick", "metalsteps", "nodamage", "nosteps", "nomiscents"})
+        bevels |= game.FindParm(name)->surfaceSet;
+    EXPECT_EQ(game.bevelSurfaceFlags, bevels);
+    EXPECT_EQ(FindGame("qfusion")->bevelSurfaceFlags, 0x43043u);
     // trans and areaportal set the same bit.
     EXPECT_EQ(game.CompileFlagsOf(0, 0x80008001), std::uint32_t(C_SOLID | C_TRANSLUCENT));
     EXPECT_EQ(game.CompileFlagsOf(0, 0x80000000), std::uint32_t(C_TRANSLUCENT | C_AREAPORTAL));
@@ -117,6 +122,11 @@ TEST(Games, LightDefaults) {
     EXPECT_FLOAT_EQ(FindGame("dq")->gridScale, 0.3f);
     EXPECT_FLOAT_EQ(FindGame("prophecy")->gridScale, 0.4f);
     EXPECT_FLOAT_EQ(FindGame("prophecy")->gridAmbientScale, 0.6f);
+    const Game &qfusion = *FindGame("qfusion");
+    EXPECT_TRUE(qfusion.halfLambert && qfusion.noStyles && qfusion.keepLights && qfusion.deluxe && !qfusion.flares);
+    EXPECT_EQ(qfusion.lightmapSize, 512);
+    EXPECT_TRUE(FindGame("sof2")->flares && !FindGame("sof2")->keepLights && !FindGame("sof2")->noStyles);
+    EXPECT_EQ(FindGame("sof2")->flareShader, "gfx/misc/lens_flare");
 }
 
 TEST(Games, FlagsOfAShaderRecordSayWhatItsParmsDid) {

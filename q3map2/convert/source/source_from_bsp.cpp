@@ -8,6 +8,7 @@
 #include "q3map2/convert/source/source_writer.h"
 #include "q3map2/convert/source/texture_form.h"
 #include "q3map2/map/map_texture.h"
+#include "q3map2/map/switchable_lights.h"
 
 #include <fmt/format.h>
 
@@ -266,7 +267,9 @@ class Decompiler {
 };
 
 std::string Decompiler::Write() {
-    const std::vector<Entity> entities = ParseEntities(bsp_.entities, name_);
+    std::vector<Entity> entities = ParseEntities(bsp_.entities, name_);
+    if (context_.game.styleSlots)
+        std::ranges::for_each(entities, RestoreLightStyle);
     for (std::size_t i = 0; i < entities.size(); ++i)
         WriteEntity(entities[i], i);
     PrintCounts();

@@ -122,8 +122,6 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
     surfaceFile += SurfaceBlock(surface, int(bsp.drawSurfaces.size()), surface.shader->name, worldSettings_,
                                 std::max(context_.options.sampleSize, context_.options.minSampleSize));
     bsp.drawSurfaces.push_back(record);
-    if (const std::string &damage = surface.shader->geometry.damageShader; !damage.empty())
-        ShaderNumber(damage); // listed for the game, which shows it once the surface is damaged
     const bool isSky = (surface.shader->compileFlags & C_SKY) != 0;
     if (isSky && std::find(skies_.begin(), skies_.end(), surface.shader) == skies_.end())
         skies_.push_back(surface.shader);

@@ -522,7 +522,7 @@ Group Rays() {
           &LightOptions::floodlight},
          {{.name = "-lowquality", .help = "Floodlight with 32 rays a hemisphere instead of 64"},
           &LightOptions::lowQuality},
-         {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
+         {{.name = "-custinfoparms", .help = "Read more surfaceparms from custinfoparms.txt, beside the shader scripts"},
           customInfoParms}}};
 }
 
