@@ -327,6 +327,8 @@ Group Intensities() {
                .details = "The factor is of the default 5 %. A distance under −900 keeps the default. A shader's "
                           "`q3map_backsplash` wins."},
               Do<LightOptions>(backsplash)},
+             Factor("-backsplasharea", "", "1", "Factor of that light alone; its distance stays",
+                    [](LightOptions &o, float f) { o.shader.backsplashScale *= f; }),
              {{.name = "-lights",
                .values = "FILE.rad",
                .initial = "none",
