@@ -114,13 +114,6 @@ Hint HintFor(const StageContext &context, const std::string &word) {
     return {DidYouMean(name, NamesToPropose(context))};
 }
 
-/// Whether the name of an option says that its value is a file or a folder.
-bool IsNamedForFiles(std::string_view option) {
-    const std::string name = LowerCase(option);
-    return std::ranges::any_of(std::array{"file", "path", "dir"},
-                               [&](std::string_view end) { return name.ends_with(end); });
-}
-
 /// Whether the value of an unknown option seems to be a file or a folder.
 bool LooksLikeFile(std::string_view word) {
     constexpr std::string_view kOtherExtensions[] = {
@@ -134,10 +127,16 @@ bool LooksLikeFile(std::string_view word) {
 /// Whether the unknown option at `at` seems to name a file or a folder. What it stands for would then be read or
 /// written elsewhere than the user wants, so it must not pass with a warning.
 bool TakesFile(const std::vector<std::string> &words, std::size_t at) {
-    const bool isNamed = IsNamedForFiles(words[at]);
-    if (at + 1 == words.size() || IsOption(words[at + 1]))
+    const std::string &word = words[at];
+    const std::size_t equals = word.find('=');
+    const std::string name = LowerCase(word.substr(0, equals));
+    const bool isNamed = std::ranges::any_of(std::array{"file", "path", "dir"},
+                                             [&](std::string_view end) { return name.ends_with(end); });
+    const bool hasNext = at + 1 < words.size() && !IsOption(words[at + 1]);
+    if (equals == std::string::npos && !hasNext)
         return isNamed;
-    return !StrictNumber(words[at + 1]) && (isNamed || LooksLikeFile(words[at + 1]));
+    const std::string value = equals == std::string::npos ? words[at + 1] : word.substr(equals + 1);
+    return !StrictNumber(value) && (isNamed || LooksLikeFile(value));
 }
 
 /// Error: the stage has no option `words[at]`, which seems to name a file.
