@@ -34,7 +34,7 @@ LINES = """
     q3map2 -game xonotic -fs_basepath /games/xonotic -bsp -meta -maxarea -samplesize 8 -mv 1000000 -mi 6000000 -custinfoparms -keeplights maps/mymap.map
     q3map2 -game xonotic -fs_basepath /games/xonotic -vis maps/mymap.map
     q3map2 -game xonotic -fs_basepath /games/xonotic -light -custinfoparms -sRGBlight -sRGBtex -sRGBcolor -deluxe -patchshadows -samples 4 -lightmapsize 512 -bounce 2 -bouncegrid -fill maps/mymap.map
-    q3map2 -game xonotic -fs_basepath /games/xonotic -minimap -size 256 -samples 4 -sharpen 1 -border 0.02 -autolevel maps/mymap.bsp
+    q3map2 -game xonotic -fs_basepath /games/xonotic -minimap -size 256 -samples 4 -sharpen 1 -border 0.02 -autolevel -o ../data/gfx/mini.tga maps/mymap.bsp
     cd /games/warfork/basewf
     q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -meta -samplesize 8 -maxarea -mv 32000 -mi 32000 -custinfoparms maps/mymap.map
     q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -vis -saveprt maps/mymap.map
@@ -292,7 +292,8 @@ class Runner:
         if not faults:
             line = Line(words, self.folder)
             self.stages.add((words[words.index("-game") + 1] if "-game" in words else "quake3", line.stage))
-            faults = [fault for holds, fault in FAULTS[line.stage](line) if not holds]
+            facts = FAULTS[line.stage](line) if line.bsp_path.is_file() else [(False, f"no {line.bsp_path}")]
+            faults = [fault for holds, fault in facts if not holds]
         if faults:
             self.failures.append("\n  ".join([text, *faults]))
 
