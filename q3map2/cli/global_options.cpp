@@ -260,68 +260,68 @@ Group GamePaths() {
         o.home = v.words[0];
         o.homeBase = ".";
     };
-    return {"Game and folders",
-            "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
-            "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
-            "is where the map is: a map in `baseq3/maps` of any folder, or in that of an `-fs_game`, means that "
-            "folder. Failing that it is the folder above the program's. `-fs_nomagicpath` leaves out all but the last, "
-            "and `-fs_nobasepath` that too; with `-fs_nohomepath` besides, nothing is searched but what `-fs_basepath` "
-            "and `-fs_pakpath` name. The bsp and light stages need the game's files "
-            "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
-            "archive or one of the folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all "
-            "stages. With `-force` these are warnings; the light stage then knows of a shader what the shader records "
-            "of the `.bsp` say.",
-            {{{.name = "-game",
-               .values = "NAME",
-               .initial = "quake3",
-               .help = "Game that the map is for; -help game lists them",
-               .details = "Decides folder names, surfaceparms, file version and defaults of light."},
-              &GlobalOptions::games},
-             {{.name = "-fs_basepath",
-               .values = "DIR",
-               .initial = "by the path of the map or the program",
-               .help = "Folder in which the game is installed; repeatable"},
-              &GlobalOptions::basePaths},
-             {{.name = "-fs_game",
-               .values = "DIR",
-               .initial = "none",
-               .help = "Mod folder; repeatable, the first wins, and all win over the base game"},
-              &GlobalOptions::gameDirs},
-             {{.name = "-fs_basegame", .values = "DIR", .initial = "by game", .help = "Folder of the base game"},
-              &GlobalOptions::baseGame},
-             {{.name = "-fs_home",
-               .values = "DIR",
-               .initial = "home of the user",
-               .help = "Folder that holds the folder with the user's own files"},
-              &GlobalOptions::home},
-             {{.name = "-fs_homebase",
-               .values = "DIR",
-               .initial = "by game",
-               .help = "Name of the folder with the user's own files, such as .q3a; its dot is dropped with -fs_home"},
-              &GlobalOptions::homeBase},
-             {{.name = "-fs_homepath",
-               .values = "DIR",
-               .kind = SettingKind::Text,
-               .initial = "none",
-               .help = "Path of the folder with the user's own files, in place of -fs_home and -fs_homebase"},
-              Do<GlobalOptions>(homePath)},
-             {{.name = "-fs_nobasepath",
-               .help = "Search no folder that -fs_basepath does not name; includes -fs_nomagicpath"},
-              &GlobalOptions::noBasePath},
-             {{.name = "-fs_nohomepath", .help = "Do not search the folder with the user's own files"},
-              &GlobalOptions::noHomePath},
-             {{.name = "-fs_nomagicpath", .help = "Do not take the path of the game from words of the command line"},
-              &GlobalOptions::noMagicPath},
-             {{.name = "-fs_pakpath",
-               .values = "DIR",
-               .initial = "none",
-               .help = "One more folder with game files, searched last; repeatable"},
-              &GlobalOptions::pakPaths},
-             {{.name = "-fs_forbiddenpath",
-               .values = "MASK",
-               .initial = "none",
-               .help = "Skip folders and archives of that name, with ? and *; repeatable"},
-              &GlobalOptions::forbidden}}};
+    return {
+        "Game and folders",
+        "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
+        "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
+        "is where the map is: a map in `baseq3/maps` of any folder, or in that of an `-fs_game`, means that "
+        "folder. Failing that it is the folder above the program's. `-fs_nomagicpath` leaves out all but the last, "
+        "and `-fs_nobasepath` that too; with `-fs_nohomepath` besides, nothing is searched but what `-fs_basepath` "
+        "and `-fs_pakpath` name. The bsp and light stages need the game's files "
+        "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
+        "archive or one of the folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all "
+        "stages. With `-force` these are warnings; the light stage then knows of a shader what the shader records "
+        "of the `.bsp` say.",
+        {{{.name = "-game",
+           .values = "NAME",
+           .initial = "quake3",
+           .help = "Game that the map is for; -help game lists them",
+           .details = "Decides folder names, surfaceparms, file version and defaults of light."},
+          &GlobalOptions::games},
+         {{.name = "-fs_basepath",
+           .values = "DIR",
+           .initial = "by the path of the map or the program",
+           .help = "Folder in which the game is installed; repeatable"},
+          &GlobalOptions::basePaths},
+         {{.name = "-fs_game",
+           .values = "DIR",
+           .initial = "none",
+           .help = "Mod folder; repeatable, the first wins, and all win over the base game"},
+          &GlobalOptions::gameDirs},
+         {{.name = "-fs_basegame", .values = "DIR", .initial = "by game", .help = "Folder of the base game"},
+          &GlobalOptions::baseGame},
+         {{.name = "-fs_home",
+           .values = "DIR",
+           .initial = "home of the user",
+           .help = "Folder that holds the folder with the user's own files"},
+          &GlobalOptions::home},
+         {{.name = "-fs_homebase",
+           .values = "DIR",
+           .initial = "by game",
+           .help = "Name of the folder with the user's own files, such as .q3a; its dot is dropped with -fs_home"},
+          &GlobalOptions::homeBase},
+         {{.name = "-fs_homepath",
+           .values = "DIR",
+           .kind = SettingKind::Text,
+           .initial = "none",
+           .help = "Path of the folder with the user's own files, in place of -fs_home and -fs_homebase"},
+          Do<GlobalOptions>(homePath)},
+         {{.name = "-fs_nobasepath", .help = "Have no base paths but those of -fs_basepath; includes -fs_nomagicpath"},
+          &GlobalOptions::noBasePath},
+         {{.name = "-fs_nohomepath", .help = "Do not search the folder with the user's own files"},
+          &GlobalOptions::noHomePath},
+         {{.name = "-fs_nomagicpath", .help = "Do not take the path of the game from words of the command line"},
+          &GlobalOptions::noMagicPath},
+         {{.name = "-fs_pakpath",
+           .values = "DIR",
+           .initial = "none",
+           .help = "One more folder with game files, searched last; repeatable"},
+          &GlobalOptions::pakPaths},
+         {{.name = "-fs_forbiddenpath",
+           .values = "MASK",
+           .initial = "none",
+           .help = "Skip folders and archives of that name, with ? and *; repeatable"},
+          &GlobalOptions::forbidden}}};
 }
 
 } // namespace

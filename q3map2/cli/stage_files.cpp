@@ -201,8 +201,9 @@ constexpr PlacingOption kPlacingOptions[] = {
 std::vector<SettingGroup<FilePlaces>> FileSettings(std::string_view stage) {
     SettingGroup<FilePlaces> group{
         "Places of files",
-        "For builds that keep sources and results apart. FILE is relative to the current folder, which must hold its "
-        "folder; the other files are beside the map that the line names. `_q3map2_cmdline` does not record them.",
+        "For builds that keep sources and results apart. FILE is a path, absolute or from the current "
+        "folder, and its folder must be there; files that no option names are beside the map of the line. "
+        "`_q3map2_cmdline` does not record them.",
         {}};
     for (const PlacingOption &option : kPlacingOptions)
         if (!option.HelpIn(stage).empty())
