@@ -84,6 +84,15 @@ std::vector<std::string> GameDirs(const GlobalOptions &options) {
     return gameDirs;
 }
 
+/// The engine path that the program's path, a word of the command line or the folder of the map tells. Empty: none.
+std::string EnginePathOfWords(const GlobalOptions &options, const std::vector<std::string> &arguments,
+                              const std::filesystem::path &program) {
+    std::vector<std::string> words{program.string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::string engine = EnginePathFrom(words, options.game->magic);
+    return engine.empty() ? EnginePathOfMap(arguments, GameDirs(options)) : engine;
+}
+
 std::string HomeRoot(const GlobalOptions &options) {
     const std::string homeBase = options.homeBase.value_or(std::string(options.game->homeDir));
     if (options.home) {
@@ -105,6 +114,11 @@ GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
     for (std::vector<std::string> *list :
          {&options.forbidden, &options.basePaths, &options.gameDirs, &options.pakPaths})
         TidyPaths(*list);
+    if (options.noHomePath && (options.home || options.homeBase))
+        log.Warn("home path",
+                 "-fs_nohomepath: the folder with the user's own files is not searched, although {} is "
+                 "given",
+                 options.home ? "-fs_home or -fs_homepath" : "-fs_homebase");
     return options;
 }
 
@@ -112,11 +126,9 @@ std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const
                                              const std::filesystem::path &program) {
     if (!options.basePaths.empty())
         return {options.basePaths.begin(), options.basePaths.end()};
-    std::vector<std::string> words{program.string()};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    std::string engine = EnginePathFrom(words, options.game->magic);
-    if (engine.empty())
-        engine = EnginePathOfMap(arguments, GameDirs(options));
+    if (options.noBasePath)
+        return {};
+    std::string engine = options.noMagicPath ? std::string() : EnginePathOfWords(options, arguments, program);
     if (engine.empty())
         engine = program.parent_path().parent_path().string();
     if (engine.empty())
@@ -127,7 +139,8 @@ std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const
 std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, const std::vector<std::string> &arguments,
                                                const std::filesystem::path &program) {
     std::vector<std::string> roots;
-    AddUnique(roots, HomeRoot(options));
+    if (!options.noHomePath)
+        AddUnique(roots, HomeRoot(options));
     for (const std::filesystem::path &path : BasePaths(options, arguments, program))
         AddUnique(roots, path.string());
     std::vector<std::filesystem::path> folders;
@@ -247,59 +260,68 @@ Group GamePaths() {
         o.home = v.words[0];
         o.homeBase = ".";
     };
-    return {"Game and folders",
-            "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
-            "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
-            "is where the map is: a map in `baseq3/maps` of any folder, or in that of an `-fs_game`, means that "
-            "folder. Failing that it is the folder above the program's. The bsp and light stages need the game's files "
-            "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
-            "archive or one of the folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all "
-            "stages. With `-force` these are warnings; the light stage then knows of a shader what the shader records "
-            "of the `.bsp` say.",
-            {{{.name = "-game",
-               .values = "NAME",
-               .initial = "quake3",
-               .help = "Game that the map is for; -help game lists them",
-               .details = "Decides folder names, surfaceparms, file version and defaults of light."},
-              &GlobalOptions::games},
-             {{.name = "-fs_basepath",
-               .values = "DIR",
-               .initial = "by the path of the map or the program",
-               .help = "Folder in which the game is installed; repeatable"},
-              &GlobalOptions::basePaths},
-             {{.name = "-fs_game",
-               .values = "DIR",
-               .initial = "none",
-               .help = "Mod folder; repeatable, the first wins, and all win over the base game"},
-              &GlobalOptions::gameDirs},
-             {{.name = "-fs_basegame", .values = "DIR", .initial = "by game", .help = "Folder of the base game"},
-              &GlobalOptions::baseGame},
-             {{.name = "-fs_home",
-               .values = "DIR",
-               .initial = "home of the user",
-               .help = "Folder that holds the folder with the user's own files"},
-              &GlobalOptions::home},
-             {{.name = "-fs_homebase",
-               .values = "DIR",
-               .initial = "by game",
-               .help = "Name of the folder with the user's own files, such as .q3a; its dot is dropped with -fs_home"},
-              &GlobalOptions::homeBase},
-             {{.name = "-fs_homepath",
-               .values = "DIR",
-               .kind = SettingKind::Text,
-               .initial = "none",
-               .help = "Path of the folder with the user's own files, in place of -fs_home and -fs_homebase"},
-              Do<GlobalOptions>(homePath)},
-             {{.name = "-fs_pakpath",
-               .values = "DIR",
-               .initial = "none",
-               .help = "One more folder with game files, searched last; repeatable"},
-              &GlobalOptions::pakPaths},
-             {{.name = "-fs_forbiddenpath",
-               .values = "MASK",
-               .initial = "none",
-               .help = "Skip folders and archives of that name, with ? and *; repeatable"},
-              &GlobalOptions::forbidden}}};
+    return {
+        "Game and folders",
+        "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
+        "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
+        "is where the map is: a map in `baseq3/maps` of any folder, or in that of an `-fs_game`, means that "
+        "folder. Failing that it is the folder above the program's. `-fs_nomagicpath` leaves out all but the last, "
+        "and `-fs_nobasepath` that too; with `-fs_nohomepath` besides, nothing is searched but what `-fs_basepath` "
+        "and `-fs_pakpath` name. The bsp and light stages need the game's files "
+        "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
+        "archive or one of the folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all "
+        "stages. With `-force` these are warnings; the light stage then knows of a shader what the shader records "
+        "of the `.bsp` say.",
+        {{{.name = "-game",
+           .values = "NAME",
+           .initial = "quake3",
+           .help = "Game that the map is for; -help game lists them",
+           .details = "Decides folder names, surfaceparms, file version and defaults of light."},
+          &GlobalOptions::games},
+         {{.name = "-fs_basepath",
+           .values = "DIR",
+           .initial = "by the path of the map or the program",
+           .help = "Folder in which the game is installed; repeatable"},
+          &GlobalOptions::basePaths},
+         {{.name = "-fs_game",
+           .values = "DIR",
+           .initial = "none",
+           .help = "Mod folder; repeatable, the first wins, and all win over the base game"},
+          &GlobalOptions::gameDirs},
+         {{.name = "-fs_basegame", .values = "DIR", .initial = "by game", .help = "Folder of the base game"},
+          &GlobalOptions::baseGame},
+         {{.name = "-fs_home",
+           .values = "DIR",
+           .initial = "home of the user",
+           .help = "Folder that holds the folder with the user's own files"},
+          &GlobalOptions::home},
+         {{.name = "-fs_homebase",
+           .values = "DIR",
+           .initial = "by game",
+           .help = "Name of the folder with the user's own files, such as .q3a; its dot is dropped with -fs_home"},
+          &GlobalOptions::homeBase},
+         {{.name = "-fs_homepath",
+           .values = "DIR",
+           .kind = SettingKind::Text,
+           .initial = "none",
+           .help = "Path of the folder with the user's own files, in place of -fs_home and -fs_homebase"},
+          Do<GlobalOptions>(homePath)},
+         {{.name = "-fs_nobasepath", .help = "Have no base paths but those of -fs_basepath; includes -fs_nomagicpath"},
+          &GlobalOptions::noBasePath},
+         {{.name = "-fs_nohomepath", .help = "Do not search the folder with the user's own files"},
+          &GlobalOptions::noHomePath},
+         {{.name = "-fs_nomagicpath", .help = "Do not take the path of the game from words of the command line"},
+          &GlobalOptions::noMagicPath},
+         {{.name = "-fs_pakpath",
+           .values = "DIR",
+           .initial = "none",
+           .help = "One more folder with game files, searched last; repeatable"},
+          &GlobalOptions::pakPaths},
+         {{.name = "-fs_forbiddenpath",
+           .values = "MASK",
+           .initial = "none",
+           .help = "Skip folders and archives of that name, with ? and *; repeatable"},
+          &GlobalOptions::forbidden}}};
 }
 
 } // namespace
@@ -341,7 +363,7 @@ std::string Joined(const std::vector<fs::path> &folders) {
     std::vector<std::string> names;
     for (const fs::path &folder : folders)
         names.push_back(folder.string());
-    return fmt::format("{}", fmt::join(names, ", "));
+    return names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 /// The options to try if the map is in a game folder that the game does not search, such as baseoa in

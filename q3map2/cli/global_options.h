@@ -39,6 +39,9 @@ struct GlobalOptions {
     std::optional<std::string> baseGame;                ///< folder of the base game; unset: that of `game`
     std::optional<std::string> home;                    ///< folder that holds the user's files; unset: by the system
     std::optional<std::string> homeBase;                ///< name of the user's folder in `home`; unset: that of `game`
+    bool noBasePath = false;  ///< -fs_nobasepath: without -fs_basepath there is no base path at all
+    bool noHomePath = false;  ///< -fs_nohomepath: the user's own files are not searched
+    bool noMagicPath = false; ///< -fs_nomagicpath: words of the command line do not tell the base path
 
     BspFormat Format() const {
         return {.version = game->bspVersion,
@@ -52,7 +55,8 @@ struct GlobalOptions {
 /// with -force.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
 
-/// The folders of -fs_basepath, or the one folder in which the game seems to be installed: see GameFolders.
+/// The folders of -fs_basepath, or the one folder in which the game seems to be installed: see GameFolders. None with
+/// -fs_nobasepath alone.
 std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const std::vector<std::string> &arguments,
                                              const std::filesystem::path &program);
 

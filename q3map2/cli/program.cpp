@@ -79,29 +79,6 @@ bool MayBeValue(const std::vector<std::string> &words, std::size_t at) {
     return IsOption(words[at - 1]) || (StrictNumber(words[at]) && MayBeValue(words, at - 1));
 }
 
-/// Position of the word that is the file: the last map, else the last word that no unknown option can claim.
-std::size_t FindFile(const StageContext &context, const std::vector<std::string> &words) {
-    std::optional<std::size_t> last, lastFree, map;
-    for (std::size_t i = 0; i < words.size(); ++i) {
-        if (IsOption(words[i]))
-            continue;
-        last = i;
-        if (!MayBeValue(words, i))
-            lastFree = i;
-        if (!IsMap(words[i]))
-            continue;
-        if (map && words[*map] != words[i])
-            throw Error("{} and {}: a line is for one map; run the program once for each", words[*map], words[i]);
-        map = i;
-    }
-    if (!last)
-        throw Error("usage: q3map2 [global options] {}", context.stage.usage);
-    if (map && lastFree && *lastFree > *map)
-        throw Error("{} or {}: which is the map? It may stand anywhere, but every other word must belong to an option",
-                    words[*map], words[*lastFree]);
-    return map.value_or(lastFree.value_or(*last));
-}
-
 /// The names that an unknown word is compared with, to propose the nearest.
 std::vector<std::string> NamesToPropose(const StageContext &context) {
     std::vector<std::string> names = context.stage.OptionNames();
@@ -120,17 +97,81 @@ std::string OwnerHint(const StageContext &context, std::string_view word) {
     return owners.empty() ? "" : fmt::format("; it is an option of {}", fmt::join(owners, " and "));
 }
 
-/// What an unknown word may have been meant to be: an option of another stage, one written with =, or a near name.
-std::string HintFor(const StageContext &context, const std::string &word, bool &isOfOtherStage) {
-    const std::string owners = OwnerHint(context, word);
-    isOfOtherStage = !owners.empty();
-    if (isOfOtherStage)
-        return owners;
+/// What an unknown word may have been meant to be.
+struct Hint {
+    std::string text;
+    bool isOfOtherStage = false;
+};
+
+/// An option of another stage, one written with =, or a near name.
+Hint HintFor(const StageContext &context, const std::string &word) {
+    if (std::string owners = OwnerHint(context, word); !owners.empty())
+        return {std::move(owners), true};
     const std::size_t equals = word.find('=');
     const std::string name = word.substr(0, equals);
     if (equals != std::string::npos && context.stage.HasOption(name))
-        return fmt::format("; write {} {}", name, word.substr(equals + 1));
-    return DidYouMean(name, NamesToPropose(context));
+        return {fmt::format("; write {} {}", name, word.substr(equals + 1))};
+    return {DidYouMean(name, NamesToPropose(context))};
+}
+
+/// Whether the value of an unknown option seems to be a file or a folder.
+bool LooksLikeFile(std::string_view word) {
+    constexpr std::string_view kOtherExtensions[] = {
+        ".lin", ".rad", ".aas", ".shader", ".txt", ".cfg", ".json", ".tga", ".png", ".jpg",  ".jpeg",
+        ".dds", ".hdr", ".exr", ".pfm",    ".pk3", ".dpk", ".ase",  ".obj", ".md3", ".html", ".caulk"};
+    const std::string extension = LowerCase(std::filesystem::path(word).extension().string());
+    return word.find_first_of("/\\") != std::string_view::npos || HasMapExtension(word) ||
+           std::ranges::find(kOtherExtensions, extension) != std::end(kOtherExtensions);
+}
+
+/// Whether the unknown option at `at` seems to name a file or a folder. What it stands for would then be read or
+/// written elsewhere than the user wants, so it must not pass with a warning.
+bool TakesFile(const std::vector<std::string> &words, std::size_t at) {
+    const std::string &word = words[at];
+    const std::size_t equals = word.find('=');
+    const std::string name = LowerCase(word.substr(0, equals));
+    const bool isNamed = std::ranges::any_of(std::array{"file", "path", "dir"},
+                                             [&](std::string_view end) { return name.ends_with(end); });
+    const bool hasNext = at + 1 < words.size() && !IsOption(words[at + 1]);
+    if (equals == std::string::npos && !hasNext)
+        return isNamed;
+    const std::string value = equals == std::string::npos ? words[at + 1] : word.substr(equals + 1);
+    return !StrictNumber(value) && (isNamed || LooksLikeFile(value));
+}
+
+/// Error: the stage has no option `words[at]`, which seems to name a file.
+[[noreturn]] void FailForFile(const StageContext &context, const std::vector<std::string> &words, std::size_t at,
+                              std::string_view hint) {
+    const bool hasValue = at + 1 < words.size() && !IsOption(words[at + 1]);
+    throw Error("{}{}: {} has no such option, and it seems to name a file, so nothing is written{}", words[at],
+                hasValue ? " " + words[at + 1] : "", context.stage.word, hint);
+}
+
+/// Position of the word that is the file: the last map, else the last word that no unknown option can claim.
+std::size_t FindFile(const StageContext &context, const std::vector<std::string> &words) {
+    std::optional<std::size_t> last, lastFree, map;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (IsOption(words[i]))
+            continue;
+        last = i;
+        if (!MayBeValue(words, i))
+            lastFree = i;
+        if (!IsMap(words[i]))
+            continue;
+        if (map && words[*map] != words[i]) {
+            for (const std::size_t at : {*map, i}) // one of them may be the value of an unknown option
+                if (at > 0 && IsOption(words[at - 1]))
+                    FailForFile(context, words, at - 1, HintFor(context, words[at - 1]).text);
+            throw Error("{} and {}: a line is for one map; run the program once for each", words[*map], words[i]);
+        }
+        map = i;
+    }
+    if (!last)
+        throw Error("usage: q3map2 [global options] {}", context.stage.usage);
+    if (map && lastFree && *lastFree > *map)
+        throw Error("{} or {}: which is the map? It may stand anywhere, but every other word must belong to an option",
+                    words[*map], words[*lastFree]);
+    return map.value_or(lastFree.value_or(*last));
 }
 
 /// "; its value 8 is ignored too", for the words after an unknown option that seem to be its values.
@@ -146,8 +187,8 @@ std::string ValuesAfter(const std::vector<std::string> &words, std::size_t at) {
 /// Which of the words left over are reported: all, or those with a dash.
 enum class Checked { AllWords, Options };
 
-/// Warns about each word that no option took; an option and its values share a warning. Errors: no stage was named, or
-/// the word stands before the stage word.
+/// Warns about each word that no option took; an option and its values share a warning. Errors: no stage was named, the
+/// word stands before the stage word, or it seems to name a file.
 void ReportUnknown(const StageContext &context, const Arguments &arguments, Checked checked = Checked::AllWords) {
     // The wording that users know: -bsp and -vis have always said "option", the other stages "argument".
     const std::string_view noun = context.stage.word == "-bsp" || context.stage.word == "-vis" ? "option" : "argument";
@@ -156,12 +197,13 @@ void ReportUnknown(const StageContext &context, const Arguments &arguments, Chec
         const std::string &word = words[i];
         if (!IsOption(word) && (checked == Checked::Options || MayBeValue(words, i)))
             continue;
-        bool isOfOtherStage = false;
-        const std::string hint = HintFor(context, word, isOfOtherStage);
+        const auto [hint, isOfOtherStage] = HintFor(context, word);
         if (!context.stageIsNamed)
             throw Error("{}: unknown{}{}", word, hint, isOfOtherStage ? ", which the line does not name" : "");
         if (arguments.IsBeforeStage(i))
             throw Error("{}: {} has no such option{}", word, context.stage.word, hint);
+        if (IsOption(word) && TakesFile(words, i))
+            FailForFile(context, words, i, hint);
         const std::string text = fmt::format("Unknown {} \"{}\"{}{}", noun, word, hint, ValuesAfter(words, i));
         context.log.Warn("unknown option", "{}", text);
         context.log.AddToSummary(text);

@@ -57,7 +57,9 @@ struct StageFile {
 
 /// Takes the input file off `arguments`, after the options of the stage were taken: the last word without a dash.
 /// `given`: the words before the options were taken. Each other word left is unknown: a warning, or an error if it
-/// stands before the stage word or no stage was named. Errors: no file, or it is unclear which word is the file.
+/// stands before the stage word, if no stage was named, or if it is an option that seems to name a file: its name ends
+/// in file, path or dir, or a word with a slash or the extension of a file follows it. A number after it is never a
+/// file. Errors: no file, or it is unclear which word is the file.
 StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vector<std::string> given);
 /// Takes all words without a dash off `arguments`, as files; there may be none. Options left are unknown, as above.
 std::vector<std::string> TakeFiles(const StageContext &context, Arguments &arguments);

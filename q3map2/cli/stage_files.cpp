@@ -170,6 +170,90 @@ fs::path ExistingBsp(const std::string &word, std::span<const fs::path> gameFold
     return path;
 }
 
+// ---- The files of a map, and the options that place them elsewhere ----
+
+namespace {
+
+/// An option that places a file, with its help in each stage; without help the stage does not have it.
+struct PlacingOption {
+    std::string_view name;
+    std::string FilePlaces::*field;
+    std::string_view initial;
+    std::string_view bsp, vis, light;
+
+    std::string_view HelpIn(std::string_view stage) const {
+        return stage == "-bsp" ? bsp : stage == "-vis" ? vis : light;
+    }
+};
+
+constexpr PlacingOption kPlacingOptions[] = {
+    {"-bspfile", &FilePlaces::bsp, "x.bsp", "Write the compiled map to FILE; -onlyents reads it too",
+     "Read and write this compiled map", "Read and write this compiled map; images and shaders go beside it"},
+    {"-srffile", &FilePlaces::srf, "x.srf", "Write the file about surfaces, for -light, to FILE", "",
+     "Read what the bsp stage says about surfaces from FILE"},
+    {"-prtfile", &FilePlaces::prt, "x.prt", "Write the portals, for -vis, to FILE",
+     "Read the portals from FILE, which is deleted without -saveprt", ""},
+    {"-linfile", &FilePlaces::lin, "x.lin", "Write the line that shows a leak to FILE", "", ""},
+};
+
+} // namespace
+
+std::vector<SettingGroup<FilePlaces>> FileSettings(std::string_view stage) {
+    SettingGroup<FilePlaces> group{
+        "Places of files",
+        "For builds that keep sources and results apart. FILE is a path, absolute or from the current "
+        "folder, and its folder must be there; files that no option names are beside the map of the line. "
+        "`_q3map2_cmdline` does not record them.",
+        {}};
+    for (const PlacingOption &option : kPlacingOptions)
+        if (!option.HelpIn(stage).empty())
+            group.settings.push_back(
+                {{.name = option.name, .values = "FILE", .initial = option.initial, .help = option.HelpIn(stage)},
+                 option.field});
+    return {group};
+}
+
+FilePlaces TakeFilePlaces(std::string_view stage, Arguments &arguments, Log &log) {
+    FilePlaces places;
+    TakeSettings(FileSettings(stage), places, arguments, log);
+    if (!places.bsp.empty() && !HasExtension(places.bsp, ".bsp"))
+        throw Error("-bspfile {}: expected a name that ends in .bsp", places.bsp);
+    return places;
+}
+
+MapFiles FilesOf(const fs::path &map, const FilePlaces &places) {
+    const auto placed = [&](const std::string &place, std::string_view extension) {
+        return place.empty() ? Beside(map, extension) : fs::absolute(place).lexically_normal();
+    };
+    return {.map = Beside(map, ".map"),
+            .rad = Beside(map, ".rad"),
+            .bsp = placed(places.bsp, ".bsp"),
+            .srf = placed(places.srf, ".srf"),
+            .prt = placed(places.prt, ".prt"),
+            .lin = placed(places.lin, ".lin")};
+}
+
+MapFiles FilesOfBsp(const std::string &word, const FilePlaces &places, std::span<const fs::path> gameFolders) {
+    const fs::path beside = MapPath(word, ".bsp"), source = MapPath(word, ".map");
+    if (places.bsp.empty()) {
+        RequireMap(beside, gameFolders);
+        MapFiles files = FilesOf(beside, places);
+        files.bsp = beside; // of whatever extension
+        return files;
+    }
+    MapFiles files = FilesOf(IsFile(source) ? source : beside, places);
+    RequireMap(files.bsp);
+    if (!IsFile(beside))
+        RequireMap(source, gameFolders);
+    return files;
+}
+
+void RequireDistinct(std::span<const fs::path> files) {
+    for (const fs::path &file : files)
+        if (std::ranges::count(files, file) > 1)
+            throw Error("{}: two files of this run would have this name", file.string());
+}
+
 // ---- FileGuard ----
 
 FileGuard::FileGuard(const StageContext &context) : FileGuard(context.options.force, context.log) {}
@@ -230,14 +314,13 @@ std::uint64_t SizeOfFile(const fs::path &file) {
     return failed ? 0 : size;
 }
 
-void WarnIfSourceIsNewer(const fs::path &bspPath, Log &log) {
-    const fs::path source = Beside(bspPath, ".map");
-    const FileState map = FileState::Of(source), bsp = FileState::Of(bspPath);
+void WarnIfSourceIsNewer(const MapFiles &files, Log &log) {
+    const FileState map = FileState::Of(files.map), bsp = FileState::Of(files.bsp);
     if (map.exists && bsp.exists && map.time > bsp.time)
         log.Warn("newer map source",
                  "{} is newer than {}: changes since then, other than those of light entities, are not in the .bsp; "
                  "compile the map again with -bsp",
-                 source.string(), bspPath.filename().string());
+                 files.map.string(), files.bsp.filename().string());
 }
 
 } // namespace q3

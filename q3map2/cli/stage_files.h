@@ -2,7 +2,9 @@
 // go wrong with them.
 #pragma once
 
+#include "common/arguments.h"
 #include "common/files/files.h"
+#include "common/settings.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -34,6 +36,39 @@ void RequireMap(const std::filesystem::path &path, std::span<const std::filesyst
 
 /// MapPath of a .bsp that exists. Errors: those of RequireMap.
 std::filesystem::path ExistingBsp(const std::string &word, std::span<const std::filesystem::path> gameFolders = {});
+
+// ---- The files of a map, and the options that place them elsewhere ----
+
+/// Where options of a stage say that files of its map are; empty: beside the map.
+struct FilePlaces {
+    std::string bsp, srf, prt, lin;
+};
+
+/// The options of a stage that place files: of "-bsp", "-vis" or "-light".
+std::vector<SettingGroup<FilePlaces>> FileSettings(std::string_view stage);
+
+/// Takes them off `arguments`. To be called before the words are copied that the map records: what is in a map does not
+/// depend on folders. Errors: a -bspfile that does not end in .bsp.
+FilePlaces TakeFilePlaces(std::string_view stage, Arguments &arguments, Log &log);
+
+/// Absolute paths of the files of a map, which need not exist.
+struct MapFiles {
+    std::filesystem::path map, rad, bsp, srf, prt, lin;
+};
+
+/// The files beside `map`, but for those that have other places.
+MapFiles FilesOf(const std::filesystem::path &map, const FilePlaces &places = {});
+
+/// For a stage that reads a .bsp: the .bsp that `word` names and the files beside it. With -bspfile, `word` may name
+/// the map source instead, and its other files are beside that. Errors: those of RequireMap, for the .bsp and for a
+/// word that names neither.
+MapFiles FilesOfBsp(const std::string &word, const FilePlaces &places = {},
+                    std::span<const std::filesystem::path> gameFolders = {});
+
+/// Errors: two of these files are one.
+void RequireDistinct(std::span<const std::filesystem::path> files);
+
+// ---- Checks around a stage ----
 
 /// A stage declares its files before it computes, and checks before it writes that no other program changed them.
 class FileGuard {
@@ -73,7 +108,7 @@ class FileGuard {
 /// Size of the file; 0: there is none.
 std::uint64_t SizeOfFile(const std::filesystem::path &file);
 
-/// Warns if the map source beside a .bsp is newer, so that the .bsp lacks its latest changes.
-void WarnIfSourceIsNewer(const std::filesystem::path &bspPath, Log &log);
+/// Warns if the map source is newer than the .bsp, so that the .bsp lacks its latest changes.
+void WarnIfSourceIsNewer(const MapFiles &files, Log &log);
 
 } // namespace q3

@@ -43,9 +43,11 @@ Group Basics() {
     return {"Basics",
             "",
             {{{.name = "-meta",
+               .aliases = {"-fastmeta"},
                .help = "Merge brush faces into large triangle surfaces; use it for every playable map",
                .details = "Without it each face is a surface of its own. The shader directive `q3map_forceMeta` merges "
-                          "the faces of one shader in any case."},
+                          "the faces of one shader in any case. Merging is quick, so `-fastmeta` of other compilers "
+                          "means the same."},
               &BspOptions::meta},
              {{.name = "-patchmeta",
                .help = "Turn patches into triangle surfaces too; includes -meta",

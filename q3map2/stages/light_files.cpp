@@ -21,17 +21,16 @@ namespace q3 {
 
 // ---- Optional files beside a .bsp that the light stage reads ----
 
-LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log) {
+LightInputs ReadLightInputs(const MapFiles &files, Log &log) {
     LightInputs inputs;
-    inputs.name = bspPath.stem().string();
-    const auto mapPath = Beside(bspPath, ".map"), srfPath = Beside(bspPath, ".srf");
-    if (std::filesystem::exists(mapPath)) {
-        log.Print("Loading {}\n", mapPath.string());
-        inputs.mapEntities = ParseMapEntities(ReadTextFile(mapPath), mapPath.string());
+    inputs.name = files.bsp.stem().string();
+    if (std::filesystem::exists(files.map)) {
+        log.Print("Loading {}\n", files.map.string());
+        inputs.mapEntities = ParseMapEntities(ReadTextFile(files.map), files.map.string());
     }
-    if (std::filesystem::exists(srfPath)) {
-        log.Print("Loading {}\n", srfPath.string());
-        inputs.surfaceFile = ReadTextFile(srfPath);
+    if (std::filesystem::exists(files.srf)) {
+        log.Print("Loading {}\n", files.srf.string());
+        inputs.surfaceFile = ReadTextFile(files.srf);
     }
     return inputs;
 }
@@ -60,8 +59,8 @@ void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &
     }
 }
 
-TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileSystem &vfs,
-                        const std::vector<std::string> &given, bool hdr, Log &log) {
+TexLights ReadTexLights(const MapFiles &files, const VirtualFileSystem &vfs, const std::vector<std::string> &given,
+                        bool hdr, Log &log) {
     TexLights lights;
     const auto read = [&](std::string_view text, const std::string &name, const std::string &location) {
         log.Print("Loading {}\n", location);
@@ -80,8 +79,8 @@ TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileS
             read(ReadTextFile(name), name, name);
         else if (!readFromGame(name))
             throw Error("-lights {}: no such file, neither by its path nor among the game's files", name);
-    if (const auto ofMap = Beside(bspPath, ".rad"); std::filesystem::exists(ofMap))
-        read(ReadTextFile(ofMap), ofMap.filename().string(), ofMap.string());
+    if (std::filesystem::exists(files.rad))
+        read(ReadTextFile(files.rad), files.rad.filename().string(), files.rad.string());
     return lights;
 }
 
@@ -318,10 +317,10 @@ LightRun TakeLightRun(Arguments &arguments, const Game &game, Log &log) {
     return run;
 }
 
-void DeclareInputs(const std::filesystem::path &bspPath, const LightOptions &options, FileGuard &guard) {
-    guard.Needs(bspPath);
-    for (const std::string_view extension : {".map", ".srf", ".rad"})
-        guard.Reads(Beside(bspPath, extension));
+void DeclareInputs(const MapFiles &files, const LightOptions &options, FileGuard &guard) {
+    guard.Needs(files.bsp);
+    for (const std::filesystem::path &file : {files.map, files.srf, files.rad})
+        guard.Reads(file);
     for (const std::string &file : options.texLightFiles)
         guard.Reads(file);
 }
@@ -335,13 +334,12 @@ ShaderLibrary ShadersOfMap(const Bsp &bsp, const LightOptions &options, const Vi
     return library;
 }
 
-void WithExplainer(const Bsp &bsp, const std::filesystem::path &bspPath, const LightInputs &inputs, const LightRun &run,
+void WithExplainer(const Bsp &bsp, const MapFiles &files, const LightInputs &inputs, const LightRun &run,
                    ShaderLibrary &library, const StageContext &context,
                    const std::function<void(const Explainer &, const JobPool &)> &use) {
-    const auto mapPath = Beside(bspPath, ".map");
-    const std::string mapText = inputs.mapEntities ? ReadTextFile(mapPath) : std::string();
+    const std::string mapText = inputs.mapEntities ? ReadTextFile(files.map) : std::string();
     const JobPool jobs(context.options.threads);
-    use(Explainer(bsp, inputs, mapText, mapPath.filename().string(), run.options, run.lightmap, library,
+    use(Explainer(bsp, inputs, mapText, files.map.filename().string(), run.options, run.lightmap, library,
                   *context.options.game, jobs, context.log),
         jobs);
 }

@@ -23,18 +23,18 @@
 
 namespace q3 {
 
-/// The .map and the .srf beside the .bsp, if they exist. Errors: Error, for files that cannot be read or
+/// The .map and the .srf of a map, if they exist. Errors: Error, for files that cannot be read or
 /// parsed.
-LightInputs ReadLightInputs(const std::filesystem::path &bspPath, Log &log);
+LightInputs ReadLightInputs(const MapFiles &files, Log &log);
 
 /// Warns of luxel sizes on the command line (`given`) that the .srf overrides, and removes them from the list of
 /// changed options.
 void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &inputs, Arguments &arguments, Log &log);
 
-/// The texlights of a map: lights.rad among the game's files, `given` (-lights), and the .rad beside the .bsp, in this
+/// The texlights of a map: lights.rad among the game's files, `given` (-lights), and the .rad of the map, in this
 /// order. hdr: see TexLights::Read. Errors: Error, if one of `given` does not exist or a file cannot be read.
-TexLights ReadTexLights(const std::filesystem::path &bspPath, const VirtualFileSystem &vfs,
-                        const std::vector<std::string> &given, bool hdr, Log &log);
+TexLights ReadTexLights(const MapFiles &files, const VirtualFileSystem &vfs, const std::vector<std::string> &given,
+                        bool hdr, Log &log);
 
 /// The formats that the light stage stores: those of -gridformats, and the SH grid, uniform or sparse, if an option
 /// that includes it is given. None without -gridformats. Turns the legacy grid of the bake off if one of them replaces
@@ -90,14 +90,14 @@ struct LightRun {
 LightRun TakeLightRun(Arguments &arguments, const Game &game, Log &log);
 
 /// Declares the files that a light run reads.
-void DeclareInputs(const std::filesystem::path &bspPath, const LightOptions &options, FileGuard &guard);
+void DeclareInputs(const MapFiles &files, const LightOptions &options, FileGuard &guard);
 
 /// Scripts and images of the game, for the surfaces of the map. Keeps a reference to `vfs`.
 ShaderLibrary ShadersOfMap(const Bsp &bsp, const LightOptions &options, const VirtualFileSystem &vfs, const Game &game,
                            Log &log);
 
 /// Sets the light of a map up as its light run does, and hands it to `use`. Errors: those of Explainer.
-void WithExplainer(const Bsp &bsp, const std::filesystem::path &bspPath, const LightInputs &inputs, const LightRun &run,
+void WithExplainer(const Bsp &bsp, const MapFiles &files, const LightInputs &inputs, const LightRun &run,
                    ShaderLibrary &library, const StageContext &context,
                    const std::function<void(const Explainer &, const JobPool &)> &use);
 

@@ -12,6 +12,8 @@
 #include "q3map2/stages/written_map.h"
 #include "q3map2/tree/flood.h"
 
+#include <array>
+
 namespace q3 {
 
 namespace {
@@ -43,9 +45,9 @@ fs::path SourcePath(const std::string &file, const BspOptions &options, bool sta
 
 /// Removes files of an earlier compile that do not belong to the files just written: a map that `leaks` has a leak line
 /// and no portals.
-void RemoveStaleFiles(const fs::path &source, bool leaks) {
+void RemoveStaleFiles(const fs::path &source, const MapFiles &files, bool leaks) {
     std::error_code ignored;
-    fs::remove(Beside(source, leaks ? ".prt" : ".lin"), ignored);
+    fs::remove(leaks ? files.prt : files.lin, ignored);
     if (LowerCase(source.extension().string()) != ".reg")
         fs::remove(Beside(source, ".reg"), ignored);
 }
@@ -56,9 +58,11 @@ fs::path FileOfSource(const fs::path &source, const BspOptions &options) {
 }
 
 /// Names the files of the stage. A .bsp is assumed to have at least half the size of its source.
-FileGuard GuardFiles(const fs::path &source, const BspOptions &options, const StageContext &context) {
+FileGuard GuardFiles(const fs::path &source, const MapFiles &files, const BspOptions &options,
+                     const StageContext &context) {
     FileGuard guard(context);
-    const fs::path file = FileOfSource(source, options), bsp = Beside(source, ".bsp");
+    const fs::path file = FileOfSource(source, options), &bsp = files.bsp;
+    RequireDistinct(std::array{source, files.bsp, files.srf, files.prt, files.lin});
     guard.Needs(file);
     if (options.autoCaulk) {
         guard.Writes(Beside(source, ".caulk"));
@@ -67,8 +71,8 @@ FileGuard GuardFiles(const fs::path &source, const BspOptions &options, const St
     guard.Reads(bsp);
     guard.Writes(bsp, options.onlyEntities ? SizeOfFile(bsp) : SizeOfFile(file) / 2);
     if (!options.onlyEntities)
-        for (const std::string_view extension : {".srf", ".prt", ".lin"})
-            guard.Writes(Beside(source, extension));
+        for (const fs::path &written : {files.srf, files.prt, files.lin})
+            guard.Writes(written);
     return guard;
 }
 
@@ -91,32 +95,30 @@ void AddBsp(const fs::path &path, const Bsp &bsp, const BspFormat &format, FileS
 }
 
 /// Writes the files of a compile together: if one cannot be written, all old files stay.
-void WriteFiles(const fs::path &source, const CompiledMap &compiled, const FileGuard &guard, const BspContext &context,
-                const BspFormat &format) {
+void WriteFiles(const fs::path &source, const MapFiles &files, const CompiledMap &compiled, const FileGuard &guard,
+                const BspContext &context, const BspFormat &format) {
     Log &log = context.log;
     guard.CheckUnchanged();
-    FileSet files;
-    const auto add = [&](std::string_view extension, const std::string &text) {
-        const fs::path path = Beside(source, extension);
+    FileSet written;
+    const auto add = [&](const fs::path &path, const std::string &text) {
         log.Print("Writing {}\n", path.string());
-        files.AddText(path, text);
+        written.AddText(path, text);
     };
     const bool leaks = !compiled.leakLine.empty();
     if (leaks)
-        files.AddText(Beside(source, ".lin"), LeakFileText(compiled.leakLine));
+        written.AddText(files.lin, LeakFileText(compiled.leakLine));
     if (context.options.autoCaulk && !compiled.abandoned)
-        add(".caulk", compiled.caulkFile);
+        add(Beside(source, ".caulk"), compiled.caulkFile);
     if (compiled.abandoned || context.options.autoCaulk)
-        return files.Commit();
+        return written.Commit();
     if (!compiled.portalFile.empty())
-        add(".prt", compiled.portalFile);
-    add(".srf", compiled.surfaceFile);
-    const fs::path path = Beside(source, ".bsp");
-    const BotCheck bots(path, log);
-    AddBsp(path, compiled.bsp, format, files, log);
-    files.Commit();
-    RemoveStaleFiles(source, leaks);
-    WarnOfEngineMemory(path, compiled.bsp, context.game, log);
+        add(files.prt, compiled.portalFile);
+    add(files.srf, compiled.surfaceFile);
+    const BotCheck bots(files.bsp, log);
+    AddBsp(files.bsp, compiled.bsp, format, written, log);
+    written.Commit();
+    RemoveStaleFiles(source, files, leaks);
+    WarnOfEngineMemory(files.bsp, compiled.bsp, context.game, log);
     bots.Report(BotCheck::OtherGeometry, BotCheck::OnlyWarn);
 }
 
@@ -161,8 +163,8 @@ void AddFaults(const CompiledMap &compiled, const BspContext &context, RunReport
 }
 
 /// False: -leaktest found a leak.
-bool CompileToFiles(const fs::path &source, Map &map, const std::vector<std::string> &recorded, const FileGuard &guard,
-                    const BspContext &context, const BspFormat &format, RunReport &report) {
+bool CompileToFiles(const fs::path &source, const MapFiles &files, Map &map, const std::vector<std::string> &recorded,
+                    const FileGuard &guard, const BspContext &context, const BspFormat &format, RunReport &report) {
     Entity &world = map.World().pairs;
     PrintChangedKeys(world, keys::kWorldKeys, "worldspawn", context.log);
     RecordCommand(world, "-bsp", recorded);
@@ -176,13 +178,12 @@ bool CompileToFiles(const fs::path &source, Map &map, const std::vector<std::str
     if (!compiled.abandoned && !context.options.autoCaulk)
         PrintCounts(compiled.bsp, context.log);
     AddFaults(compiled, context, report);
-    WriteFiles(source, compiled, guard, context, format);
+    WriteFiles(source, files, compiled, guard, context, format);
     return !compiled.abandoned;
 }
 
-void ReplaceStoredEntities(const fs::path &source, Map &map, const FileGuard &guard, const BspContext &context,
+void ReplaceStoredEntities(const fs::path &path, Map &map, const FileGuard &guard, const BspContext &context,
                            const BspFormat &format) {
-    const fs::path path = Beside(source, ".bsp");
     RequireMap(path);
     Bsp bsp = ReadBspFile(path, format, context.log);
     ReplaceEntities(bsp, map, context);
@@ -196,8 +197,9 @@ void ReplaceStoredEntities(const fs::path &source, Map &map, const FileGuard &gu
 
 int BspStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
-    const std::vector<std::string> given = arguments.Rest();
     log.Section("BSP");
+    const FilePlaces places = TakeFilePlaces("-bsp", arguments, log);
+    const std::vector<std::string> given = arguments.Rest();
     const BspOptions options = TakeOptions(context, arguments);
     const StageFile file = TakeFile(context, arguments, given);
     PrintChangedOptions(arguments, log);
@@ -206,7 +208,8 @@ int BspStage(const StageContext &context, Arguments arguments) {
     const auto folders = GameFolders(context.options, context.words, context.program);
     if (options.tempName.empty())
         RequireMap(source, folders);
-    const FileGuard guard = GuardFiles(source, options, context);
+    const MapFiles files = FilesOf(source, places);
+    const FileGuard guard = GuardFiles(source, files, options, context);
     if (!options.onlyEntities)
         RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
@@ -217,13 +220,13 @@ int BspStage(const StageContext &context, Arguments arguments) {
                                 .shaders = library,
                                 .log = log,
                                 .vfs = &vfs,
-                                .leakFile = Beside(source, ".lin").string()};
+                                .leakFile = files.lin.string()};
     Map map = ReadSource(source, options, bspContext);
     bool done = true;
     if (options.onlyEntities)
-        ReplaceStoredEntities(source, map, guard, bspContext, format);
+        ReplaceStoredEntities(files.bsp, map, guard, bspContext, format);
     else
-        done = CompileToFiles(source, map, file.wordsToRecord, guard, bspContext, format, context.report);
+        done = CompileToFiles(source, files, map, file.wordsToRecord, guard, bspContext, format, context.report);
     if (!options.tempName.empty())
         fs::remove(fs::absolute(options.tempName));
     return done ? 0 : 1;

@@ -34,10 +34,11 @@ LightmapFiles TakeLightmapFiles(const StageContext &context, Arguments &argument
 }
 
 /// Names the files of the light stage. Free space for the .bsp is checked later, when the size of its grid is known.
-FileGuard GuardLight(const std::filesystem::path &bspPath, const LightOptions &options, const LightmapOptions &lightmap,
+FileGuard GuardLight(const MapFiles &files, const LightOptions &options, const LightmapOptions &lightmap,
                      const StageContext &context) {
+    const std::filesystem::path &bspPath = files.bsp;
     FileGuard guard(context);
-    DeclareInputs(bspPath, options, guard);
+    DeclareInputs(files, options, guard);
     if (!options.explain.empty())
         return guard;
     guard.Writes(bspPath);
@@ -68,15 +69,15 @@ std::uint64_t EstimateGridSH(const Bsp &bsp, const LightOptions &options) {
 }
 
 /// -explain: prints the reports. The map and all files stay as they are.
-void ExplainPoints(const Bsp &bsp, const std::filesystem::path &bspPath, const LightInputs &inputs, const LightRun &run,
+void ExplainPoints(const Bsp &bsp, const MapFiles &files, const LightInputs &inputs, const LightRun &run,
                    ShaderLibrary &library, const StageContext &context) {
-    WithExplainer(bsp, bspPath, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &) {
+    WithExplainer(bsp, files, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &) {
         for (const Vec3f &p : run.options.explain) {
             context.log.Section("Explanation");
             context.log.Print("{}", ReportOf(explainer.Explain(p)));
         }
     });
-    context.log.Print("Only explained: {} stays as it is\n", bspPath.string());
+    context.log.Print("Only explained: {} stays as it is\n", files.bsp.string());
 }
 
 void PrintWorldKeys(const Entity &world, Log &log) {
@@ -89,15 +90,17 @@ void PrintWorldKeys(const Entity &world, Log &log) {
 
 int LightStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
-    const std::vector<std::string> given = arguments.Rest();
     log.Section("Light");
+    const FilePlaces places = TakeFilePlaces("-light", arguments, log);
+    const std::vector<std::string> given = arguments.Rest();
     const LightRun run = TakeLightRun(arguments, *context.options.game, log);
     const auto &[options, gridFormats, lightmap] = run;
     const StageFile file = TakeFile(context, arguments, given);
     const auto folders = GameFolders(context.options, context.words, context.program);
-    const auto bspPath = ExistingBsp(file.file, folders);
-    FileGuard guard = GuardLight(bspPath, options, lightmap, context);
-    LightInputs inputs = ReadLightInputs(bspPath, log);
+    const MapFiles files = FilesOfBsp(file.file, places, folders);
+    const std::filesystem::path &bspPath = files.bsp;
+    FileGuard guard = GuardLight(files, options, lightmap, context);
+    LightInputs inputs = ReadLightInputs(files, log);
     WarnOfLuxelSizes(given, inputs, arguments, log);
     PrintChangedOptions(arguments, log);
 
@@ -106,14 +109,14 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
-    WarnIfSourceIsNewer(bspPath, log);
+    WarnIfSourceIsNewer(files, log);
     const bool onlyExplains = !options.explain.empty();
     if (!onlyExplains) {
         WarnOfDroppedLight(bsp, options, lightmap, gridFormats, log);
         guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
     }
     inputs.vfs = &vfs;
-    inputs.texLights = ReadTexLights(bspPath, vfs, options.texLightFiles, lightmap.hdr, log);
+    inputs.texLights = ReadTexLights(files, vfs, options.texLightFiles, lightmap.hdr, log);
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();
     PrintWorldKeys(world, log);
     if (!lightmap.onlyGrid)
@@ -121,7 +124,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
 
     ShaderLibrary library = ShadersOfMap(bsp, options, vfs, *context.options.game, log);
     if (onlyExplains) {
-        ExplainPoints(bsp, bspPath, inputs, run, library, context);
+        ExplainPoints(bsp, files, inputs, run, library, context);
         return 0;
     }
     const JobPool jobs(context.options.threads);

@@ -54,7 +54,10 @@ fs::path OutputFolder(const StageContext &context, const PackOptions &options) {
         MakeFolder(folder);
         return folder;
     }
-    return BasePaths(context.options, context.words, context.program).front();
+    const std::vector<fs::path> paths = BasePaths(context.options, context.words, context.program);
+    if (paths.empty())
+        throw Error("-fs_nobasepath leaves no folder for the package; give one by -outdir or -fs_basepath");
+    return paths.front();
 }
 
 /// Guards the maps and the outputs. Maps are most of a package; a quarter of their size is assumed for it.
@@ -234,20 +237,20 @@ std::string PathInPackage(const fs::path &bspPath) {
 }
 
 /// Places of the map, explained as its light run sees them: text of maps/x.explain.json.
-std::string ExplainPlaces(Bsp bsp, const fs::path &bspPath, const LightRun &run, const VirtualFileSystem &vfs,
+std::string ExplainPlaces(Bsp bsp, const MapFiles &files, const LightRun &run, const VirtualFileSystem &vfs,
                           const SHReportOptions &options, const std::string &lightWords, const StageContext &context) {
     Log &log = context.log;
-    WarnIfSourceIsNewer(bspPath, log);
-    LightInputs inputs = ReadLightInputs(bspPath, log);
+    WarnIfSourceIsNewer(files, log);
+    LightInputs inputs = ReadLightInputs(files, log);
     RemoveMipmapHints(inputs.name, bsp); // as in the light stage: the .srf numbers surfaces without them
     inputs.vfs = &vfs;
-    inputs.texLights = ReadTexLights(bspPath, vfs, run.options.texLightFiles, run.lightmap.hdr, log);
+    inputs.texLights = ReadTexLights(files, vfs, run.options.texLightFiles, run.lightmap.hdr, log);
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
     std::string text;
-    WithExplainer(bsp, bspPath, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &jobs) {
+    WithExplainer(bsp, files, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &jobs) {
         log.Section("Explain");
         const std::vector<PlaceInFront> places = PlacesInFrontOfSurfaces(explainer, std::size_t(options.places));
-        text = ExplanationsJson(explainer, places, PathInPackage(bspPath), lightWords, jobs, log);
+        text = ExplanationsJson(explainer, places, PathInPackage(files.bsp), lightWords, jobs, log);
         log.Count(places.size(), "places explained");
     });
     return text;
@@ -265,21 +268,22 @@ int SHReportStage(const StageContext &context, Arguments arguments) {
         options.explain ? std::optional(TakeLightRun(arguments, game, log)) : std::optional<LightRun>();
     const StageFile file = TakeFile(context, arguments, given);
     const auto folders = GameFolders(context.options, context.words, context.program);
-    const auto bspPath = ExistingBsp(file.file);
+    const MapFiles files = FilesOfBsp(file.file);
+    const fs::path &bspPath = files.bsp;
     PrintChangedOptions(arguments, log);
     const auto path =
         options.output.empty() ? WithExtension(bspPath, ".html") : std::filesystem::absolute(options.output);
     FileGuard guard(context);
     guard.Needs(bspPath);
     if (run)
-        DeclareInputs(bspPath, run->options, guard);
+        DeclareInputs(files, run->options, guard);
     guard.Writes(path, SizeOfFile(bspPath) / 4); // assumed: the map is packed
     if (options.textureSize > 0 || run)
         RequireGameFiles(context.options, folders, context.words, log);
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
-    const std::string explanations = run ? ExplainPlaces(bsp, bspPath, *run, vfs, options,
+    const std::string explanations = run ? ExplainPlaces(bsp, files, *run, vfs, options,
                                                          fmt::format("{}", fmt::join(file.wordsToRecord, " ")), context)
                                          : std::string();
     const std::filesystem::path folder = GameFolderOfMap(bspPath.string());

@@ -15,10 +15,10 @@ namespace q3 {
 namespace {
 
 /// Errors: no file, with the likely reason and what to do.
-void CheckPrtExists(const std::filesystem::path &bspPath, const std::filesystem::path &prtPath) {
+void CheckPrtExists(const MapFiles &files) {
+    const std::filesystem::path &prtPath = files.prt, &leakPath = files.lin;
     if (std::filesystem::exists(prtPath))
         return;
-    const auto leakPath = Beside(bspPath, ".lin");
     if (std::filesystem::exists(leakPath))
         throw Error("{} is missing, because the map leaked: {} shows where, load it in the editor, close the leak and "
                     "compile the map again",
@@ -48,13 +48,14 @@ void RemovePrt(const std::filesystem::path &path, Log &log) {
 
 int VisStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
-    const std::vector<std::string> given = arguments.Rest();
     log.Section("Vis");
+    const FilePlaces places = TakeFilePlaces("-vis", arguments, log);
+    const std::vector<std::string> given = arguments.Rest();
     VisStageOptions options = ParseVisOptions(arguments, log);
     const StageFile file = TakeFile(context, arguments, given);
     PrintChangedOptions(arguments, log);
-    const auto bspPath = ExistingBsp(file.file);
-    const auto prtPath = Beside(bspPath, ".prt");
+    const MapFiles files = FilesOfBsp(file.file, places);
+    const std::filesystem::path &bspPath = files.bsp, &prtPath = files.prt;
 
     FileGuard guard(context);
     guard.Needs(bspPath);
@@ -63,8 +64,8 @@ int VisStage(const StageContext &context, Arguments arguments) {
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
-    CheckPrtExists(bspPath, prtPath);
-    WarnIfSourceIsNewer(bspPath, log);
+    CheckPrtExists(files);
+    WarnIfSourceIsNewer(files, log);
     log.Print("Loading {}\n", prtPath.string());
     const PortalFile portals = ReadPortalFile(prtPath);
     log.Print("{:6} portalclusters\n{:6} numportals\n{:6} numfaces\n", portals.clusters, portals.portals.size(),

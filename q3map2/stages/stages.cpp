@@ -3,6 +3,7 @@
 
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/presets.h"
+#include "q3map2/cli/stage_files.h"
 #include "q3map2/convert/convert_options.h"
 #include "q3map2/convert/preview/tone_picture.h"
 #include "q3map2/edit/scale_shift.h"
@@ -23,6 +24,13 @@ namespace q3 {
 
 namespace {
 
+/// The sections, followed by that of the options that place files of the stage.
+std::vector<SettingSection> WithFiles(std::string_view stage, std::vector<SettingSection> sections) {
+    for (SettingSection &section : Describe(FileSettings(stage)))
+        sections.push_back(std::move(section));
+    return sections;
+}
+
 /// The sections, with the section of presets in front.
 std::vector<SettingSection> WithPresets(std::vector<SettingSection> sections) {
     sections.insert(sections.begin(), PresetSection());
@@ -33,6 +41,7 @@ std::vector<SettingSection> LightSections() {
     std::vector<SettingSection> sections = WithPresets(Describe(LightOptionSettings()));
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
+    sections = WithFiles("-light", std::move(sections));
     sections.push_back(VradSection());
     // The section "Accepted without effect" comes last.
     std::stable_partition(sections.begin(), sections.end(),
@@ -59,11 +68,11 @@ std::vector<Stage> CompilingStages() {
          "or `.lin` that does not belong to them and an old `.reg` are removed; a run that fails leaves all as they "
          "were. A map that leaks gets `x.lin` in place of `x.prt`; that is a warning, and the exit status is 0. A map "
          "without an entity in the open is an error, because nothing tells its inside from its outside.",
-         BspStage, [] { return WithPresets(Describe(BspSettings())); }},
+         BspStage, [] { return WithPresets(WithFiles("-bsp", Describe(BspSettings()))); }},
         {"-vis", "-vis [options] maps/x.bsp", "Compute what can be seen from where, from maps/x.prt",
          "Reads `x.bsp` and `x.prt`, which the bsp stage wrote, and puts visibility data into `x.bsp`. "
          "[vis.md](vis.md) explains when to use what.",
-         VisStage, [] { return WithPresets(Describe(VisSettings())); }},
+         VisStage, [] { return WithPresets(WithFiles("-vis", Describe(VisSettings()))); }},
         {"-light", "-light [options] maps/x.bsp", "Light a compiled map: lightmaps, vertices and light grids", "",
          LightStage, LightSections},
         {"-convertgrid", "-convertgrid -gridformats LIST [options] maps/x.bsp",

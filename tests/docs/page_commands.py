@@ -4,7 +4,7 @@
 
 A command is an indented or fenced line that begins with q3map2. Each page starts with a fresh game folder in which
 maps/mymap.map is compiled; its commands run in their order, in the folder that the page last changed to (cd), else in
-that of the game or of the mod that they name. /games/quake3 in a page is that game; another /games/NAME that a page changes to is a copy of it.
+that of the game or of the mod that they name; mkdir is followed too. /games/quake3 in a page is that game; another /games/NAME that a page changes to is a copy of it.
 
 Commands with a word in capitals (DIR, MOD) are patterns, not for running: like all others, and like those in running
 text, they may only use options that the program has.
@@ -191,6 +191,8 @@ class Reader:
                 self.folder = Path(self.in_scratch(change.group(1)))
                 if not self.folder.exists():
                     shutil.copytree(self.ready / "baseq3", self.folder)
+            if made := re.match(r" {4}mkdir -p (\S+)$", line):
+                (self.folder / self.in_scratch(made.group(1))).mkdir(parents=True, exist_ok=True)
             found = COMMAND.match(line)
             is_command = found and (fenced or line[:1] in " \t")
             for command in [found.group(1)] if is_command else INLINE.findall(line):

@@ -96,6 +96,22 @@ TEST_F(TrapsTest, AMistypedOptionIsToldOnceWithItsValue) {
     EXPECT_TRUE(info.Printed("its value 8 is ignored")) << info.text;
 }
 
+TEST_F(TrapsTest, UnknownOptionsThatNameFilesAreErrors) {
+    folder_.Write("base/baseq3/maps/other.bsp", std::string_view("IBSP"));
+    for (const std::string words :
+         {"-outfile other.bsp", "-zork other.bsp", "-zork maps/page", "-zork a\\b", "-zork page.TGA", "-outfile x",
+          "-lumppath x", "-imagedir x", "-OUTFILE", "-outfile=x", "-zork=maps/other.srf"}) {
+        const std::string text = words + ": -light has no such option, and it seems to name a file";
+        ExpectError("-light -onlygrid " + words + " MAP", text);
+        ExpectError("-light -onlygrid MAP " + words, text);
+    }
+    ExpectError("-vis -lightmapdir x MAP", "it is an option of -light");
+    ExpectError("-info -outfile MAP", "-outfile: -info has no such option");
+    // The map of the line, numbers and names are no files.
+    for (const std::string words : {"-zork", "-zork 0.5", "-outfile 8", "-zork name", "-zork=name", "-profiled"})
+        EXPECT_TRUE(RunWell("-light -onlygrid " + words + " MAP").Printed("Unknown argument \"-")) << words;
+}
+
 TEST_F(TrapsTest, TwoMapsOnALineAreAnError) {
     folder_.Write("base/baseq3/maps/other.map", MapText());
     ExpectError("-light " + Map(".map").replace_filename("other.map").string() + " MAP", "a line is for one map");

@@ -118,6 +118,52 @@ TEST_F(BspTest, TemporarySourceIsDeleted) {
     EXPECT_FALSE(fs::exists(maps_ / "other.tmp"));
 }
 
+TEST_F(BspTest, FilesHaveThePlacesThatOptionsName) {
+    WriteMap(MapSource("room.map"));
+    RunWell("-meta " + Room(".map").string());
+    const auto beside = Compiled();
+    fs::remove(Room(".bsp")), fs::remove(Room(".prt")), fs::remove(Room(".srf"));
+    folder_.Write("out/old.lin", "old");
+    const auto out = [&](std::string_view name) { return (folder_ / "out" / name).string(); };
+    const std::string places = fmt::format("-bspfile {} -srffile {} -prtfile {} -linfile {} ", out("b.bsp"),
+                                           out("surfaces"), out("portals"), out("old.lin"));
+    const std::string words = "-meta " + places + Room(".map").string();
+    RunWell(words);
+    EXPECT_EQ((std::vector{TextOf(out("b.bsp")), TextOf(out("portals")), TextOf(out("surfaces"))}), beside);
+    EXPECT_FALSE(fs::exists(out("old.lin")));
+    for (const char *extension : {".bsp", ".srf", ".prt"})
+        EXPECT_FALSE(fs::exists(Room(extension))) << extension;
+    WriteMap("{\n\"classname\" \"worldspawn\"\n\"message\" \"new\"\n}\n", "room.ent");
+    RunWell("-onlyents -bspfile " + out("b.bsp") + " " + Room(".ent").string());
+    EXPECT_THAT(TextOf(out("b.bsp")), HasSubstr("\"message\" \"new\""));
+    WriteMap(MapSource("leak.map"));
+    EXPECT_THAT(LastLine(RunWell(words)), StartsWith("done: the map leaks (" + out("old.lin")));
+    EXPECT_TRUE(TextOf(out("old.lin")).ends_with("0.000000 0.000000 96.000000\n"));
+    EXPECT_FALSE(fs::exists(out("portals")));
+}
+
+TEST_F(BspTest, PlacesThatCannotBeMeantAreErrors) {
+    WriteMap(MapSource("room.map"));
+    const std::string map = Room(".map").string();
+    const auto expectError = [&](const std::string &words, std::string_view text) {
+        const Outcome outcome = Run("-meta " + words + " " + map);
+        EXPECT_EQ(outcome.status, 1) << outcome.text;
+        EXPECT_THAT(outcome.text, HasSubstr(text));
+    };
+    expectError("-bspfile out/room", "-bspfile out/room: expected a name that ends in .bsp");
+    expectError("-srffile " + map, map + ": two files of this run would have this name");
+    expectError("-srffile same -prtfile ./same", "same: two files of this run");
+    expectError("-bspfile nowhere/room.bsp", "the folder");
+    EXPECT_EQ(TextOf(map), MapSource("room.map"));
+    EXPECT_FALSE(fs::exists(Room(".bsp")));
+}
+
+TEST_F(BspTest, FastMetaIsMeta) {
+    WriteMap(MapSource("room.map"));
+    RunWell("-fastmeta " + Room("").string());
+    EXPECT_EQ(ReadRoom().drawSurfaces.size(), 6u);
+}
+
 TEST_F(BspTest, UnknownOptionIsAWarning) {
     WriteMap(MapSource("room.map"));
     EXPECT_TRUE(RunWell("-bsp -frobnicate " + Room("").string()).Printed("Unknown option \"-frobnicate\""));

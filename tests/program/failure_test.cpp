@@ -241,7 +241,7 @@ TEST(FileGuardTest, ANewerSourceIsFoundInAnyCase) {
     std::filesystem::last_write_time(folder / "x.bsp",
                                      std::filesystem::last_write_time(folder / "x.MAP") - std::chrono::hours(1));
     KeptLog out;
-    WarnIfSourceIsNewer(folder / "x.bsp", out.log);
+    WarnIfSourceIsNewer(FilesOf(folder / "x.bsp"), out.log);
     EXPECT_THAT(out.text, testing::HasSubstr("x.MAP is newer than x.bsp"));
 }
 

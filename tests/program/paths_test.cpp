@@ -64,6 +64,31 @@ TEST_F(PathsTest, CapitalsInTheExtension) {
     EXPECT_FALSE(fs::exists(maps_ / "X.bsp")) << "the file that is there is replaced";
 }
 
+/// The lines of build tools that keep sources and results apart.
+TEST_F(PathsTest, EveryStageTakesFilesFromTheirPlaces) {
+    folder_.Write("out/maps/.keep", "");
+    const std::string source = CopySource("apart.map").string(), bsp = (folder_ / "out/maps/built.bsp").string();
+    const std::string srf = (folder_ / "out/s.srf").string(), prt = (folder_ / "out/p.prt").string();
+    const std::string places = " -bspfile " + bsp + " ", portals = "-prtfile " + prt + " ";
+    RunWell("-bsp -meta " + portals + "-srffile " + srf + places + source);
+    EXPECT_THAT(ErrorOf("-vis" + places + source), HasSubstr((maps_ / "apart.prt").string() + " is missing"));
+    EXPECT_TRUE(RunWell("-vis -fast -saveprt " + portals + places + source).Printed("Loading " + prt));
+    EXPECT_TRUE(fs::exists(prt));
+    RunWell("-vis " + portals + places + source);
+    EXPECT_FALSE(fs::exists(prt));
+    const Outcome light = RunWell("-light -fast -external -srffile " + srf + places + source);
+    for (const std::string &file : {source, srf, bsp})
+        EXPECT_TRUE(light.Printed("Loading " + file + "\n")) << light.text;
+    EXPECT_TRUE(fs::exists(folder_ / "out/maps/built/lm_0000.tga"));
+    EXPECT_THAT(ErrorOf("-light" + places + (maps_ / "none.map").string()), HasSubstr("none.map does not exist"));
+    EXPECT_THAT(ErrorOf("-light -bspfile " + bsp + "x.bsp " + source), HasSubstr("built.bspx.bsp does not exist"));
+    for (const char *extension : {".bsp", ".srf", ".prt"})
+        EXPECT_FALSE(fs::exists(maps_ / ("apart" + std::string(extension)))) << extension;
+    const std::string built = folder_.ReadBack("out/maps/built.bsp");
+    EXPECT_THAT(built, HasSubstr("-bsp -meta; -vis -fast -saveprt; -vis; -light -fast -external\""));
+    EXPECT_EQ(built.find(folder_.Root().string()), built.npos) << "bytes depend on the folder";
+}
+
 TEST_F(PathsTest, WhatMayHaveBeenMeantIsProposed) {
     const std::string map = Map(".map").string(), bsp = Map(".bsp").string();
     const auto wrong = [&](std::string_view name) { return (maps_ / name).string(); };

@@ -299,42 +299,44 @@ Group Intensities() {
         o.shader.backsplashScale *= float(v.numbers[0]);
         o.shader.backsplashDistance = float(v.numbers[1]);
     };
-    return {"Light intensities",
-            "Each factor multiplies, and multiplies again when it is repeated.",
-            {Factor("-scale", "", "1", "Factor of all lights",
-                    [](LightOptions &o, float f) {
-                        o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f;
-                    }),
-             Factor("-point", "-pointscale", "1 (times 7500)", "Factor of point lights and spotlights",
-                    [](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f; }),
-             Factor("-spherical", "-sphericalscale", "1 (times 7500)", "Factor of point lights only",
-                    [](LightOptions &o, float f) { o.pointScale *= f; }),
-             Factor("-spot", "-spotscale", "1 (times 7500)", "Factor of spotlights only",
-                    [](LightOptions &o, float f) { o.spotScale *= f; }),
-             Factor("-area", "-areascale", "1 (times 0.25)", "Factor of surface lights (q3map_surfaceLight)",
-                    [](LightOptions &o, float f) { o.areaScale *= f; }),
-             Factor("-sky", "-skyscale", "1", "Factor of suns and sky light",
-                    [](LightOptions &o, float f) { o.skyScale *= f; }),
-             Factor("-gridscale", "", "by game, usually 1",
-                    "Factor of both light grids; a product of 0 or less counts as 1",
-                    [](LightOptions &o, float f) { o.gridScale *= f; }),
-             Factor("-gridambientscale", "", "by game, usually 1", "Factor of the ambient part of the legacy grid",
-                    [](LightOptions &o, float f) { o.gridAmbientScale *= f; }),
-             {{.name = "-backsplash",
-               .values = "F DIST",
-               .kind = SettingKind::Number,
-               .initial = "1 23",
-               .help = "Light that surface lights throw back on their own wall: factor, distance in game units",
-               .details = "The factor is of the default 5 %. A distance under −900 keeps the default. A shader's "
-                          "`q3map_backsplash` wins."},
-              Do<LightOptions>(backsplash)},
-             {{.name = "-lights",
-               .values = "FILE.rad",
-               .initial = "none",
-               .help = "Read one more file of texlights, between lights.rad and that of the map",
-               .details = "A path, or else a name among the game's files. Such files say what light the textures of "
-                          "Source emit: [from_source.md](from_source.md#texlights)."},
-              &LightOptions::texLightFiles}}};
+    return {
+        "Light intensities",
+        "Each factor multiplies, and multiplies again when it is repeated.",
+        {Factor(
+             "-scale", "", "1", "Factor of all lights",
+             [](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f; }),
+         Factor("-point", "-pointscale", "1 (times 7500)", "Factor of point lights and spotlights",
+                [](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f; }),
+         Factor("-spherical", "-sphericalscale", "1 (times 7500)", "Factor of point lights only",
+                [](LightOptions &o, float f) { o.pointScale *= f; }),
+         Factor("-spot", "-spotscale", "1 (times 7500)", "Factor of spotlights only",
+                [](LightOptions &o, float f) { o.spotScale *= f; }),
+         Factor("-area", "-areascale", "1 (times 0.25)", "Factor of surface lights (q3map_surfaceLight)",
+                [](LightOptions &o, float f) { o.areaScale *= f; }),
+         Factor("-sky", "-skyscale", "1", "Factor of suns and sky light",
+                [](LightOptions &o, float f) { o.skyScale *= f; }),
+         Factor("-gridscale", "", "by game, usually 1",
+                "Factor of both light grids; a product of 0 or less counts as 1",
+                [](LightOptions &o, float f) { o.gridScale *= f; }),
+         Factor("-gridambientscale", "", "by game, usually 1", "Factor of the ambient part of the legacy grid",
+                [](LightOptions &o, float f) { o.gridAmbientScale *= f; }),
+         {{.name = "-backsplash",
+           .values = "F DIST",
+           .kind = SettingKind::Number,
+           .initial = "1 23",
+           .help = "Light that surface lights throw back on their own wall: factor, distance in game units",
+           .details = "The factor is of the default 5 %. A distance under −900 keeps the default. A shader's "
+                      "`q3map_backsplash` wins."},
+          Do<LightOptions>(backsplash)},
+         Factor("-backsplasharea", "", "1", "Factor as the first of -backsplash, which leaves the distance as it is",
+                [](LightOptions &o, float f) { o.shader.backsplashScale *= f; }),
+         {{.name = "-lights",
+           .values = "FILE.rad",
+           .initial = "none",
+           .help = "Read one more file of texlights, between lights.rad and that of the map",
+           .details = "A path, or else a name among the game's files. Such files say what light the textures of "
+                      "Source emit: [from_source.md](from_source.md#texlights)."},
+          &LightOptions::texLightFiles}}};
 }
 
 Group Falloff() {

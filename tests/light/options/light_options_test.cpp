@@ -48,6 +48,22 @@ TEST_F(OptionsTest, GridScaleMultipliesEverything) {
     EXPECT_GT(open, 400);
 }
 
+TEST_F(OptionsTest, BacksplashAreaIsTheFactorAlone) {
+    SceneBuilder scene = Room();
+    scene.SetWallShader(BoxFace::MinusX, TestShader("textures/vec/lite"));
+    const auto sum = [&](std::string_view options) {
+        const GridView grid = LitGrid(scene, options);
+        double light = 0;
+        for (std::size_t i = 0; i < grid.Count(); i++)
+            light += Largest(grid.At(i));
+        return light;
+    };
+    const double none = sum("-backsplasharea 0"), usual = sum(""), sixfold = sum("-backsplasharea 3 -backsplasharea 2");
+    EXPECT_GT(usual, none);
+    EXPECT_NEAR(sixfold, sum("-backsplash 6 -999"), kExact * sixfold); // the distance of the default
+    EXPECT_EQ(sum("-backsplash 6 64"), sum("-backsplasharea 6 -backsplash 1 64"));
+}
+
 TEST_F(OptionsTest, RadianceIsTheFormWithoutTheCosine) {
     SceneBuilder scene = MixedScene();
     scene.SetWorldKey("_ambient", "7");
