@@ -27,7 +27,7 @@ int RankAt(std::string_view text, std::size_t at) {
 }
 
 /// The number that begins at `at`, without leading zeros; `at` moves behind it.
-std::string_view TakeNumber(std::string_view text, std::size_t &at) {
+std::string_view TakeDigits(std::string_view text, std::size_t &at) {
     while (at < text.size() && text[at] == '0')
         ++at;
     const std::size_t begin = at;
@@ -60,7 +60,7 @@ int CompareVersions(std::string_view a, std::string_view b) {
                 return difference;
             ++i, ++k;
         }
-        const std::string_view numberA = TakeNumber(a, i), numberB = TakeNumber(b, k);
+        const std::string_view numberA = TakeDigits(a, i), numberB = TakeDigits(b, k);
         if (numberA.size() != numberB.size())
             return numberA.size() < numberB.size() ? -1 : 1;
         if (const int difference = numberA.compare(numberB); difference != 0)

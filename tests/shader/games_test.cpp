@@ -73,6 +73,9 @@ TEST(Games, PathsAndContainer) {
     EXPECT_EQ(FindGame("quake3")->homeDir, ".q3a");
     EXPECT_EQ(FindGame("quake3")->bspVersion, 46);
     EXPECT_EQ(FindGame("unvanquished")->archiveExtension, "dpk");
+    EXPECT_TRUE(FindGame("unvanquished")->imageFiles.starts_with("*.webp *.png *.tga"));
+    EXPECT_TRUE(FindGame("xonotic")->imageFiles.starts_with("*.tga *.png *.jpg dds/*.dds"));
+    EXPECT_EQ(FindGame("quake3")->imageFiles, "*.tga *.png *.jpg *.dds *.ktx *.crn *.webp");
     EXPECT_EQ(FindGame("reaction")->gameDir, "Boomstick");
     std::set<std::string_view> newer;
     for (const Game &game : Games())
