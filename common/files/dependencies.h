@@ -10,7 +10,8 @@ namespace q3 {
 
 class Log;
 
-/// Name of the file at the root of a package.
+/// Extensions of packages as archives and as folders, and the file at their root.
+inline constexpr std::string_view kPackageExtension = ".dpk", kPackageFolderExtension = ".dpkdir";
 inline constexpr std::string_view kDependencyFile = "DEPS";
 
 struct PackageName {

@@ -176,7 +176,8 @@ std::size_t VirtualFileSystem::State::FindPackage(const PackageName &wanted) con
     std::string newest;
     for (std::size_t i = 0; i < mounted.size(); ++i) {
         const fs::path name = LastPart(mounted[i].path);
-        if (!name.has_extension())
+        const std::string_view extension = mounted[i].archive ? kPackageExtension : kPackageFolderExtension;
+        if (!EqualNoCase(name.extension().string(), extension))
             continue;
         PackageName package = ParsePackageName(name.stem().string());
         const bool isCandidate =

@@ -150,15 +150,13 @@ std::filesystem::path GameFolderOfMap(const std::string &map) {
 
 namespace {
 
-constexpr std::string_view kPackageExtension = "dpk"; ///< of archives that may name others which they need
-
 /// Packages as folders that maps named on the command line are in, the first last.
 std::vector<std::filesystem::path> PackagesOfMaps(const std::vector<std::string> &words) {
     std::vector<std::filesystem::path> packages;
     for (const std::string &word : words) {
         std::filesystem::path folder = GameFolderOfMap(word);
         std::error_code absent;
-        const bool isPackage = EqualNoCase(folder.extension().string(), ".dpkdir") ||
+        const bool isPackage = EqualNoCase(folder.extension().string(), kPackageFolderExtension) ||
                                std::filesystem::is_regular_file(folder / kDependencyFile, absent);
         if (!folder.empty() && isPackage && std::ranges::find(packages, folder) == packages.end())
             packages.insert(packages.begin(), std::move(folder));
@@ -174,7 +172,7 @@ VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<
     vfs.SetForbidden(options.forbidden);
     for (const std::filesystem::path &folder : folders)
         vfs.Mount(folder, options.game->archiveExtension);
-    if (options.game->archiveExtension == kPackageExtension)
+    if (options.game->archiveExtension == kPackageExtension.substr(1))
         for (const std::filesystem::path &package : PackagesOfMaps(words))
             vfs.PreferDependencies(package);
     return vfs;

@@ -82,6 +82,7 @@ struct ShaderLibrary::State {
     }
     std::optional<ImageBytes> FindBytes(const std::string &name) const;
     std::string FileOfImage(const std::string &name) const;
+    void WarnIfOpenExr(const std::string &image) const;
     void AddJpegAlpha(const std::string &name, Image &image) const;
     const std::shared_ptr<const Image> &CachedImage(std::string_view name);
     std::shared_ptr<const Image> LightImageOf(const ParsedShader &shader);
@@ -228,13 +229,18 @@ std::optional<ShaderLibrary::State::ImageBytes> ShaderLibrary::State::FindBytes(
     return std::nullopt;
 }
 
+/// To be called for an image that no other file has.
+void ShaderLibrary::State::WarnIfOpenExr(const std::string &image) const {
+    if (const std::string file = image + ".exr"; vfs.Exists(file))
+        log.Warn("OpenEXR image",
+                 "{}: files of the game in this format are not opened; save it as .tga or .png beside it", file);
+}
+
 /// Decodes the first existing file; null: none. Error: it is damaged.
 std::shared_ptr<const Image> ShaderLibrary::State::FindImage(const std::string &name) const {
     const auto found = FindBytes(name);
     if (!found) {
-        if (const std::string exr = name + ".exr"; vfs.Exists(exr))
-            log.Warn("OpenEXR image",
-                     "{}: files of the game in this format are not opened; save it as .tga or .png beside it", exr);
+        WarnIfOpenExr(name);
         return nullptr;
     }
     Image image = FindImageFormat(found->name)->decode(found->bytes, found->name);
@@ -347,12 +353,17 @@ void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
     std::array<int, 2> size{kDefaultImageSize, kDefaultImageSize};
     if ((shader.info.compileFlags & C_NODRAW) == 0 && shader.info.name != kNoShader) {
         bool found = false;
-        for (const std::string &name : {shader.editorImage, shader.info.name, shader.implicitImage, shader.lightImage})
-            if (!found && !name.empty())
-                if (const auto known = ImageSize(name)) {
-                    size = *known;
-                    found = true;
-                }
+        for (const std::string &name :
+             {shader.editorImage, shader.info.name, shader.implicitImage, shader.lightImage}) {
+            if (found || name.empty())
+                continue;
+            if (const auto known = ImageSize(name)) {
+                size = *known;
+                found = true;
+            } else {
+                WarnIfOpenExr(name);
+            }
+        }
         const bool named = !shader.editorImage.empty() || !shader.implicitImage.empty() || !shader.lightImage.empty();
         if (!found && (named || !shader.builtInImage)) // built-in images have no file
             log.Warn("image not found", "shader {}: couldn't find image", shader.info.name);

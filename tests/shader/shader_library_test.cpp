@@ -264,6 +264,10 @@ TEST_F(ShaderImages, OpenExrIsNeverOpened) {
     EXPECT_EQ(Warnings("damaged image"), 0);
     EXPECT_THAT(out.text, HasSubstr("loose.exr: files of the game in this format are not opened; save it as"));
     EXPECT_EQ(FindImageFormat("a.exr"), nullptr);
+    options.imageSizes = true;
+    Load();
+    EXPECT_EQ(library->Get("textures/packed").geometry.textureWidth, 64);
+    EXPECT_EQ(Warnings("OpenEXR image"), 3);
 }
 
 TEST_F(ShaderImages, BuiltInDefaultIsWhite) {
