@@ -137,10 +137,10 @@ class Planner {
     /// File names of an image in order of preference: with -png the .png comes first, otherwise it is left out.
     std::vector<std::string> ImageFiles(const std::string &image) const {
         std::vector<std::string> names;
-        for (const ImageFormat &format : ImageFormats()) {
-            const bool isPng = format.extension == kPng;
+        for (std::string &name : ImageFileNames(image, rules_.imageFiles)) {
+            const bool isPng = name.ends_with(kPng);
             if (!isPng || rules_.png)
-                names.insert(isPng ? names.begin() : names.end(), image + std::string(format.extension));
+                names.insert(isPng ? names.begin() : names.end(), std::move(name));
         }
         return names;
     }
@@ -154,7 +154,7 @@ class Planner {
             hint += std::string(i == 0                 ? ""
                                 : i + 1 < names.size() ? ", "
                                                        : " or ") +
-                    names[i].substr(image.name.size());
+                    (names[i].starts_with(image.name) ? names[i].substr(image.name.size()) : names[i]);
         const bool isPngOnly = !rules_.png && source_.Find(image.name + std::string(kPng)) != Whereabouts::Nowhere;
         TakeFirst(names, image, hint + (isPngOnly ? "; there is a .png, which -png packs)" : ")"));
     }

@@ -54,6 +54,7 @@ class PackagePlan {
 /// How needs become files.
 struct PlanRules {
     const Exclusions &exclusions;
+    std::string_view imageFiles; ///< Game::imageFiles
     bool png = false;
     bool wholeScripts = true; ///< else shaders are listed in PackagePlan::strippedShaders
     bool list = false;        ///< print what was collected

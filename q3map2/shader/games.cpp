@@ -70,14 +70,19 @@ Game QuakeLive() {
     return game;
 }
 
+/// Of DarkPlaces, which takes compressed textures from a folder of their own.
+constexpr std::string_view kDarkPlacesImages = "*.tga *.png *.jpg dds/*.dds *.dds *.ktx *.crn *.webp";
+
 Game Nexuiz() {
     Game game = MakeGame("nexuiz", "data", ".nexuiz", "nexuiz", BaseParms());
+    game.imageFiles = kDarkPlacesImages;
     game.noStyles = game.keepLights = true;
     return SetLimits(game, 999, 999, 6000);
 }
 
 Game Xonotic() {
     Game game = MakeGame("xonotic", "data", ".xonotic", "xonotic", BaseParms());
+    game.imageFiles = kDarkPlacesImages;
     game.sRgbLightmap = game.sRgbTexture = game.sRgbColor = true;
     game.noStyles = game.keepLights = game.patchShadows = true;
     return SetLimits(game, kLargeSurface, kLargeSurface, kLargeSurface);
@@ -86,6 +91,7 @@ Game Xonotic() {
 Game Unvanquished() {
     Game game = MakeGame("unvanquished", "pkg", ".local/share/unvanquished", "unvanquished", TremulousParms());
     game.archiveExtension = "dpk";
+    game.imageFiles = "*.webp *.png *.tga *.jpg *.dds dds/*.dds *.crn *.ktx"; // as the engine does
     game.keepLights = true;
     return SetLimits(game, kLargeSurface, kLargeSurface, kLargeSurface);
 }

@@ -18,6 +18,8 @@ struct Game {
     std::string_view magic;            ///< word that marks the engine path in a file name
     std::string_view shaderDir = "scripts";
     std::string_view archiveExtension = "pk3";
+    /// Files in which an image is looked for, the first counts; * is its name.
+    std::string_view imageFiles = "*.tga *.png *.jpg *.dds *.ktx *.crn *.webp";
     std::string_view bspIdent = "IBSP"; ///< BspFormat::ident
     int bspVersion = 46;
     bool hasAdvertisements = false; ///< the file has a lump of advertisements, in slot 17

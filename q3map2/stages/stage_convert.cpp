@@ -277,7 +277,7 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     guard.Needs(input);
     guard.Writes(PathOfOutput(input, format.kind, format.name), SizeOfFile(input));
     RequireGameFiles(context.options, folders, context.words, log);
-    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     const BspOptions compile = CompileOptions(context, options);
     ShaderLibrary library(vfs, *context.options.game, {.sRgbColor = compile.sRgbColor, .imageSizes = true}, log);
     const BspContext bspContext{

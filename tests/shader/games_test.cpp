@@ -72,6 +72,9 @@ TEST(Games, PathsAndContainer) {
     EXPECT_EQ(FindGame("quake3")->homeDir, ".q3a");
     EXPECT_EQ(FindGame("quake3")->bspVersion, 46);
     EXPECT_EQ(FindGame("unvanquished")->archiveExtension, "dpk");
+    EXPECT_TRUE(FindGame("unvanquished")->imageFiles.starts_with("*.webp *.png *.tga"));
+    EXPECT_TRUE(FindGame("xonotic")->imageFiles.starts_with("*.tga *.png *.jpg dds/*.dds"));
+    EXPECT_EQ(FindGame("quake3")->imageFiles, "*.tga *.png *.jpg *.dds *.ktx *.crn *.webp");
     EXPECT_EQ(FindGame("reaction")->gameDir, "Boomstick");
     std::set<std::string_view> newer;
     for (const Game &game : Games())
@@ -123,7 +126,7 @@ TEST(Games, LightDefaults) {
     EXPECT_FLOAT_EQ(FindGame("prophecy")->gridScale, 0.4f);
     EXPECT_FLOAT_EQ(FindGame("prophecy")->gridAmbientScale, 0.6f);
     const Game &qfusion = *FindGame("qfusion");
-    EXPECT_TRUE(qfusion.halfLambert && qfusion.noStyles && qfusion.keepLights && qfusion.deluxe && !qfusion.flares);
+    EXPECT_TRUE(qfusion.halfLambert && !qfusion.noStyles && qfusion.keepLights && qfusion.deluxe && !qfusion.flares);
     EXPECT_EQ(qfusion.lightmapSize, 512);
     EXPECT_TRUE(FindGame("sof2")->flares && !FindGame("sof2")->keepLights && !FindGame("sof2")->noStyles);
     EXPECT_EQ(FindGame("sof2")->flareShader, "gfx/misc/lens_flare");
