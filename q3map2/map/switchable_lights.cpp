@@ -19,7 +19,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kStyles = kFirstSwitchStyle + kSwitchStyles;
+constexpr int kEngineStyles = kFirstSwitchStyle + kSwitchStyles;
 constexpr std::string_view kSwitchedStyle = "switch_style"; ///< key: style of the light while it is on
 
 /// Targetname and own style.
@@ -59,9 +59,9 @@ void NumberSwitchableLights(Map &map) {
         if (!IsLight(entity.pairs))
             continue;
         RestoreLightStyle(entity.pairs); // entities may come from a .bsp
-        if (const int own = StyleInFile(entity.pairs); own >= kStyles)
+        if (const int own = StyleInFile(entity.pairs); own >= kEngineStyles)
             throw Error("{}: light style {}, expected 0 to {}: engines of this game have no others",
-                        entity.MessagePrefix(), own, kStyles - 1);
+                        entity.MessagePrefix(), own, kEngineStyles - 1);
         if (!IsSwitchableLight(entity.pairs))
             continue;
         const SwitchGroup group{keys::kTargetName.Text(entity.pairs), keys::kStyle.Integer(entity.pairs)};
@@ -86,7 +86,7 @@ void NumberSwitchableLights(Map &map) {
 
 void RestoreLightStyle(Entity &entity) {
     const int style = StyleInFile(entity);
-    if (!IsSwitchableLight(entity) || style < kFirstSwitchStyle || style >= kStyles)
+    if (!IsSwitchableLight(entity) || style < kFirstSwitchStyle || style >= kEngineStyles)
         return;
     const std::string own(entity.Value(kSwitchedStyle));
     entity.Erase(kSwitchedStyle);

@@ -186,6 +186,9 @@ void ReplaceStoredEntities(const fs::path &path, Map &map, const FileGuard &guar
                            const BspFormat &format) {
     RequireMap(path);
     Bsp bsp = ReadBspFile(path, format, context.log);
+    if (bsp.ident != format.ident)
+        throw Error("{}: a map of the format {}, but the game has {}: give the game that it is for with -game",
+                    path.string(), bsp.ident, format.ident);
     ReplaceEntities(bsp, map, context);
     guard.CheckUnchanged();
     const BotCheck bots(path, context.log);

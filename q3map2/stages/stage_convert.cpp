@@ -7,6 +7,7 @@
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/convert/bsp_info.h"
 #include "q3map2/convert/convert_options.h"
+#include "q3map2/convert/game/format_change.h"
 #include "q3map2/convert/game/game_flags.h"
 #include "q3map2/convert/json/convert_json.h"
 #include "q3map2/convert/mesh/mesh_export.h"
@@ -36,14 +37,13 @@ int JsonStage(const StageContext &context, Arguments arguments) {
     const std::string file = TakeFile(context, arguments, {}).file;
     const auto bspPath = options.pack ? MapPath(file, ".bsp") : ExistingBsp(file);
     const auto folder = WithExtension(bspPath, "");
-    const BspFormat format = context.options.Format();
     const Game &game = *context.options.game;
     if (!options.pack) {
         log.Section("Unpack to JSON");
         FileGuard guard(context);
         guard.Needs(bspPath);
         guard.WritesInto(folder, SizeOfFile(bspPath) * 2); // assumed: JSON text has twice the bytes
-        UnpackJson(ReadBspFile(bspPath, format, log), game, folder, log);
+        UnpackJson(ReadBspFile(bspPath, context.options.Format(), log), game, folder, log);
         return 0;
     }
     log.Section("Pack from JSON");
@@ -52,7 +52,7 @@ int JsonStage(const StageContext &context, Arguments arguments) {
     FileGuard(context).Writes(packed, SizeOfFile(bspPath));
     const Bsp bsp = PackJson(folder, game,
                              {.useFlagNames = options.useFlagNames, .dropUnknownFlags = options.dropUnknownFlags}, log);
-    WriteBspFile(packed, bsp, format, log);
+    WriteBspFile(packed, bsp, FormatOfMap(bsp, folder, context.options), log);
     WarnOfEngineMemory(packed, bsp, game, log);
     return 0;
 }
@@ -155,7 +155,11 @@ void WriteModel(MeshWriter write, std::string_view extension, const ConvertJob &
 void WriteForGame(const ConvertJob &job) {
     const Game &game = *FindGame(job.options.format);
     Bsp bsp = InputBsp(job);
+    if (bsp.ident != job.context.game.bspIdent)
+        throw Error("{}: a map of the format {}: give the game that it is for with -game", job.input.string(),
+                    bsp.ident);
     ConvertToGame(bsp, job.context.game, game, job.context.log);
+    ChangeFormat(bsp, game.bspIdent, job.context.log);
     const fs::path output = PathOfOutput(job.input, FormatKind::Game, {});
     const BspFormat format{
         .version = game.bspVersion, .advertisements = game.hasAdvertisements, .ident = game.bspIdent};
@@ -315,8 +319,8 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
     if (HasPlace(formats, GridPlace::RawFile))
         guard.WritesInto(WithExtension(output, ""));
     log.Print("Loading {}\n", input.string());
-    const BspFormat format = context.options.Format();
-    Bsp bsp = ReadBspFile(input, format, log);
+    Bsp bsp = ReadBspFile(input, context.options.Format(), log);
+    const BspFormat format = FormatOfMap(bsp, input, context.options);
     std::vector<GridFile> files;
     try {
         GridStoring storing{.ambientFactor = double(options.ambientFactor)};

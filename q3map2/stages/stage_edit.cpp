@@ -43,7 +43,7 @@ void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp 
     guard.CheckUnchanged();
     RecordCommand(bsp, context.stage.word, source.string(), recorded);
     const BotCheck bots(path, context.log);
-    WriteBspFile(path, bsp, context.options.Format(), context.log);
+    WriteBspFile(path, bsp, FormatOfMap(bsp, source, context.options), context.log);
     WarnOfEngineMemory(path, bsp, *context.options.game, context.log);
     bots.Report(BotCheck::OtherGeometry, BotCheck::OnlyWarn);
 }

@@ -93,7 +93,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Section("Light");
     const FilePlaces places = TakeFilePlaces("-light", arguments, log);
     const std::vector<std::string> given = arguments.Rest();
-    const LightRun run = TakeLightRun(arguments, *context.options.game, log);
+    LightRun run = TakeLightRun(arguments, *context.options.game, log);
     const auto &[options, gridFormats, lightmap] = run;
     const StageFile file = TakeFile(context, arguments, given);
     const auto folders = GameFolders(context.options, context.words, context.program);
@@ -109,6 +109,9 @@ int LightStage(const StageContext &context, Arguments arguments) {
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
+    RequireFormatOfGame(bsp, bspPath, context.options);
+    if (format.HasStyleSlots())
+        run.lightmap.UsePageSize(bsp.lightmapSide);
     WarnIfSourceIsNewer(files, log);
     const bool onlyExplains = !options.explain.empty();
     if (!onlyExplains) {
@@ -161,6 +164,15 @@ int LightStage(const StageContext &context, Arguments arguments) {
     return 0;
 }
 
+namespace {
+
+/// Side of the lightmap pages in the lump. IBSP files do not say it, so the game does.
+int PageSizeOf(const Bsp &bsp, const Game &game) {
+    return bsp.ident == game.bspIdent && bsp.ident == kIbspIdent ? game.lightmapSize : bsp.lightmapSide;
+}
+
+} // namespace
+
 int ExportStage(const StageContext &context, Arguments arguments) {
     const ExportOptions options = ParseExportOptions(arguments, context.log);
     const LightmapFiles files = TakeLightmapFiles(context, arguments);
@@ -168,7 +180,7 @@ int ExportStage(const StageContext &context, Arguments arguments) {
     guard.Needs(files.bsp);
     guard.WritesInto(files.folder, SizeOfFile(files.bsp) / 4); // assumed: lightmaps are a quarter of a lit map
     const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
-    ExportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
+    ExportLightmaps(bsp, PageSizeOf(bsp, *context.options.game), files.folder, context.log, options);
     return 0;
 }
 
@@ -178,9 +190,9 @@ int ImportStage(const StageContext &context, Arguments arguments) {
     FileGuard guard(context);
     guard.Needs(files.bsp);
     guard.Writes(files.bsp, SizeOfFile(files.bsp));
-    const BspFormat format = context.options.Format();
-    Bsp bsp = ReadBspFile(files.bsp, format, context.log);
-    ImportLightmaps(bsp, context.options.game->lightmapSize, files.folder, context.log, options);
+    Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
+    const BspFormat format = FormatOfMap(bsp, files.bsp, context.options);
+    ImportLightmaps(bsp, PageSizeOf(bsp, *context.options.game), files.folder, context.log, options);
     guard.CheckUnchanged();
     const BotCheck bots(files.bsp, context.log);
     WriteBspFile(files.bsp, bsp, format, context.log);

@@ -62,8 +62,8 @@ int VisStage(const StageContext &context, Arguments arguments) {
     guard.Reads(prtPath);
     guard.Writes(bspPath, SizeOfFile(bspPath));
     log.Print("Loading {}\n", bspPath.string());
-    const BspFormat format = context.options.Format();
-    Bsp bsp = ReadBspFile(bspPath, format, log);
+    Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
+    const BspFormat format = FormatOfMap(bsp, bspPath, context.options);
     CheckPrtExists(files);
     WarnIfSourceIsNewer(files, log);
     log.Print("Loading {}\n", prtPath.string());

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. What is checked after a map was written: bot files beside it, and the memory of engines.
+// GPL-2.0-or-later. What stages that write a map check: the format for it, bot files beside it, the memory of engines.
 #include "q3map2/stages/written_map.h"
 
 #include "common/error.h"
@@ -11,6 +11,37 @@
 #include <algorithm>
 
 namespace q3 {
+
+// ---- The format of a map, and of the game ----
+
+namespace {
+
+/// Values of -game whose files have this format: "sof2, jk2, ja".
+std::string GamesWith(std::string_view ident) {
+    std::string names;
+    for (const Game &game : Games())
+        if (game.bspIdent == ident)
+            names += fmt::format("{}{}", names.empty() ? "" : ", ", game.name);
+    return names;
+}
+
+} // namespace
+
+BspFormat FormatOfMap(const Bsp &bsp, const std::filesystem::path &path, const GlobalOptions &options) {
+    if (!options.games.empty())
+        RequireFormatOfGame(bsp, path, options);
+    BspFormat format = options.Format();
+    if (bsp.ident != format.ident)
+        format = {.version = 1, .force = options.force, .ident = bsp.ident};
+    return format;
+}
+
+void RequireFormatOfGame(const Bsp &bsp, const std::filesystem::path &path, const GlobalOptions &options) {
+    const Game &game = *options.game;
+    if (bsp.ident != game.bspIdent)
+        throw Error("{}: a map of the format {}, but those of -game {} are {}: give -game with one of {}", path.string(),
+                    bsp.ident, game.name, game.bspIdent, GamesWith(bsp.ident));
+}
 
 // ---- Whether bot files still fit a map after it was written ----
 

@@ -1,8 +1,9 @@
-// GPL-2.0-or-later. What is checked after a map was written: bot files beside it, and the memory of engines.
+// GPL-2.0-or-later. What stages that write a map check: the format for it, bot files beside it, the memory of engines.
 #pragma once
 
 #include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
+#include "q3map2/cli/global_options.h"
 #include "q3map2/edit/bot_files.h"
 #include "q3map2/shader/games.h"
 
@@ -13,6 +14,12 @@
 #include <vector>
 
 namespace q3 {
+
+/// The format of a map that was read, to write it in. Errors: -game was given, and files of that game have another
+/// format.
+BspFormat FormatOfMap(const Bsp &bsp, const std::filesystem::path &path, const GlobalOptions &options);
+/// For stages that follow rules of the game. Errors: files of the game have another format than the map.
+void RequireFormatOfGame(const Bsp &bsp, const std::filesystem::path &path, const GlobalOptions &options);
 
 /// Reads the bot navigation files beside a map before a stage writes it, and reports afterwards which no longer fit.
 class BotCheck {

@@ -128,7 +128,7 @@ void ConvertToGame(Bsp &bsp, const Game &from, const Game &to, Log &log) {
     for (const FlagTranslator *translator : {&surface, &content})
         for (const std::string &name : translator->Lost())
             log.Warn("surfaceparm of another game", "{} has no {}, which the map uses: it is dropped", to.name, name);
-    if (from.lightmapSize != to.lightmapSize && !bsp.lightmaps.empty())
+    if (from.bspIdent == to.bspIdent && from.lightmapSize != to.lightmapSize && !bsp.lightmaps.empty())
         log.Warn("lightmaps of another size", "{} has lightmap pages of {} texels, {} of {}: light the map again",
                  to.name, to.lightmapSize, from.name, from.lightmapSize);
 }

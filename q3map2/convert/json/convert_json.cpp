@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/files/files.h"
 #include "q3map2/bspfile/bsp_validate.h"
+#include "q3map2/bspfile/bspfile_rbsp.h"
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/convert/json/convert_json_archive.h"
 #include "q3map2/convert/json/convert_json_bspx.h"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <system_error>
+#include <type_traits>
 #include <unordered_set>
 
 namespace q3 {
@@ -29,8 +31,15 @@ class Unpacker {
         : bsp_(bsp), game_(game), folder_(folder), log_(log) {}
 
     void Run() {
-        ForEachJsonFile(bsp_, [this](std::string_view file, std::string_view prefix, const auto &records) {
-            WriteRecords(file, prefix, records);
+        const bool hasStyles = bsp_.ident != kIbspIdent;
+        ForEachJsonFile(bsp_, [&](std::string_view file, std::string_view prefix, const auto &records) {
+            if constexpr (std::is_same_v<decltype(records), const std::vector<bspGridPoint_t> &>)
+                WriteRecords(file, prefix, hasStyles ? records : WithColorsInAllSlots(records));
+            else
+                WriteRecords(file, prefix, records);
+        });
+        WriteIf(hasStyles, kJsonFormat, [this] {
+            WriteRecords(kJsonFormat, "format", std::vector<JsonFormat>{{std::string(bsp_.ident), bsp_.lightmapSide}});
         });
         WriteEntities();
         WriteIf(!bsp_.advertisements.empty(), kJsonAdvertisements,
@@ -45,6 +54,15 @@ class Unpacker {
     }
 
   private:
+    /// As the established program writes points of IBSP maps.
+    static std::vector<bspGridPoint_t> WithColorsInAllSlots(std::vector<bspGridPoint_t> points) {
+        for (bspGridPoint_t &point : points) {
+            point.ambient.fill(point.ambient[0]);
+            point.directed.fill(point.directed[0]);
+        }
+        return points;
+    }
+
     fs::path Announce(std::string_view file) const {
         const fs::path path = folder_ / file;
         log_.Print("writing {}\n", path.string());
@@ -141,6 +159,7 @@ class Packer {
             ReadRecords(folder_ / file, records);
         });
         ReadEntities();
+        ReadFormat();
         if (Exists(kJsonAdvertisements))
             ReadRecords(folder_ / kJsonAdvertisements, bsp_.advertisements);
         if (Exists(kUniformGrid.file))
@@ -176,6 +195,27 @@ class Packer {
         bsp_.entities = FormatEntities(entities);
         if (Exists(kJsonEntityText))
             ReadEntityText(entities);
+    }
+
+    void ReadFormat() {
+        const auto setFormat = [this](std::string_view ident) {
+            bsp_.ident = ident;
+            bsp_.lightmapSide = ident == kFbspIdent ? FbspLightmapSide(StoredWorld(bsp_.entities)) : kLightmapSide;
+        };
+        setFormat(rules_.game.bspIdent);
+        if (!Exists(kJsonFormat))
+            return;
+        ReadJsonRecords(folder_ / kJsonFormat, "", [&](const JsonRecord &source) {
+            JsonFormat format;
+            ReadRecord(source, format);
+            constexpr std::array kIdents{kRbspIdent, kFbspIdent};
+            const auto ident = std::ranges::find(kIdents, format.ident);
+            if (ident == kIdents.end())
+                source.Fail("ident: expected RBSP or FBSP");
+            setFormat(*ident);
+            if (format.lightmapSide != bsp_.lightmapSide)
+                source.Fail(fmt::format("lightmapSide: expected {}, which entities.json gives", bsp_.lightmapSide));
+        });
     }
 
     // Users edit entities.json, so the text is used only if it parses to the same pairs.

@@ -36,6 +36,7 @@ inline constexpr std::string_view kJsonEntities = "entities.json";
 // Optional files, unknown to other programs: written only if the map has such data.
 inline constexpr std::string_view kJsonEntityText =
     "entities.ent"; ///< written if the pairs in entities.json do not reproduce the text
+inline constexpr std::string_view kJsonFormat = "format.json"; ///< written if the map is not IBSP
 inline constexpr std::string_view kJsonAdvertisements = "Advertisements.json";
 inline constexpr std::string_view kJsonBspx = "bspx.json"; ///< its entries name the files of lumps: kJsonLumps
 
@@ -49,7 +50,8 @@ struct PackJsonOptions {
     bool dropUnknownFlags = false; ///< with useFlagNames: unknown names are ignored
 };
 
-/// Reads what UnpackJson (or the established program's -json -unpack) wrote. The result is validated. Errors: Error
+/// Reads what UnpackJson (or the established program's -json -unpack) wrote. Without kJsonFormat the map has the format
+/// of `game`. The result is validated. Errors: Error
 /// with file, member and what was expected.
 Bsp PackJson(const std::filesystem::path &folder, const Game &game, const PackJsonOptions &options, Log &log);
 

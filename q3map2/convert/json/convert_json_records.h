@@ -173,6 +173,16 @@ template <typename JsonArchive> void Describe(JsonArchive &a, bspCubeSample_t &s
     a.Field("position", sample.position);
 }
 
+/// What a file says besides its lumps.
+struct JsonFormat {
+    std::string ident;
+    std::int32_t lightmapSide = 0;
+};
+template <typename JsonArchive> void Describe(JsonArchive &a, JsonFormat &format) {
+    a.Text("ident", format.ident);
+    a.Field("lightmapSide", format.lightmapSide);
+}
+
 /// One entry of the BSPX directory: its bytes in hex, or the file that holds its records.
 struct JsonBspxEntry {
     std::string name;

@@ -103,8 +103,10 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
     record.fogNum = surface.fogNum;
     record.surfaceType = RecordType(surface, context_.options);
     const bool isFlare = record.surfaceType == MST_FLARE;
-    if (isFlare)
+    if (isFlare) {
         record.lightmapOrigin = surface.lightmapOrigin.Array();
+        record.lightmapStyles[0] = record.vertexStyles[0] = surface.lightStyle;
+    }
     const bool keepsVectors = isFlare || record.surfaceType == MST_PATCH;
     for (std::size_t i = keepsVectors ? 0 : 2; i < 3; ++i)
         record.lightmapVecs[i] = surface.lightmapVecs[i].Array();
@@ -150,6 +152,11 @@ void BspWriter::EmitSurface(MapEntity &entity, Tree &tree, Geometry &geometry, s
     if (isWorld && inSkyBox && skyBox_)
         skyBoxCopies_.push_back(SkyBoxCopy(surface, int(bsp.drawSurfaces.size()), *skyBox_));
     Arrange(surface, context_);
+    for (const SideNumber &side : SidesOf(surface))
+        if (const int brush = entity.brushes[std::size_t(side.brush)].bspBrush; brush >= 0) {
+            const int first = bsp.brushes[std::size_t(brush)].firstSide;
+            bsp.brushSides[std::size_t(first + side.side)].surfaceNum = std::int32_t(bsp.drawSurfaces.size());
+        }
     WriteSurface(surface);
 }
 

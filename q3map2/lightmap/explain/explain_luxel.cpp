@@ -20,7 +20,6 @@ namespace q3 {
 namespace {
 
 constexpr float kBehind = 0.25f; ///< points this far behind a surface still count as in front. Game units
-/// Texels on a side of the pages of the lump.
 
 /// Point of the triangle a b c nearest to p, as weights of its corners: clamped to each edge where p projects beside.
 Vec3f NearestWeights(const Vec3f &p, const Vec3f &a, const Vec3f &b, const Vec3f &c) {

@@ -48,6 +48,13 @@ void ApplyPageSizes(LightmapOptions &o, Log &log) {
 
 } // namespace
 
+void LightmapOptions::UsePageSize(int side) {
+    const std::array<int, 2> size{side, side};
+    if (pageSize == gamePageSize)
+        pageSize = size;
+    gamePageSize = size;
+}
+
 LightmapOptions ParseLightmapOptions(Arguments &arguments, const LightOptions &light, const Game &game, Log &log) {
     LightmapOptions o;
     o.fast = light.fast;

@@ -83,6 +83,8 @@ struct LightmapOptions {
     float approximate = 0;                                         ///< -approx: byte tolerance; 0: off
     std::array<int, 2> pageSize{128, 128}, gamePageSize{128, 128}; ///< texels: of the pages made; of the game
     std::vector<int> lightmapSize, hackSize;        ///< -lightmapsize, -extlmhacksize as given; empty: not given
+    /// The size of the pages of a file that says it itself, instead of that of the game.
+    void UsePageSize(int side);
     bool external = false;                          ///< pages are images beside the map
     std::string externalFolder;                     ///< -lightmapdir
     bool deluxe = false, deluxeTangent = false;     ///< -deluxe; -deluxemode 1
