@@ -115,6 +115,10 @@ ByteRanges EncodeIbsp(const Bsp &bsp, const BspFormat &format, Log &) {
     return AssembleFile(layout, std::move(lumps), bsp);
 }
 
+std::vector<std::byte> IbspGridLump(std::span<const bspGridPoint_t> points) {
+    return FileRecords<IbspGridPoint>(std::vector(points.begin(), points.end())).Bytes();
+}
+
 // ---- Bytes to records ----
 
 namespace {

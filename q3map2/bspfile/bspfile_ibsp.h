@@ -6,7 +6,9 @@
 #include "q3map2/bspfile/bsp_codec.h"
 
 #include <cstddef>
+#include <span>
 #include <string_view>
+#include <vector>
 
 namespace q3 {
 
@@ -23,5 +25,8 @@ inline constexpr std::size_t kClassicSlots = 17, kAdvertisementSlots = 18;
 /// others.
 Bsp DecodeIbsp(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);
 ByteRanges EncodeIbsp(const Bsp &bsp, const BspFormat &format, Log &log);
+
+/// The lump of the legacy light grid: 8 bytes a point.
+std::vector<std::byte> IbspGridLump(std::span<const bspGridPoint_t> points);
 
 } // namespace q3

@@ -123,7 +123,7 @@ TEST(Layout, EveryWrittenLayoutIsReadBackToTheSameBytes) {
     Bsp bsp = SampleBsp();
     bsp.lightmaps.resize(49152);
     std::iota(bsp.lightmaps.begin(), bsp.lightmaps.end(), std::uint8_t(0));
-    bsp.drawSurfaces[0].lightmapNum = 0;
+    bsp.drawSurfaces[0].lightmapNum[0] = 0;
     for (const BspFormat &format : {kQuake3, kQuakeLive, kWolfenstein})
         for (const int sh : {0, 1, 2})
             for (const bool foreign : {false, true}) {
@@ -158,7 +158,7 @@ TEST(Layout, AFileWithLump18RelightsUnderQuake3) {
 TEST(Layout, BytesThatMeanNothingSurvive) {
     Bsp bsp = SampleBsp();
     bsp.shaders[0].shader[60] = 'g'; // garbage after the NUL
-    bsp.drawVerts[5].lightmap = {std::numeric_limits<float>::quiet_NaN(), 1e30f};
+    bsp.drawVerts[5].lightmap[0] = {std::numeric_limits<float>::quiet_NaN(), 1e30f};
     bsp.planes[9].normal[0] = 1e-7f; // noise between the two of a pair
     bsp.entities += "\n\n";
     const Bytes file = WriteBsp(bsp, kQuake3);
@@ -206,13 +206,14 @@ TEST(Layout, DamagedLump18IsAnErrorInOurOwnLayoutOnly) {
 }
 
 TEST(Layout, FilesOver2GBAreRefusedWithAdvice) {
+    constexpr std::array<int, 1> kSlots{LUMP_LIGHTGRID_SH};
     std::array<std::uint64_t, kNumLumps> lengths{};
     lengths[LUMP_LIGHTGRID_SH] = 0x7fffffff - 160 - 3;
-    EXPECT_EQ(PlanFile(19, lengths, {}).size, 0x7ffffffcu);
+    EXPECT_EQ(PlanFile(19, kSlots, lengths, {}).size, 0x7ffffffcu);
     lengths[LUMP_LIGHTGRID_SH] += 4;
-    EXPECT_THAT(ErrorOf([&] { PlanFile(19, lengths, {}); }), HasSubstr("-gridsh"));
+    EXPECT_THAT(ErrorOf([&] { PlanFile(19, kSlots, lengths, {}); }), HasSubstr("-gridsh"));
     lengths[LUMP_LIGHTGRID_SH] = std::uint64_t(1) << 40;
-    EXPECT_THAT(ErrorOf([&] { PlanFile(19, lengths, {}); }), HasSubstr("2147483647"));
+    EXPECT_THAT(ErrorOf([&] { PlanFile(19, kSlots, lengths, {}); }), HasSubstr("2147483647"));
 }
 
 TEST(Layout, ForceTurnsMismatchesIntoWarnings) {
@@ -224,7 +225,7 @@ TEST(Layout, ForceTurnsMismatchesIntoWarnings) {
         return listener.text;
     };
     Bytes ident = good;
-    ident[0] = std::byte('R');
+    ident[0] = std::byte('T');
     EXPECT_THAT(ErrorOf([&] { Read(ident); }), HasSubstr("IBSP"));
     EXPECT_THAT(lenient(ident), HasSubstr("IBSP"));
     Bytes version = good;

@@ -13,7 +13,7 @@ namespace {
 Bsp LitBsp(std::uint32_t pages, std::uint32_t first) {
     Bsp bsp = SmallBsp();
     bsp.lightmaps.resize(pages * kLightmapPageBytes);
-    bsp.drawSurfaces[0].lightmapNum = int(pages) - 1;
+    bsp.drawSurfaces[0].lightmapNum[0] = int(pages) - 1;
     for (std::uint32_t i = 0; i < pages * 128 * 128; ++i)
         bsp.lightmapsE5bgr9.push_back(first + i);
     for (std::uint32_t i = 0; i < bsp.drawVerts.size(); ++i)
@@ -44,8 +44,8 @@ TEST(HdrMerge, PagesVerticesAndBasisMapsFollowThoseOfTheFirst) {
     ASSERT_EQ(bsp.lightmapsE5bgr9.size(), 3u * 128 * 128);
     ASSERT_EQ(bsp.vertexE5bgr9.size(), bsp.drawVerts.size());
     const bspDrawSurface_t &face = bsp.drawSurfaces[1];
-    EXPECT_EQ(face.lightmapNum, 2);
-    EXPECT_EQ(bsp.lightmapsE5bgr9[std::size_t(face.lightmapNum) * 128 * 128], 500000u);
+    EXPECT_EQ(face.lightmapNum[0], 2);
+    EXPECT_EQ(bsp.lightmapsE5bgr9[std::size_t(face.lightmapNum[0]) * 128 * 128], 500000u);
     EXPECT_EQ(bsp.vertexE5bgr9[std::size_t(face.firstVert)], 500100u);
     EXPECT_EQ(bsp.vertexE5bgr9[0], 1100u);
     ASSERT_EQ(bsp.rnm->pages.size(), 2u);

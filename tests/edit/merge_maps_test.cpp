@@ -78,9 +78,9 @@ TEST(Merge, LightmapsFollowThePagesOfTheFirst) {
     Bsp main = WithDoor("textures/a"), added = WithDoor("textures/b");
     main.lightmaps.resize(2 * kLightmapPageBytes, 1);
     added.lightmaps.resize(kLightmapPageBytes, 2);
-    added.drawSurfaces[1].lightmapNum = 0;
+    added.drawSurfaces[1].lightmapNum[0] = 0;
     const Bsp bsp = Merged(main, added);
-    EXPECT_EQ(bsp.drawSurfaces[2].lightmapNum, 2);
+    EXPECT_EQ(bsp.drawSurfaces[2].lightmapNum[0], 2);
     EXPECT_EQ(bsp.lightmaps[2 * kLightmapPageBytes], 2);
 }
 

@@ -97,7 +97,7 @@ TEST_F(CompileExtraTest, FurIsLayersAboveEachOther) {
     for (const bspDrawSurface_t &surface : TopsOf(bsp, "textures/test/fur"))
         for (int i = 0; i < surface.numVerts; ++i) {
             const bspDrawVert_t &vert = bsp.drawVerts[std::size_t(surface.firstVert + i)];
-            alphaOfHeight[vert.xyz[2]] = vert.color[3];
+            alphaOfHeight[vert.xyz[2]] = vert.color[0][3];
         }
     EXPECT_THAT(alphaOfHeight, ElementsAre(std::pair(20.f, 255), std::pair(24.f, 191), std::pair(28.f, 191)));
 }
@@ -176,7 +176,7 @@ TEST_F(CompileExtraTest, PaletteNumbersOfAnIndexMapAreLayers) {
             const bspDrawVert_t &vert = bsp.drawVerts[std::size_t(top.firstVert + i)];
             const int layer = vert.xyz[1] > 0 ? (vert.xyz[0] < 0 ? 0 : 2) : (vert.xyz[0] < 0 ? 2 : 3);
             EXPECT_FLOAT_EQ(vert.xyz[2], 16 + 8 * float(layer));
-            EXPECT_EQ(vert.color[3], layer == 3 ? 255 : 0);
+            EXPECT_EQ(vert.color[0][3], layer == 3 ? 255 : 0);
             seen.insert(layer);
         }
     EXPECT_THAT(seen, ElementsAre(0, 2, 3));

@@ -31,7 +31,7 @@ TEST_F(CompileTest, EmptyRoomHasTheKnownCounts) {
         EXPECT_EQ(surface.surfaceType, MST_PLANAR);
         EXPECT_EQ(surface.numVerts, 4);
         EXPECT_EQ(surface.numIndexes, 6);
-        EXPECT_EQ(surface.lightmapNum, -3);
+        EXPECT_EQ(surface.lightmapNum[0], -3);
         EXPECT_EQ(surface.fogNum, -1);
     }
     EXPECT_THAT(bsp.drawIndexes, ElementsAre(0, 1, 2, 0, 2, 3, 0, 1, 2, 3, 1, 0));
@@ -247,7 +247,7 @@ TEST_F(CompileTest, DirectivesMoveVerticesTextureAndColors) {
         float s = 0, least = 1e9f, most = -1e9f;
         for (int i = 0; i < surface.numVerts; ++i) {
             const bspDrawVert_t &vert = bsp.drawVerts[std::size_t(surface.firstVert + i)];
-            EXPECT_THAT(vert.color, ElementsAre(127, 255, 0, 127));
+            EXPECT_THAT(vert.color[0], ElementsAre(127, 255, 0, 127));
             const Vec3f middle = Vec3f(vert.xyz) - Vec3f{0, 0, 48};
             const bool isTop = std::abs(vert.normal[2]) > 0.5f;
             EXPECT_FLOAT_EQ(Dot(middle, Vec3f(vert.normal)), isTop ? 19 : 11); // 3 more than the box
@@ -266,8 +266,8 @@ TEST_F(CompileTest, ColorVolumesChangeVerticesInside) {
     for (const bspDrawVert_t &vert : bsp.drawVerts) {
         const bool isIn = vert.xyz[0] > 99 && vert.xyz[1] > 99 && vert.xyz[2] < 9;
         inside += isIn ? 1 : 0;
-        EXPECT_EQ(vert.color[0], isIn ? 0 : 255);
-        EXPECT_EQ(vert.color[2], 255);
+        EXPECT_EQ(vert.color[0][0], isIn ? 0 : 255);
+        EXPECT_EQ(vert.color[0][2], 255);
     }
     EXPECT_EQ(inside, 3); // a corner of the floor and of two walls
 }

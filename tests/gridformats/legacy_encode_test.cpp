@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Lump 15 and lightgrid.raw made of the SH grid, as engines read them.
+#include "q3map2/bspfile/bspfile_ibsp.h"
 #include "q3map2/gridformats/grid_source.h"
 #include "q3map2/gridformats/legacy_encode.h"
 #include "tests/gridformats/sample_grid.h"
@@ -73,12 +74,12 @@ void ExpectNear(const LegacyGridReader &reader, double bound) {
 TEST(LegacyGridFromSH, Ioquake3ShowsTheLightOfTheSHGrid) {
     const Fixture f;
     const auto lump = EncodeLegacyGrid(f.points, kForIoquake3, GridTone(), 1);
-    const auto reader = LegacyGridReader::Load(BytesOf(lump), f.places, kIoquake3Engine);
+    const auto reader = LegacyGridReader::Load(IbspGridLump(lump), f.places, kIoquake3Engine);
     ASSERT_TRUE(reader);
     ExpectNear(*reader, ErrorBound(0.5 + 0.3, 256));
     // Not compensated, it is too dark: by 40 % of the ambient light, less the constant.
     const auto plain = EncodeLegacyGrid(f.points, kForAll, GridTone(), 1);
-    const auto dim = LegacyGridReader::Load(BytesOf(plain), f.places, kIoquake3Engine);
+    const auto dim = LegacyGridReader::Load(IbspGridLump(plain), f.places, kIoquake3Engine);
     const Vec3f p{100, 100, 0}, away(-kSun);
     EXPECT_LT(dim->At(p).On(away).y, reader->At(p).On(away).y - 5);
 }
@@ -86,7 +87,7 @@ TEST(LegacyGridFromSH, Ioquake3ShowsTheLightOfTheSHGrid) {
 TEST(LegacyGridFromSH, OtherEnginesShowIt) {
     const Fixture f;
     const auto lump = EncodeLegacyGrid(f.points, kForAll, GridTone(), 1);
-    const auto reader = LegacyGridReader::Load(BytesOf(lump), f.places, kPlainEngine);
+    const auto reader = LegacyGridReader::Load(IbspGridLump(lump), f.places, kPlainEngine);
     ASSERT_TRUE(reader);
     ExpectNear(*reader, ErrorBound(1, 255));
 }
@@ -112,12 +113,12 @@ TEST(RawGridFromSH, BothRend2RenderersShowIt) {
     constexpr LegacyTarget raw{.ambientScale = 0.6, .angleSteps = 256, .skipsSolid = true};
     const auto lump = EncodeLegacyGrid(f.points, kForIoquake3, GridTone(), 1);
     const auto bytes = EncodeRawGrid(f.points, raw, GridTone(), 1, 1);
-    const auto reader = LegacyGridReader::LoadRaw(BytesOf(lump), bytes, f.places, {0.6f, 1, 0, 256, true}, 1);
+    const auto reader = LegacyGridReader::LoadRaw(IbspGridLump(lump), bytes, f.places, {0.6f, 1, 0, 256, true}, 1);
     ASSERT_TRUE(reader);
     ExpectNear(*reader, ErrorBound(0.01, 256));
 
     const auto openJk = EncodeRawGrid(f.points, {.angleSteps = 256}, GridTone(), 1, std::numbers::pi / 255);
-    const auto rend2 = LegacyGridReader::LoadRend2(BytesOf(lump), openJk, f.places, {});
+    const auto rend2 = LegacyGridReader::LoadRend2(IbspGridLump(lump), openJk, f.places, {});
     ASSERT_TRUE(rend2);
     ExpectNear(*rend2, ErrorBound(0.01, 256));
 }

@@ -221,7 +221,7 @@ TEST(Damage, ASmallFileCannotStandForAHugeMap) {
 TEST(Damage, NumbersOfPagesBesideTheFileAreNone) {
     Bsp bsp = SampleBsp();
     bsp.lightmaps.clear();
-    bsp.drawSurfaces[0].lightmapNum = 3;
+    bsp.drawSurfaces[0].lightmapNum[0] = 3;
     KeptLog listener;
     ReadBsp(WriteBsp(bsp, {}), "x.bsp", {}, listener.log);
     EXPECT_EQ(listener.text, "");
@@ -231,12 +231,12 @@ TEST(Damage, OdditiesThatGoOnAreWarningsAndStay) {
     ExpectWarning(
         [](Bsp &b) {
             b.lightmaps.resize(3 * 128 * 128 * 3);
-            b.drawSurfaces[0].lightmapNum = 3;
+            b.drawSurfaces[0].lightmapNum[0] = 3;
         },
         "surface 0: lightmapNum 3");
-    ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapNum = -5; }, "surface 0: lightmapNum -5");
+    ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapNum[0] = -5; }, "surface 0: lightmapNum -5");
     ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapWidth = 129; }, "lightmap rectangle");
-    ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapX = INT32_MAX; }, "lightmap rectangle");
+    ExpectWarning([](Bsp &b) { b.drawSurfaces[0].lightmapX[0] = INT32_MAX; }, "lightmap rectangle");
     ExpectWarning([](Bsp &b) { b.leafs[3].area = -1; }, "leaf 3: cluster 1, but area -1");
     ExpectWarning([](Bsp &b) { b.planes[11].normal[2] = -0.5f; }, "plane 11: normal has length 0.5");
     ExpectWarning([](Bsp &b) { b.brushSides[1].planeNum = 1; }, "brush 0: side 1 does not face +X");

@@ -89,7 +89,7 @@ class StressTest : public LightTest {
         return a.gridPoints.size() == b.gridPoints.size() &&
                std::equal(a.gridPoints.begin(), a.gridPoints.end(), b.gridPoints.begin(),
                           [](const bspGridPoint_t &x, const bspGridPoint_t &y) {
-                              return x.ambient == y.ambient && x.directed == y.directed && x.latLong == y.latLong;
+                              return x == y;
                           }) &&
                std::equal(a.gridSH->points.begin(), a.gridSH->points.end(), b.gridSH->points.begin(),
                           b.gridSH->points.end(), samePoint) &&

@@ -184,7 +184,7 @@ TEST_F(PackageTest, DamagedModelsNameNoShaders) {
 TEST_F(PackageTest, LightmapFilesBesideTheMapComeToo) {
     Put("textures/base/wall.tga");
     Bsp bsp = MapWith("");
-    bsp.drawSurfaces[0].lightmapNum = 2;
+    bsp.drawSurfaces[0].lightmapNum[0] = 2;
     bsp.lightmaps.clear();
     Put("maps/x/lm_0000.tga");
     Put("maps/x/lm_0002.tga");

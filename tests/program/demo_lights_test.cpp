@@ -47,7 +47,7 @@ Vec3f PositionOf(const BayPoint &point) {
 /// Light of the lightmaps at a point of a flat surface: the texel around it, without filtering. Empty: no lightmap.
 std::optional<Vec3f> LightAt(const Bsp &bsp, const Vec3f &p) {
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
-        if (surface.lightmapNum < 0)
+        if (surface.lightmapNum[0] < 0)
             continue;
         for (int i = 0; i + 2 < surface.numIndexes; i += 3) {
             std::array<const bspDrawVert_t *, 3> v{};
@@ -67,7 +67,7 @@ std::optional<Vec3f> LightAt(const Bsp &bsp, const Vec3f &p) {
                 for (std::size_t axis = 0; axis < 2; ++axis)
                     st[axis] += 128 * weight[k] * v[k]->lightmap[axis];
             const auto texel =
-                std::size_t(surface.lightmapNum) * 128 * 128 + std::size_t(st[1]) * 128 + std::size_t(st[0]);
+                std::size_t(surface.lightmapNum[0]) * 128 * 128 + std::size_t(st[1]) * 128 + std::size_t(st[0]);
             const std::uint8_t *rgb = &bsp.lightmaps.at(3 * texel);
             return Vec3f{float(rgb[0]), float(rgb[1]), float(rgb[2])};
         }
@@ -201,8 +201,8 @@ TEST_F(DemoLightsTest, HasPropsAndSwitchesAndNoWarnings) {
 
     // The lightJunior is green and shines on the grids alone.
     const bspGridPoint_t point = GridPointAt(bsp, {512, -576, 192});
-    EXPECT_GT(point.directed[1], point.directed[0] + 20);
-    EXPECT_GT(point.directed[1], point.directed[2] + 20);
+    EXPECT_GT(point.directed[0][1], point.directed[0][0] + 20);
+    EXPECT_GT(point.directed[0][1], point.directed[0][2] + 20);
 }
 
 } // namespace q3::test

@@ -31,8 +31,8 @@ class GridFormatsTest : public ProgramTest {
 double MeanAmbient(const std::vector<bspGridPoint_t> &points) {
     double sum = 0, count = 0;
     for (const bspGridPoint_t &point : points)
-        if (point.ambient != std::array<std::uint8_t, 3>{})
-            sum += point.ambient[0] + point.ambient[1] + point.ambient[2], count += 3;
+        if (point.ambient[0] != std::array<std::uint8_t, 3>{})
+            sum += point.ambient[0][0] + point.ambient[0][1] + point.ambient[0][2], count += 3;
     return sum / count;
 }
 
@@ -40,9 +40,9 @@ double MeanAmbient(const std::vector<bspGridPoint_t> &points) {
 double MeanSeen(const std::vector<bspGridPoint_t> &points) {
     double sum = 0, count = 0;
     for (const bspGridPoint_t &point : points)
-        if (point.ambient != std::array<std::uint8_t, 3>{}) {
+        if (point.ambient[0] != std::array<std::uint8_t, 3>{}) {
             for (std::size_t i = 0; i < 3; ++i)
-                sum += point.ambient[i] + point.directed[i] / 4.0;
+                sum += point.ambient[0][i] + point.directed[0][i] / 4.0;
             count += 3;
         }
     return sum / count;
@@ -50,7 +50,7 @@ double MeanSeen(const std::vector<bspGridPoint_t> &points) {
 
 bool SamePoints(const Bsp &a, const Bsp &b) {
     return std::ranges::equal(a.gridPoints, b.gridPoints, [](const bspGridPoint_t &p, const bspGridPoint_t &q) {
-        return p.ambient == q.ambient && p.directed == q.directed && p.latLong == q.latLong;
+        return p == q;
     });
 }
 

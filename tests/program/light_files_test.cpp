@@ -227,7 +227,7 @@ TEST_F(LightFilesTest, ShadersAndImagesChooseBasisMaps) {
         pages.insert(page.lightmapNum);
     std::map<std::string, bool> mapped;
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
-        const bool basis = pages.contains(surface.lightmapNum);
+        const bool basis = pages.contains(surface.lightmapNum[0]);
         const std::string shader(FieldName(bsp.shaders[std::size_t(surface.shaderNum)].shader));
         EXPECT_EQ(mapped.try_emplace(shader, basis).first->second, basis) << shader;
     }

@@ -100,7 +100,7 @@ TEST_F(FourTimesFullTest, AtVertices) {
             const Vec3f light = FloatsAt(raw, 12 * v) / full;
             ExpectColor(Decoded(bsp.vertexE5bgr9[v]), light, kQuantum * MaxComponent(light), form);
             for (std::size_t c = 0; c < 3; ++c)
-                EXPECT_NEAR(bsp.drawVerts[v].color[c], std::min(255.0f, light[c] * 255), 1) << form;
+                EXPECT_NEAR(bsp.drawVerts[v].color[0][c], std::min(255.0f, light[c] * 255), 1) << form;
             most = std::max(most, light.x);
         }
         EXPECT_NEAR(most, 4, 0.0001) << "the corner, a unit above its place";

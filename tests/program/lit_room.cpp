@@ -215,7 +215,7 @@ LitFace LitRoomTest::FaceOf(const Bsp &bsp, std::string_view shader, const Vec3f
         while (c + 1 < surface.numVerts && Length(Cross(at(1) - at(0), at(c) - at(0))) < 1)
             ++c;
         LitFace &face = found.emplace();
-        face.surface = int(i), face.page = surface.lightmapNum;
+        face.surface = int(i), face.page = surface.lightmapNum[0];
         face.normal = n, face.corner = at(0);
         const auto texels = [&](int v, std::size_t k) { return verts[v].lightmap[k] * 128; };
         face.s = GradientOf({at(0), at(1), at(c)}, {texels(0, 0), texels(1, 0), texels(c, 0)});

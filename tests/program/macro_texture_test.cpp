@@ -192,7 +192,7 @@ TEST_F(MacroTextureRoomTest, VertexLightIsMultiplied) {
     ASSERT_GE(plain.size(), 4u);
     for (std::size_t v = 0; v < plain.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c)
-            EXPECT_NEAR(tinted[v].color[c], plain[v].color[c] * FactorAt(Vec3f(plain[v].xyz))[c], 1.01) << v;
+            EXPECT_NEAR(tinted[v].color[0][c], plain[v].color[0][c] * FactorAt(Vec3f(plain[v].xyz))[c], 1.01) << v;
     EXPECT_GT(int(plain[0].color[0]), 50);
     EXPECT_LT(int(plain[0].color[0]), 255);
 }

@@ -57,7 +57,7 @@ inline void AddLump(Bsp &bsp, BspxId id, std::uint32_t first) {
 inline Bsp MapWithoutLumps() {
     Bsp bsp = SmallBsp();
     bsp.lightmaps.resize(kLightmapPageBytes);
-    bsp.drawSurfaces[0].lightmapNum = 0;
+    bsp.drawSurfaces[0].lightmapNum[0] = 0;
     return bsp;
 }
 

@@ -127,7 +127,7 @@ ProgramTest::ProgramTest() : game_(folder_ / "base/baseq3"), maps_(game_ / "maps
     for (std::size_t i = 0; i < bsp.lightmaps.size(); i++)
         bsp.lightmaps[i] = std::uint8_t(i * 31 >> 3); // any pattern
     for (std::size_t i = 0; i < bsp.drawVerts.size(); i++)
-        bsp.drawVerts[i].color = {std::uint8_t(i), std::uint8_t(3 * i), 7, 255};
+        bsp.drawVerts[i].color[0] = {std::uint8_t(i), std::uint8_t(3 * i), 7, 255};
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
 }
 

@@ -27,7 +27,7 @@ bspDrawSurface_t Surface(BspSurfaceType type, std::int32_t firstVert, std::int32
     surface.numVerts = numVerts;
     surface.firstIndex = firstIndex;
     surface.numIndexes = numIndexes;
-    surface.lightmapNum = kLightmapByVertex;
+    surface.lightmapNum[0] = kLightmapByVertex;
     return surface;
 }
 
@@ -80,7 +80,7 @@ Bsp SampleBsp() {
     AddSurfaces(bsp);
     bsp.fogs = {{Name<64>("textures/fog"), 0, 5}};
     for (std::uint8_t i = 0; i < 18; i++)
-        bsp.gridPoints.push_back({{i, 2, 3}, {4, 5, 6}, {7, 8}});
+        bsp.gridPoints.push_back({{{i, 2, 3}}, {{4, 5, 6}}, kOnlyStyle0, {7, 8}});
     // A header of two integers, then the rows: two clusters that see both.
     constexpr std::uint8_t kClusters = 2, kRowBytes = 8;
     bsp.visibility.assign(8 + kClusters * kRowBytes, 0);

@@ -57,10 +57,11 @@ inline Bsp SmallBsp() {
     surface.fogNum = -1;
     surface.numVerts = 4;
     surface.numIndexes = 6;
-    surface.lightmapNum = kLightmapByVertex;
+    surface.lightmapNum[0] = kLightmapByVertex;
     surface.lightmapVecs[2] = {1, 0, 0};
     bsp.drawSurfaces = {surface};
-    bsp.gridPoints = {{{1, 2, 3}, {4, 5, 6}, {7, 8}}, {{9, 10, 11}, {12, 13, 14}, {15, 16}}};
+    bsp.gridPoints = {{{{1, 2, 3}}, {{4, 5, 6}}, kOnlyStyle0, {7, 8}},
+                      {{{9, 10, 11}}, {{12, 13, 14}}, kOnlyStyle0, {15, 16}}};
     bsp.visibility = {1, 0, 0, 0, 8, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0}; // 1 cluster, rows of 8 bytes, it sees itself
     return bsp;
 }

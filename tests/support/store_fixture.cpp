@@ -105,13 +105,13 @@ std::string_view StoreTest::ShaderOf(std::size_t surface) const {
 
 const LightmapPage &StoreTest::PageOf(const StoredLightmaps &stored, std::size_t surface) const {
     for (const LightmapPage &page : stored.pages)
-        if (page.number == bsp.drawSurfaces[surface].lightmapNum)
+        if (page.number == bsp.drawSurfaces[surface].lightmapNum[0])
             return page;
     throw std::out_of_range("surface without page");
 }
 
 std::size_t StoreTest::Texel(const LightmapPage &page, std::size_t surface, int x, int y) const {
-    const auto &at = bsp.drawVerts[std::size_t(bsp.drawSurfaces[surface].firstVert)].lightmap;
+    const auto &at = bsp.drawVerts[std::size_t(bsp.drawSurfaces[surface].firstVert)].lightmap[0];
     const int column = int(std::floor(at[0] * float(page.width))) + x;
     const int row = int(std::floor(at[1] * float(page.height))) + y;
     return 3 * (std::size_t(row) * std::size_t(page.width) + std::size_t(column));

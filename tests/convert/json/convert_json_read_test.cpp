@@ -25,7 +25,7 @@ TEST_F(PackJsonTest, KeepsFloatsBitByBit) {
     bsp.drawVerts[0].st = {-0.0f, std::numeric_limits<float>::denorm_min()};
     bsp.drawVerts[1].st = {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
     bsp.drawVerts[2].st = {std::bit_cast<float>(0xFFC00000u), std::bit_cast<float>(0x7FC00000u)};
-    bsp.drawVerts[2].lightmap = {0.5f, std::bit_cast<float>(0x7FFFFFFFu)};
+    bsp.drawVerts[2].lightmap[0] = {0.5f, std::bit_cast<float>(0x7FFFFFFFu)};
     bsp.drawVerts[3].st = {std::numeric_limits<float>::max(), 0.1f + 0.2f};
     ExpectSame(bsp);
 }
@@ -78,8 +78,8 @@ TEST_F(PackJsonTest, TakesWhatTheEstablishedProgramWritesAndReads) {
     folder_.Edit("DrawVert.json", "[[0.1, 0.0]", "[[0.10000000149011612, +Inf]");
     const Bsp back = Pack();
     Bsp expected = SmallBsp();
-    expected.drawVerts[2].lightmap = {std::bit_cast<float>(0x7FC00000u), -std::numeric_limits<float>::infinity()};
-    expected.drawVerts[3].lightmap = {0.1f, std::numeric_limits<float>::infinity()};
+    expected.drawVerts[2].lightmap[0] = {std::bit_cast<float>(0x7FC00000u), -std::numeric_limits<float>::infinity()};
+    expected.drawVerts[3].lightmap[0] = {0.1f, std::numeric_limits<float>::infinity()};
     EXPECT_EQ(Bytes(back), Bytes(expected));
 }
 

@@ -322,8 +322,8 @@ TEST_F(UnpackJsonTest, FilesOfAnEarlierMapDoNotSurvive) {
 TEST_F(UnpackJsonTest, OddBytesGetMembersOfTheirOwn) {
     Bsp bsp = SmallBsp();
     bsp.shaders[1].shader[20] = 'x';
-    bsp.drawVerts[1].lightmap = {std::bit_cast<float>(0xFFC00001u), std::numeric_limits<float>::quiet_NaN()};
-    bsp.drawVerts[2].lightmap[0] = std::numeric_limits<float>::quiet_NaN();
+    bsp.drawVerts[1].lightmap[0] = {std::bit_cast<float>(0xFFC00001u), std::numeric_limits<float>::quiet_NaN()};
+    bsp.drawVerts[2].lightmap[0][0] = std::numeric_limits<float>::quiet_NaN();
     Unpack(bsp);
     EXPECT_THAT(Text("shaders.json"),
                 HasSubstr("            \"detail\": \"0x08000000\"\n        },\n"

@@ -172,7 +172,7 @@ TEST_F(MeshExportTest, NumbersThatAreNoneBecomeZero) {
 TEST_F(MeshExportTest, LightmapsOfTheFileAreCounted) {
     meshOptions.lightmapsAsTexCoord = true;
     bsp.lightmaps.resize(3 * kLightmapPageBytes);
-    bsp.drawSurfaces[0].lightmapNum = 2;
+    bsp.drawSurfaces[0].lightmapNum[0] = 2;
     const MeshScene scene = Scene();
     ASSERT_EQ(scene.materials.size(), 3u);
     EXPECT_EQ(scene.materials[2].name, "lightmap_0002");
@@ -208,12 +208,12 @@ TEST_F(MeshExportTest, ExternalLightmapsComeFromTheGeneratedShaders) {
     meshOptions.lightmapsAsTexCoord = true;
     EXPECT_EQ(Scene().materials.size(), 2u);
     EXPECT_EQ(UsedMaterial(0), "lm_0001");
-    bsp.drawSurfaces[0].lightmapNum = 0; // its own number wins
+    bsp.drawSurfaces[0].lightmapNum[0] = 0; // its own number wins
     EXPECT_EQ(UsedMaterial(0), "lm_0000");
     meshOptions.deluxemapsAsTexCoord = true;
     EXPECT_EQ(UsedMaterial(0), "lm_0001");
     EXPECT_EQ(Warnings("lightmap out of range"), 0);
-    bsp.drawSurfaces[0].lightmapNum = 7;
+    bsp.drawSurfaces[0].lightmapNum[0] = 7;
     EXPECT_EQ(UsedMaterial(0), "lm_0008");
     EXPECT_EQ(Warnings("lightmap out of range"), 1);
 }

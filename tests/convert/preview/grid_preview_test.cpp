@@ -41,7 +41,7 @@ Bsp TwoColors() {
     bsp.gridSH = LightGridSH{{sh.mins, sh.size, sh.bounds, std::int32_t(sh.Count())}, {}};
     bsp.gridSH->points.assign(std::size_t(sh.Count()), point);
     const GridLayout legacy = LayoutGrid(bsp.models[0].mins, bsp.models[0].maxs, {64, 64, 128});
-    bsp.gridPoints.assign(std::size_t(legacy.Count()), {{20, 0, 20}, {kByte, 0, kByte}, {0, 0}});
+    bsp.gridPoints.assign(std::size_t(legacy.Count()), {{{20, 0, 20}}, {{kByte, 0, kByte}}, kOnlyStyle0, {0, 0}});
     return bsp;
 }
 

@@ -115,10 +115,10 @@ TEST_F(SourceGridsTest, ABrightnessIsAPlainLightOfOtherUnits) {
     ASSERT_EQ(source.gridPoints.size(), plain.gridPoints.size());
     int lights = 0;
     for (std::size_t i = 0; i < plain.gridPoints.size(); ++i) {
-        EXPECT_EQ(source.gridPoints[i].ambient, plain.gridPoints[i].ambient);
-        EXPECT_EQ(source.gridPoints[i].directed, plain.gridPoints[i].directed);
+        EXPECT_EQ(source.gridPoints[i].ambient[0], plain.gridPoints[i].ambient[0]);
+        EXPECT_EQ(source.gridPoints[i].directed[0], plain.gridPoints[i].directed[0]);
         EXPECT_EQ(source.gridPoints[i].latLong, plain.gridPoints[i].latLong);
-        lights += plain.gridPoints[i].directed[0] > 0;
+        lights += plain.gridPoints[i].directed[0][0] > 0;
     }
     EXPECT_GT(lights, 50);
     const GridView a(source), b(plain);
@@ -134,7 +134,7 @@ TEST_F(SourceGridsTest, TheLegacyGridKnowsTheCurves) {
         entity.Set(key, value);
         int most = 0;
         for (const bspGridPoint_t &point : Lit(With(Room(), {entity})).gridPoints)
-            most = std::max(most, int(point.directed[0]));
+            most = std::max(most, int(point.directed[0][0]));
         return most;
     };
     EXPECT_EQ(brightest("_constant_attn", "1"), brightest("delay", "3"));

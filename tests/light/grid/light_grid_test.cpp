@@ -72,7 +72,7 @@ class GridVectorTest : public testing::TestWithParam<std::string> {
         const auto near = [](int a, int b) { return std::abs(a - b) <= 1; };
         const auto nearAngle = [](int a, int b) { return ((a - b + 1) & 255) <= 2; };
         for (std::size_t i = 0; i < 3; i++)
-            if (!near(point.ambient[i], wanted[i]) || !near(point.directed[i], wanted[3 + i]))
+            if (!near(point.ambient[0][i], wanted[i]) || !near(point.directed[0][i], wanted[3 + i]))
                 return false;
         if (!nearAngle(point.latLong[0], wanted[6]))
             return false;
@@ -84,7 +84,7 @@ class GridVectorTest : public testing::TestWithParam<std::string> {
     }
 
     static std::string Show(const bspGridPoint_t &p) {
-        return fmt::format("{} | {} | {}", fmt::join(p.ambient, " "), fmt::join(p.directed, " "),
+        return fmt::format("{} | {} | {}", fmt::join(p.ambient[0], " "), fmt::join(p.directed[0], " "),
                            fmt::join(p.latLong, " "));
     }
 

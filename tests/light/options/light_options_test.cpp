@@ -245,8 +245,8 @@ TEST_F(OptionsTest, LegacyGridIsTheSameWithAndWithoutSH) {
     const auto bytes = [](const Bsp &bsp) {
         std::vector<std::uint8_t> all;
         for (const bspGridPoint_t &p : bsp.gridPoints) {
-            all.insert(all.end(), p.ambient.begin(), p.ambient.end());
-            all.insert(all.end(), p.directed.begin(), p.directed.end());
+            all.insert(all.end(), p.ambient[0].begin(), p.ambient[0].end());
+            all.insert(all.end(), p.directed[0].begin(), p.directed[0].end());
         }
         return all;
     };
@@ -254,7 +254,7 @@ TEST_F(OptionsTest, LegacyGridIsTheSameWithAndWithoutSH) {
     EXPECT_EQ(bytes(coarse), bytes(fine));
     EXPECT_GT(coarse.gridPoints.size(), 100u);
     Bsp without = scene.Build();
-    without.gridPoints = {{{1, 2, 3}, {4, 5, 6}, {7, 8}}};
+    without.gridPoints = {{{{1, 2, 3}}, {{4, 5, 6}}, kOnlyStyle0, {7, 8}}};
     const Bsp kept = Lit(without, "-nogrid");
     ASSERT_EQ(kept.gridPoints.size(), 1u) << "-nogrid leaves the legacy grid alone";
     EXPECT_EQ(GridView(kept).Grid().points.size(), GridView(coarse).Grid().points.size());

@@ -105,7 +105,7 @@ template <typename F> void ForLuxels(const Bsp &bsp, const bspDrawSurface_t &sur
             const float u = float(x) + 0.5f - a[0], v = float(y) + 0.5f - a[1];
             const float s = (u * v2 - v * u2) / d, t = (u1 * v - v1 * u) / d;
             const Vec3f p = point(0) + (point(1) - point(0)) * s + (point(2) - point(0)) * t;
-            f(p, &bsp.lightmaps[std::size_t((surface.lightmapNum * 128 + y) * 128 + x) * 3]);
+            f(p, &bsp.lightmaps[std::size_t((surface.lightmapNum[0] * 128 + y) * 128 + x) * 3]);
         }
 }
 
@@ -114,7 +114,7 @@ FloorDifference ToneTest::CompareFloor(const Bsp &bsp, const shgrid_tone *tone) 
     FloorDifference sum;
     const double cut = tone && tone->srgb ? 0 : 0.5; // bytes of sRGB are rounded, others cut
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
-        if (surface.lightmapNum < 0 || bsp.drawVerts[std::size_t(surface.firstVert)].normal != Float3{0, 0, 1})
+        if (surface.lightmapNum[0] < 0 || bsp.drawVerts[std::size_t(surface.firstVert)].normal != Float3{0, 0, 1})
             continue;
         ForLuxels(bsp, surface, [&](const Vec3f &p, const std::uint8_t *bytes) {
             const Vec3d light = Evaluate(grid.Sample(Vec3d(p) + Vec3d{0, 0, 1}), {0, 0, 1});

@@ -51,7 +51,7 @@ TEST_F(HiddenLightTest, BothGridsGetThePartOfALampOnTheirSideOfAWall) {
             const auto at = layout.Coordinates(i);
             const Vec3d p(layout.Position(at[0], at[1], at[2]));
             if (Inside(p, {{-190, -80, 20}, {-30, 80, 240}}))
-                ++(bsp.gridPoints[std::size_t(i)].directed[0] > 40 ? lit : dark);
+                ++(bsp.gridPoints[std::size_t(i)].directed[0][0] > 40 ? lit : dark);
         }
         EXPECT_EQ(dark, 0);
         EXPECT_GE(lit, 4);

@@ -16,13 +16,13 @@ std::vector<double> RedTexels(const Bsp &bsp, const bspDrawSurface_t &surface) {
     std::size_t least[2] = {127, 127}, most[2] = {0, 0};
     for (int i = 0; i < surface.numVerts; ++i)
         for (std::size_t axis = 0; axis < 2; ++axis) {
-            const auto at = std::size_t(bsp.drawVerts[std::size_t(surface.firstVert + i)].lightmap[axis] * 128);
+            const auto at = std::size_t(bsp.drawVerts[std::size_t(surface.firstVert + i)].lightmap[0][axis] * 128);
             least[axis] = std::min(least[axis], at), most[axis] = std::max(most[axis], at);
         }
     std::vector<double> texels;
-    for (std::size_t y = least[1]; surface.lightmapNum >= 0 && y <= most[1]; ++y)
+    for (std::size_t y = least[1]; surface.lightmapNum[0] >= 0 && y <= most[1]; ++y)
         for (std::size_t x = least[0]; x <= most[0]; ++x)
-            texels.push_back(bsp.lightmaps[3 * ((std::size_t(surface.lightmapNum) * 128 + y) * 128 + x)]);
+            texels.push_back(bsp.lightmaps[3 * ((std::size_t(surface.lightmapNum[0]) * 128 + y) * 128 + x)]);
     return texels;
 }
 
@@ -38,11 +38,11 @@ class BounceTest : public LightTest {
     static std::vector<double> AtVertices(const Bsp &bsp) {
         std::vector<double> light;
         for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
-            if (surface.lightmapNum < 0)
+            if (surface.lightmapNum[0] < 0)
                 continue;
-            const std::size_t page = std::size_t(surface.lightmapNum) * 128 * 128 * 3;
+            const std::size_t page = std::size_t(surface.lightmapNum[0]) * 128 * 128 * 3;
             for (int i = 0; i < surface.numVerts; ++i) {
-                const auto &at = bsp.drawVerts[std::size_t(surface.firstVert + i)].lightmap;
+                const auto &at = bsp.drawVerts[std::size_t(surface.firstVert + i)].lightmap[0];
                 const auto x = std::size_t(at[0] * 128), y = std::size_t(at[1] * 128);
                 light.push_back(bsp.lightmaps[page + 3 * (y * 128 + x)]);
             }
@@ -89,7 +89,7 @@ TEST_F(BounceTest, BouncedLightReachesBothGrids) {
     for (const Vec3d &normal : Normals())
         EXPECT_NEAR((Evaluate(with, normal) - Evaluate(direct, normal)).x * 255, 40 * kReflectance, 1);
     const bspGridPoint_t &point = lit.gridPoints[lit.gridPoints.size() / 2];
-    EXPECT_GT(int(point.ambient[0]), int(without.gridPoints[lit.gridPoints.size() / 2].ambient[0]) + 3);
+    EXPECT_GT(int(point.ambient[0][0]), int(without.gridPoints[lit.gridPoints.size() / 2].ambient[0][0]) + 3);
 }
 
 TEST_F(BounceTest, NothingIsCreatedOrLost) {
@@ -141,10 +141,10 @@ TEST_F(BounceTest, VerticesAHairOverAFloorSeeIt) {
     const Bsp lit = Lit(scene, "-nogrid -bounce 1");
     int checked = 0;
     for (const bspDrawSurface_t &surface : lit.drawSurfaces)
-        for (int i = 0; surface.lightmapNum < 0 && i < surface.numVerts; ++i, ++checked) {
+        for (int i = 0; surface.lightmapNum[0] < 0 && i < surface.numVerts; ++i, ++checked) {
             const bspDrawVert_t &v = lit.drawVerts[std::size_t(surface.firstVert + i)];
             EXPECT_EQ(v.normal[2], -1);
-            EXPECT_NEAR(v.color[0] + 0.5, 40 * (1 + kReflectance), 1);
+            EXPECT_NEAR(v.color[0][0] + 0.5, 40 * (1 + kReflectance), 1);
         }
     EXPECT_EQ(checked, 4);
 }
@@ -164,12 +164,12 @@ double BounceTest::StepBetweenHalves() {
             std::array<std::array<float, 2>, 2> ends{};
             for (int i = 0; i < surface.numVerts; ++i)
                 if (const bspDrawVert_t &v = lit.drawVerts[std::size_t(surface.firstVert + i)]; v.xyz[0] == 0)
-                    ends[v.xyz[1] > 0] = v.lightmap;
+                    ends[v.xyz[1] > 0] = v.lightmap[0];
             for (int i = 0; i <= 16; ++i) {
                 const auto at = [&](std::size_t axis) {
                     return std::size_t(128 * (ends[0][axis] + (ends[1][axis] - ends[0][axis]) * float(i) / 16));
                 };
-                const std::size_t page = std::size_t(surface.lightmapNum) * 128;
+                const std::size_t page = std::size_t(surface.lightmapNum[0]) * 128;
                 bytes.push_back(lit.lightmaps[((page + at(1)) * 128 + at(0)) * 3]);
             }
         }

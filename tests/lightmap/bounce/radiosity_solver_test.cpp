@@ -37,7 +37,7 @@ class RadiosityTest : public LightTest {
         double best = 1e30, value = -1;
         for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
             const bspDrawVert_t *v = bsp.drawVerts.data() + surface.firstVert;
-            if (surface.lightmapNum < 0 || surface.numVerts < 3 || Dot(Vec3f(v[0].normal), normal) < 0.9f)
+            if (surface.lightmapNum[0] < 0 || surface.numVerts < 3 || Dot(Vec3f(v[0].normal), normal) < 0.9f)
                 continue;
             for (int k = 0; k + 2 < surface.numIndexes; k += 3) {
                 const bspDrawVert_t *t[3];
@@ -54,7 +54,7 @@ class RadiosityTest : public LightTest {
                         }
                         if (const double d = double(Length(p - place)); d < best)
                             best = d,
-                            value = bsp.lightmaps[3 * std::size_t((surface.lightmapNum * 128 + int(q * 128)) * 128 +
+                            value = bsp.lightmaps[3 * std::size_t((surface.lightmapNum[0] * 128 + int(q * 128)) * 128 +
                                                                   int(s * 128))];
                     }
             }

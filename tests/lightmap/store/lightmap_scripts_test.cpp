@@ -31,11 +31,11 @@ TEST_F(ScriptsTest, StyledLightIsAStageOfAMadeShader) {
                                 "\t\talphaGen const 0.5\n\t\ttcGen lightmap\n\t\ttcMod transform 1 0 0 1 "));
     EXPECT_THAT(text, HasSubstr("map " + before + ".tga\n\t\tblendFunc GL_DST_COLOR GL_ZERO"));
     EXPECT_THAT(text, Not(HasSubstr("styleMarker")));
-    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum, 0) << "the first style stays in the file";
+    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum[0], 0) << "the first style stays in the file";
     // Half a page beside: the move leads from the first style to the second.
     const auto move = text.find("transform 1 0 0 1 ") + 18;
     const float s = std::stof(text.substr(move)), t = std::stof(text.substr(text.find(' ', move) + 1));
-    const auto &at = bsp.drawVerts[std::size_t(bsp.drawSurfaces[0].firstVert)].lightmap;
+    const auto &at = bsp.drawVerts[std::size_t(bsp.drawSurfaces[0].firstVert)].lightmap[0];
     const auto column = std::size_t((at[0] + s) * 128), row = std::size_t((at[1] + t) * 128);
     const Vec3f &color = surfaces.lightmaps[0].result[1][0];
     EXPECT_EQ(int(stored.pages[0].colors[3 * (row * 128 + column)]), int(color.x));
@@ -121,16 +121,16 @@ TEST_F(ScriptsTest, NamesDependOnTheTextAlone) {
 
 TEST_F(ScriptsTest, TriangleSoupHasNoLightmap) {
     bsp.drawSurfaces[1].surfaceType = MST_PATCH;
-    bsp.drawSurfaces[1].lightmapNum = 0;
+    bsp.drawSurfaces[1].lightmapNum[0] = 0;
     StoredLightmaps none;
     FinishForFile(lightmap, "room", none, bsp);
     EXPECT_EQ(bsp.drawSurfaces[0].surfaceType, MST_PLANAR);
     lightmap.triangleSoup = true;
     FinishForFile(lightmap, "room", none, bsp);
     EXPECT_EQ(bsp.drawSurfaces[0].surfaceType, MST_TRIANGLE_SOUP);
-    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum, kLightmapByVertex);
+    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum[0], kLightmapByVertex);
     EXPECT_EQ(bsp.drawSurfaces[1].surfaceType, MST_PATCH);
-    EXPECT_EQ(bsp.drawSurfaces[1].lightmapNum, 0);
+    EXPECT_EQ(bsp.drawSurfaces[1].lightmapNum[0], 0);
 }
 
 /// The vertices' colors at the luxels of their corners.
@@ -156,11 +156,11 @@ TEST_F(ScriptsTest, EvenLightIsLeftToVertices) {
     lightmap.approximate = 3;
     Finish();
     for (std::size_t i = 0; i < 6; ++i)
-        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, i == 2 ? 0 : kLightmapByVertex) << i;
+        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum[0], i == 2 ? 0 : kLightmapByVertex) << i;
     lightmap.approximate = 0;
     Store();
     for (std::size_t i = 0; i < 6; ++i)
-        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, 0) << i;
+        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum[0], 0) << i;
 }
 
 TEST_F(ScriptsTest, VerticesStandInOnlyIfTheirStoredColorsShowTheSame) {
@@ -177,7 +177,7 @@ TEST_F(ScriptsTest, VerticesStandInOnlyIfTheirStoredColorsShowTheSame) {
     const auto byVertex = [&] {
         bsp = unlit, surfaces = before;
         Finish();
-        return bsp.drawSurfaces[0].lightmapNum == kLightmapByVertex;
+        return bsp.drawSurfaces[0].lightmapNum[0] == kLightmapByVertex;
     };
     EXPECT_TRUE(byVertex());
     lightmap.vertexScale = 1.2f;
@@ -204,7 +204,7 @@ TEST_F(ScriptsTest, VerticesStandInOnlyIfTheirStoredColorsShowTheSame) {
             1);
     }
     Finish();
-    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum, 0) << "vertices cannot flicker";
+    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum[0], 0) << "vertices cannot flicker";
 }
 
 // A stripe that points at most 3 luxels apart cannot step over.
@@ -220,7 +220,7 @@ TEST_F(ScriptsTest, VerticesAreComparedAsDenselyAsTheThresholdSays) {
     lightmap.threshold = 3;
     Finish();
     for (std::size_t i = 0; i < 6; ++i)
-        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, i == 0 ? 0 : kLightmapByVertex) << i;
+        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum[0], i == 0 ? 0 : kLightmapByVertex) << i;
 }
 
 TEST_F(ScriptsTest, SmallSurfacesAreLeftToVerticesUnlessTheirShaderKeepsThem) {
@@ -234,7 +234,7 @@ TEST_F(ScriptsTest, SmallSurfacesAreLeftToVerticesUnlessTheirShaderKeepsThem) {
     lightmap.approximate = 1;
     Finish();
     for (std::size_t i = 0; i < 6; ++i)
-        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, i == 0 || ShaderOf(i).ends_with('1') ? 0 : kLightmapByVertex) << i;
+        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum[0], i == 0 || ShaderOf(i).ends_with('1') ? 0 : kLightmapByVertex) << i;
 }
 
 } // namespace

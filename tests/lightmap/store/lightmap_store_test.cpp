@@ -35,7 +35,7 @@ TEST_F(StoreTest, EveryLuxelIsShownWhereItsSurfaceIs) {
     EXPECT_EQ(bsp.lightmaps, stored.pages[0].colors);
     ExpectAllShown([&](std::size_t i, int x, int y) { return Shown(stored, i, x, y); }, surfaces);
     for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
-        EXPECT_EQ((std::array{surface.lightmapX, surface.lightmapY, surface.lightmapWidth, surface.lightmapHeight}),
+        EXPECT_EQ((std::array{surface.lightmapX[0], surface.lightmapY[0], surface.lightmapWidth, surface.lightmapHeight}),
                   (std::array{0, 0, 0, 0}));
 }
 
@@ -59,7 +59,7 @@ TEST_F(StoreTest, SuperSamplingKeepsCoordinates) {
         FillNoise(surfaces.lightmaps[i], i);
     const StoredLightmaps stored = Finish();
     ExpectAllShown([&](std::size_t i, int x, int y) { return Shown(stored, i, x, y); }, surfaces);
-    const auto &a = bsp.drawVerts[0].lightmap, &c = bsp.drawVerts[2].lightmap;
+    const auto &a = bsp.drawVerts[0].lightmap[0], &c = bsp.drawVerts[2].lightmap[0];
     EXPECT_FLOAT_EQ((c[0] - a[0]) * 128, 19);
     EXPECT_FLOAT_EQ((c[1] - a[1]) * 128, 9);
 }
@@ -90,16 +90,16 @@ TEST_F(StoreTest, AlikeLightmapsShareTheirPlaceAndPlainOnesTakeOneTexel) {
     const StoredLightmaps stored = Finish();
     EXPECT_EQ(stored.pages.size(), 2u);
     const auto first = [&](std::size_t i) {
-        return bsp.drawVerts[std::size_t(bsp.drawSurfaces[i].firstVert)].lightmap;
+        return bsp.drawVerts[std::size_t(bsp.drawSurfaces[i].firstVert)].lightmap[0];
     };
     EXPECT_EQ(first(0), first(1));
-    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum, bsp.drawSurfaces[1].lightmapNum);
-    EXPECT_NE(bsp.drawSurfaces[0].lightmapNum, bsp.drawSurfaces[2].lightmapNum);
+    EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum[0], bsp.drawSurfaces[1].lightmapNum[0]);
+    EXPECT_NE(bsp.drawSurfaces[0].lightmapNum[0], bsp.drawSurfaces[2].lightmapNum[0]);
     EXPECT_EQ(first(3), first(4));
     EXPECT_NE(first(3), first(5));
     EXPECT_EQ(Shown(stored, 5, 0, 0), (std::array{40, 90, 60}));
     for (int v = 0; v < 4; ++v)
-        EXPECT_EQ(bsp.drawVerts[std::size_t(bsp.drawSurfaces[3].firstVert + v)].lightmap, first(3)) << "one texel";
+        EXPECT_EQ(bsp.drawVerts[std::size_t(bsp.drawSurfaces[3].firstVert + v)].lightmap[0], first(3)) << "one texel";
     bsp = unlit, surfaces = before;
     lightmap.collapse = false;
     EXPECT_EQ(Finish().pages.size(), 6u) << "-nocollapse keeps all apart";
@@ -123,14 +123,14 @@ TEST_F(StoreTest, LeastLightRaisesLuxelsAndVertices) {
         Fill(surfaces.lightmaps[i], [&](int x, int) { return Vec3f{float(10 * x), float(i), 200}; });
     surfaces.vertex.sum[0].assign(bsp.drawVerts.size(), {1, 90, 300});
     for (bspDrawVert_t &vert : bsp.drawVerts)
-        vert.color = {9, 9, 9, 77};
+        vert.color[0] = {9, 9, 9, 77};
     world.minLight = {15, 15, 15};
     world.minVertex = {5, 6, 7};
     const StoredLightmaps stored = Finish();
     EXPECT_EQ(Shown(stored, 2, 1, 0), (std::array{15, 15, 200}));
     EXPECT_EQ(Shown(stored, 2, 3, 0), (std::array{30, 15, 200}));
     // 300 is over white: the color keeps its hue.
-    EXPECT_EQ(bsp.drawVerts[0].color, (std::array<std::uint8_t, 4>{4, 76, 255, 77})) << "alpha stays";
+    EXPECT_EQ(bsp.drawVerts[0].color[0], (std::array<std::uint8_t, 4>{4, 76, 255, 77})) << "alpha stays";
 }
 
 TEST_F(StoreTest, VertexLightFollowsScalesAndDirectives) {
@@ -139,14 +139,14 @@ TEST_F(StoreTest, VertexLightFollowsScalesAndDirectives) {
     surfaces.vertex.sum[0].assign(bsp.drawVerts.size(), {10, 20, 30});
     lightmap.vertexScale = 2;
     for (bspDrawVert_t &vert : bsp.drawVerts)
-        vert.color = {9, 9, 9, 77};
+        vert.color[0] = {9, 9, 9, 77};
     Store();
     for (std::size_t i = 0; i < bsp.drawSurfaces.size(); ++i) {
-        const auto &color = bsp.drawVerts[std::size_t(bsp.drawSurfaces[i].firstVert)].color;
+        const auto &color = bsp.drawVerts[std::size_t(bsp.drawSurfaces[i].firstVert)].color[0];
         const std::string_view shader = ShaderOf(i);
         const int red = shader.ends_with('1') ? 9 : shader.ends_with('2') ? 60 : 20;
         EXPECT_EQ(int(color[0]), red) << shader;
-        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, kLightmapByVertex) << "nothing was averaged";
+        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum[0], kLightmapByVertex) << "nothing was averaged";
     }
 }
 
@@ -209,7 +209,7 @@ TEST_F(StoreTest, SurfacesWithAParentCopyItsLight) {
     surfaces.lightmapOf[4] = -1;
     const bspDrawSurface_t before = bsp.drawSurfaces[4];
     Finish();
-    EXPECT_EQ(bsp.drawSurfaces[4].lightmapNum, bsp.drawSurfaces[0].lightmapNum);
+    EXPECT_EQ(bsp.drawSurfaces[4].lightmapNum[0], bsp.drawSurfaces[0].lightmapNum[0]);
     EXPECT_EQ(bsp.drawSurfaces[4].firstVert, before.firstVert);
     EXPECT_EQ(bsp.drawSurfaces[4].lightmapVecs, before.lightmapVecs);
     for (int v = 0; v < 4; ++v) {
@@ -229,13 +229,13 @@ TEST_F(StoreTest, LightDirectionsFollowEachPage) {
     }
     StoredLightmaps stored = Finish();
     ASSERT_EQ(bsp.lightmaps.size(), 2u * 128 * 128 * 3);
-    EXPECT_EQ(bsp.drawSurfaces[3].lightmapNum, 0);
+    EXPECT_EQ(bsp.drawSurfaces[3].lightmapNum[0], 0);
     EXPECT_EQ(Direction(stored, 0, 7, 7), (std::array{127, 204, 229})) << "(0, 0.6, 0.8)";
     EXPECT_TRUE(std::equal(stored.pages[0].directions.begin(), stored.pages[0].directions.end(),
                            bsp.lightmaps.begin() + 128 * 128 * 3));
     lightmap.debugDeluxe = true;
     stored = Store();
-    EXPECT_EQ(bsp.drawSurfaces[3].lightmapNum, 1) << "-debugdeluxe shows the directions";
+    EXPECT_EQ(bsp.drawSurfaces[3].lightmapNum[0], 1) << "-debugdeluxe shows the directions";
 }
 
 TEST_F(StoreTest, TangentSpaceHasTheNormalAsItsThirdAxis) {
@@ -291,7 +291,7 @@ TEST_F(StoreTest, PagesOfAnotherSizeAreShownByMadeShaders) {
     EXPECT_EQ(stored.scripts.size(), 5u) << "all but the shader without lightmap";
     int own = 0, kept = 0;
     for (std::size_t i = 0; i < 6; ++i) {
-        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum, kLightmapByVertex);
+        EXPECT_EQ(bsp.drawSurfaces[i].lightmapNum[0], kLightmapByVertex);
         const std::string shader(ShaderOf(i));
         const auto script = std::find_if(stored.scripts.begin(), stored.scripts.end(),
                                          [&](const auto &one) { return one.shader == shader; });

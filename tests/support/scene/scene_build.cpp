@@ -166,7 +166,7 @@ class BspBuilder {
         surface.numVerts = std::int32_t(source.verts.size());
         surface.firstIndex = std::int32_t(bsp_.drawIndexes.size());
         surface.numIndexes = std::int32_t(source.indexes.size());
-        surface.lightmapNum = kLightmapByVertex;
+        surface.lightmapNum[0] = kLightmapByVertex;
         surface.patchWidth = source.patchWidth;
         surface.patchHeight = source.patchHeight;
         if (source.type == MST_PATCH) // the level-of-detail group

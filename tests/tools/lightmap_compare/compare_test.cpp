@@ -74,7 +74,7 @@ TEST_F(CompareTest, PackingAndPageSizeMakeNoDifference) {
     lightmap.pageSize = {256, 256};
     Light(30);
     const LitMap made = Written("made");
-    EXPECT_EQ(made.Map().drawSurfaces[0].lightmapNum, kLightmapByVertex);
+    EXPECT_EQ(made.Map().drawSurfaces[0].lightmapNum[0], kLightmapByVertex);
     const Comparison c = Compare(a, made, 200, 0);
     EXPECT_EQ(c.lightmapped.both, 6u) << "found through the made shaders";
     EXPECT_LT(c.lightmaps.worst, 1e-3);
@@ -225,7 +225,7 @@ TEST_F(CompareTest, AreasOfTrianglesAndPatches) {
 TEST_F(CompareTest, VerticesOfSkiesAreCountedApart) {
     Light(30);
     for (bspDrawSurface_t &s : bsp.drawSurfaces)
-        s.lightmapNum = kLightmapByVertex;
+        s.lightmapNum[0] = kLightmapByVertex;
     LitMap a(bsp, {}, {});
     constexpr std::int32_t kSkyFlag = 0x4;
     bsp.shaders[std::size_t(bsp.drawSurfaces[0].shaderNum)].surfaceFlags |= kSkyFlag;
@@ -252,7 +252,7 @@ TEST_F(CompareTest, VerticesThatNobodySeesAreCountedApart) {
            "textures/test/wall4\n{\nqer_editorimage rgbGen\nq3map_bounce 1\n}\n"); // wall5: no script
     Light(30);
     for (bspDrawSurface_t &s : bsp.drawSurfaces)
-        s.lightmapNum = kLightmapByVertex;
+        s.lightmapNum[0] = kLightmapByVertex;
     const LitMap a(bsp, {}, {});
     const Comparison c = Compare(a, a, 10, 0, library.get());
     const std::size_t one = std::size_t(bsp.drawSurfaces[0].numVerts);

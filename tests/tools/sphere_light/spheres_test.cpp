@@ -45,7 +45,7 @@ void ExpectNear(const Vec3f &a, const Vec3f &b) {
     EXPECT_LT(Length(a - b), 0.01f) << a.x << " " << a.y << " " << a.z;
 }
 
-const bspGridPoint_t kFromAbove{{100, 50, 0}, {60, 100, 20}, {0, 0}};
+const bspGridPoint_t kFromAbove{{{100, 50, 0}}, {{60, 100, 20}}, kOnlyStyle0, {0, 0}};
 const Vec3f kUp{0, 0, 1}, kDown{0, 0, -1};
 
 TEST(SphereView, NormalsOfPixels) {
@@ -109,7 +109,7 @@ TEST(EngineLight, RenderersLimitTheLegacyGridDifferently) {
 }
 
 TEST(EngineLight, OnlyRenderer1LeavesOutPointsWithoutAmbientLight) {
-    const bspGridPoint_t directedOnly{{0, 0, 0}, {60, 100, 20}, {0, 0}};
+    const bspGridPoint_t directedOnly{{{0, 0, 0}}, {{60, 100, 20}}, kOnlyStyle0, {0, 0}};
     ExpectNear(Legacy(directedOnly, Renderer::OpenGL1, 0, kUp), {32, 32, 32});
     ExpectNear(Legacy(directedOnly, Renderer::OpenGL2, 0, kUp), {92, 132, 52});
 }

@@ -4,6 +4,7 @@
 #include "common/tool_main.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/bspfile_grid.h"
+#include "q3map2/bspfile/bspfile_ibsp.h"
 #include "q3map2/gridformats/grid_formats.h"
 #include "q3map2/gridformats/grid_source.h"
 #include "q3map2/gridformats/legacy_encode.h"
@@ -119,19 +120,19 @@ Shown Evaluated(const OctreeReader &reader) {
 Shown Converted(Bsp bsp, std::string_view word, Log &log) {
     const LegacyPlaces places(Vec3f(bsp.models[0].mins), Vec3f(bsp.models[0].maxs), LegacyCell(bsp));
     if (word == "baked")
-        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kSkippingEngine));
+        return Evaluated(LegacyGridReader::Load(IbspGridLump(bsp.gridPoints), places, kSkippingEngine));
     if (word == "baked in ioquake3")
-        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
+        return Evaluated(LegacyGridReader::Load(IbspGridLump(bsp.gridPoints), places, kIoquake3Engine));
     const auto files = StoreGridFormats(bsp, ParseGridFormats(word), {}, JobPool(1), log);
     if (word == "legacy")
-        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kPlainEngine));
+        return Evaluated(LegacyGridReader::Load(IbspGridLump(bsp.gridPoints), places, kPlainEngine));
     if (word == "legacy-ioq3")
-        return Evaluated(LegacyGridReader::Load(BytesOf(bsp.gridPoints), places, kIoquake3Engine));
+        return Evaluated(LegacyGridReader::Load(IbspGridLump(bsp.gridPoints), places, kIoquake3Engine));
     if (word == "raw-ioq3")
         return Evaluated(
-            LegacyGridReader::LoadRaw(BytesOf(bsp.gridPoints), files[0].bytes, places, kRawEngine, kOverbrightFactor));
+            LegacyGridReader::LoadRaw(IbspGridLump(bsp.gridPoints), files[0].bytes, places, kRawEngine, kOverbrightFactor));
     if (word == "raw-rend2")
-        return Evaluated(LegacyGridReader::LoadRend2(BytesOf(bsp.gridPoints), files[0].bytes, places, {}));
+        return Evaluated(LegacyGridReader::LoadRend2(IbspGridLump(bsp.gridPoints), files[0].bytes, places, {}));
     std::string fault;
     const auto octree = OctreeReader::Load(bsp.bspx.back().data, word == "grids", fault);
     if (!octree)

@@ -115,7 +115,7 @@ class Comparer {
     void CompareVertices(std::size_t surface, Differences &differences) const {
         const bspDrawSurface_t &s = a_.Map().drawSurfaces[surface];
         const auto color = [](const LitMap &map, int vertex) {
-            const auto &c = map.Map().drawVerts[std::size_t(vertex)].color;
+            const auto &c = map.Map().drawVerts[std::size_t(vertex)].color[0];
             return Vec3d{double(c[0]), double(c[1]), double(c[2])};
         };
         for (int v = s.firstVert; v < s.firstVert + s.numVerts; ++v)

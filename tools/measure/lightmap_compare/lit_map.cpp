@@ -121,7 +121,7 @@ LitMap::LitMap(Bsp bsp, std::vector<Page> pages, std::map<std::string, int> page
     // In deluxe files every odd page holds directions, so that surfaces name even ones only.
     bool any = false, even = true;
     for (std::size_t i = 0; i < bsp_.drawSurfaces.size(); ++i) {
-        int page = bsp_.drawSurfaces[i].surfaceType == MST_FLARE ? -1 : bsp_.drawSurfaces[i].lightmapNum;
+        int page = bsp_.drawSurfaces[i].surfaceType == MST_FLARE ? -1 : bsp_.drawSurfaces[i].lightmapNum[0];
         if (const auto made = pageOfShader.find(LowerCase(ShaderOf(i))); page < 0 && made != pageOfShader.end())
             page = made->second;
         pageOf_.push_back(known(page) ? page : -1);
@@ -161,7 +161,7 @@ Vec3d LitMap::Sample(int page, const SurfacePoint &point) const {
     double s = 0, t = 0;
     for (std::size_t i = 0; i < point.count; ++i) {
         const bspDrawVert_t &v = bsp_.drawVerts[std::size_t(point.verts[i])];
-        s += point.weights[i] * double(v.lightmap[0]), t += point.weights[i] * double(v.lightmap[1]);
+        s += point.weights[i] * double(v.lightmap[0][0]), t += point.weights[i] * double(v.lightmap[0][1]);
     }
     const auto along = [](double coordinate, int size) {
         const double at = coordinate * size - 0.5;

@@ -59,7 +59,7 @@ bool LuxelCover::Covers(std::size_t surface, const SurfacePoint &position) const
     for (std::size_t i = 0; i < 3; ++i) {
         const bspDrawVert_t &v = bsp.drawVerts[std::size_t(position.verts[i])];
         xyz[i] = Vec3d(v.xyz);
-        st[i] = {double(v.lightmap[0]) * width - 0.5, double(v.lightmap[1]) * height - 0.5};
+        st[i] = {double(v.lightmap[0][0]) * width - 0.5, double(v.lightmap[0][1]) * height - 0.5};
         s += position.weights[i] * st[i][0], t += position.weights[i] * st[i][1];
         frame.normal += Vec3d(v.normal) * position.weights[i];
     }

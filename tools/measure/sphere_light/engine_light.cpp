@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "libs/shgrid/shgrid.h"
+#include "q3map2/bspfile/bspfile_ibsp.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/light_keys.h"
@@ -86,13 +87,13 @@ EngineLight LegacyGridLight(const Bsp &bsp, Renderer renderer, int shift) {
     const LegacyPlaces places(Vec3f(bsp.models[0].mins), Vec3f(bsp.models[0].maxs), cell.value_or(Vec3f{64, 64, 128}));
     std::vector<bspGridPoint_t> points = bsp.gridPoints;
     for (bspGridPoint_t &point : points) {
-        point.ambient = Shifted(point.ambient, shift);
-        point.directed = Shifted(point.directed, shift);
+        point.ambient[0] = Shifted(point.ambient[0], shift);
+        point.directed[0] = Shifted(point.directed[0], shift);
     }
     LegacyEngine engine = kIoquake3Engine;
     engine.ambientAdded = kAddedAmbient;
     engine.keepsDirected = renderer == Renderer::OpenGL2;
-    auto reader = LegacyGridReader::Load(std::as_bytes(std::span(points)), places, engine);
+    auto reader = LegacyGridReader::Load(IbspGridLump(points), places, engine);
     if (!reader)
         throw Error("the legacy grid has another number of points than the map's bounds need");
     return [reader = std::move(*reader), renderer](const Vec3f &position) -> NormalColor {
