@@ -148,7 +148,7 @@ TEST(LegacyGridFromSH, LengthsFitTheBoundsOfTheWorld) {
         const auto stored = SampleGrid({2, 2, 2}, mins.Array(), [](const Vec3f &) { return ConstantLight({1, 1, 1}); });
         const LegacyPoints points = OpenPoints(GridSource(stored, std::vector<bool>(8)), layout);
         const LegacyPlaces places(mins, maxs, {64, 64, 128});
-        EXPECT_EQ(BytesOf(EncodeLegacyGrid(points, {}, GridTone(), 1)).size(), 8 * places.Points());
+        EXPECT_EQ(IbspGridLump(EncodeLegacyGrid(points, {}, GridTone(), 1)).size(), 8 * places.Points());
         EXPECT_EQ(EncodeRawGrid(points, {}, GridTone(), 1, 1).size(), 24 * places.Points());
     }
     EXPECT_EQ(LegacyPlaces(worlds[0].first, worlds[0].second, {64, 64, 128}).Points(), 3u * 5 * 3);

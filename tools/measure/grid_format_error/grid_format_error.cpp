@@ -101,10 +101,6 @@ Errors Measure(const std::vector<Vec3f> &positions, const Shown &truth, const Sh
     return errors;
 }
 
-template <typename T> std::span<const std::byte> BytesOf(const std::vector<T> &records) {
-    return std::as_bytes(std::span(records));
-}
-
 Shown Evaluated(const std::optional<LegacyGridReader> &reader) {
     return [reader](const Vec3f &position, const Vec3f &normal) { return reader->At(position).On(normal); };
 }
