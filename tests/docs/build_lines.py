@@ -303,7 +303,7 @@ class Runner:
 def main():
     program, source = str(Path(sys.argv[1]).resolve()), Path(sys.argv[2])
     page = (source / "docs/moving.md").read_text()
-    section = page[page.index("\n## Build lines of projects\n"):page.index("\n## Missing\n")]
+    section = page.split("\n## Build lines of projects\n")[1].split("\n## ")[0]
     with tempfile.TemporaryDirectory() as folder:
         runner = Runner(program, Path(folder))
         for text in lines_of(section) + lines_of(LINES):
