@@ -3,8 +3,10 @@
 
 #include "common/error.h"
 #include "common/files/archive.h"
+#include "common/files/dependencies.h"
 #include "common/files/files.h"
 #include "common/platform/platform.h"
+#include "common/text/text.h"
 #include "common/text/text_scan.h"
 
 #include <algorithm>
@@ -49,19 +51,30 @@ std::string LastPart(const fs::path &folder) {
     return folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
 }
 
+/// A folder, or an archive with its directory read.
+struct MountedFiles {
+    fs::path path;
+    std::unique_ptr<Archive> archive{}; ///< null: a folder
+};
+
 } // namespace
 
 struct VirtualFileSystem::State {
     Log &log;
     std::vector<std::string> forbidden;
-    std::vector<fs::path> folders;   ///< the winner first
-    std::vector<Archive> archives{}; ///< the winner first
+    std::vector<MountedFiles> mounted; ///< the winner first: folders, then archives; before them preferred packages
+    std::size_t folders = 0;           ///< how many of them are folders, until packages are preferred
 
     bool IsForbidden(std::string_view name) const {
         return std::any_of(forbidden.begin(), forbidden.end(),
                            [&](const std::string &pattern) { return MatchesWildcard(name, pattern); });
     }
+    void MountFolder(fs::path path);
     void MountArchive(const fs::path &path);
+    std::size_t FindPackage(const PackageName &wanted) const;
+    std::vector<PackageName> DependenciesOf(const MountedFiles &package) const;
+    void Prefer(const PackageName &wanted, const fs::path &needing, std::size_t &preferred);
+    void PreferAt(std::size_t at, std::size_t &preferred);
     /// Calls use(path) or use(archive) for each occurrence of a safe name, the winner first, until one returns true.
     template <typename UsePath, typename UseArchive>
     void Visit(const std::string &name, UsePath usePath, UseArchive useArchive) const;
@@ -70,9 +83,13 @@ struct VirtualFileSystem::State {
     std::vector<std::vector<std::byte>> Contents(std::string_view name, Occurrences wanted) const;
 };
 
+void VirtualFileSystem::State::MountFolder(fs::path path) {
+    mounted.insert(mounted.begin() + std::ptrdiff_t(folders++), {std::move(path)});
+}
+
 void VirtualFileSystem::State::MountArchive(const fs::path &path) {
     try {
-        archives.emplace_back(path);
+        mounted.push_back({path, std::make_unique<Archive>(path)});
     } catch (const Error &error) {
         log.Warn("unreadable archive", "{}", error.what());
     } catch (const fs::filesystem_error &error) {
@@ -84,15 +101,17 @@ template <typename UsePath, typename UseArchive>
 void VirtualFileSystem::State::Visit(const std::string &name, UsePath usePath, UseArchive useArchive) const {
     if (name.empty())
         return;
-    for (const fs::path &folder : folders) {
-        const fs::path path = folder / PathOf(name);
+    for (const MountedFiles &files : mounted) {
+        if (files.archive) {
+            if (files.archive->Contains(name) && useArchive(*files.archive))
+                return;
+            continue;
+        }
+        const fs::path path = files.path / PathOf(name);
         std::error_code absent;
         if (fs::is_regular_file(path, absent) && usePath(path))
             return;
     }
-    for (const Archive &archive : archives)
-        if (archive.Contains(name) && useArchive(archive))
-            return;
 }
 
 std::vector<std::vector<std::byte>> VirtualFileSystem::State::Contents(std::string_view name,
@@ -113,7 +132,7 @@ std::vector<std::vector<std::byte>> VirtualFileSystem::State::Contents(std::stri
     return found;
 }
 
-VirtualFileSystem::VirtualFileSystem(Log &log) : state_(new State{.log = log, .forbidden = {}, .folders = {}}) {}
+VirtualFileSystem::VirtualFileSystem(Log &log) : state_(new State{.log = log, .forbidden = {}, .mounted = {}}) {}
 VirtualFileSystem::~VirtualFileSystem() = default;
 VirtualFileSystem::VirtualFileSystem(VirtualFileSystem &&) noexcept = default;
 
@@ -141,12 +160,90 @@ void VirtualFileSystem::Mount(const fs::path &folder, std::string_view archiveEx
     std::sort(archives.begin(), archives.end(), LessWithoutCase);
     std::sort(packFolders.begin(), packFolders.end(), LessWithoutCase);
 
-    state_->folders.push_back(folder);
+    state_->MountFolder(folder);
     for (auto name = packFolders.rbegin(); name != packFolders.rend(); ++name)
-        state_->folders.push_back(folder / *name);
+        state_->MountFolder(folder / *name);
     for (auto name = archives.rbegin(); name != archives.rend(); ++name)
         state_->MountArchive(folder / *name);
 }
+
+// ---- Packages that others need ----
+
+/// Number of the mounted package with that name: the version that is asked for, else the newest; of equal ones the one
+/// that wins already. The count of all: there is none.
+std::size_t VirtualFileSystem::State::FindPackage(const PackageName &wanted) const {
+    std::size_t found = mounted.size();
+    std::string newest;
+    for (std::size_t i = 0; i < mounted.size(); ++i) {
+        const fs::path name = LastPart(mounted[i].path);
+        const std::string_view extension = mounted[i].archive ? kPackageExtension : kPackageFolderExtension;
+        if (!EqualNoCase(name.extension().string(), extension))
+            continue;
+        PackageName package = ParsePackageName(name.stem().string());
+        const bool isCandidate =
+            package.name == wanted.name && (wanted.version.empty() || package.version == wanted.version);
+        if (isCandidate && (found == mounted.size() || CompareVersions(package.version, newest) > 0)) {
+            found = i;
+            newest = std::move(package.version);
+        }
+    }
+    return found;
+}
+
+std::vector<PackageName> VirtualFileSystem::State::DependenciesOf(const MountedFiles &package) const {
+    try {
+        const fs::path file = package.path / kDependencyFile;
+        if (package.archive)
+            return package.archive->Contains(kDependencyFile)
+                       ? ParseDependencies(AsText(package.archive->Read(kDependencyFile)), file.string(), log)
+                       : std::vector<PackageName>();
+        std::error_code absent;
+        if (fs::is_regular_file(file, absent))
+            return ParseDependencies(AsText(ReadFile(file)), file.string(), log);
+    } catch (const Error &error) {
+        log.Warn("unreadable game file", "{}", error.what());
+    }
+    return {};
+}
+
+/// Moves the package at `at` behind the `preferred` ones, and behind it those that it needs.
+void VirtualFileSystem::State::PreferAt(std::size_t at, std::size_t &preferred) {
+    std::rotate(mounted.begin() + std::ptrdiff_t(preferred), mounted.begin() + std::ptrdiff_t(at),
+                mounted.begin() + std::ptrdiff_t(at + 1));
+    const std::size_t here = preferred++;
+    const fs::path needing = mounted[here].path;
+    for (const PackageName &wanted : DependenciesOf(mounted[here]))
+        Prefer(wanted, needing, preferred);
+}
+
+void VirtualFileSystem::State::Prefer(const PackageName &wanted, const fs::path &needing, std::size_t &preferred) {
+    const std::size_t found = FindPackage(wanted);
+    if (found == mounted.size())
+        return log.Warn("missing package", "{} needs {}{}{}, which is in no folder of the game", needing.string(),
+                        wanted.name, wanted.version.empty() ? "" : " ", wanted.version);
+    if (found >= preferred) // else it is one of them already
+        PreferAt(found, preferred);
+}
+
+void VirtualFileSystem::PreferDependencies(const fs::path &package) {
+    const auto isPackage = [&](const MountedFiles &files) {
+        std::error_code absent;
+        return !files.archive && fs::equivalent(files.path, package, absent);
+    };
+    auto &mounted = state_->mounted;
+    auto found = std::ranges::find_if(mounted, isPackage);
+    if (found == mounted.end()) {
+        if (state_->IsForbidden(LastPart(package)))
+            return;
+        state_->log.Print("VFS Init: {}\n", package.string());
+        mounted.insert(mounted.begin(), {package});
+        found = mounted.begin();
+    }
+    std::size_t preferred = 0;
+    state_->PreferAt(std::size_t(found - mounted.begin()), preferred);
+}
+
+// ---- Reading ----
 
 std::optional<std::vector<std::byte>> VirtualFileSystem::Read(std::string_view name) const {
     auto found = state_->Contents(name, State::Occurrences::First);
@@ -189,18 +286,21 @@ std::vector<std::string> VirtualFileSystem::List(std::string_view folder, std::s
         if (EndsWithNoCase(name, extension) && known.insert(LowerCase(name)).second)
             names.push_back(std::move(name));
     };
-    for (const fs::path &root : state_->folders) {
+    for (const MountedFiles &files : state_->mounted) {
+        if (files.archive) {
+            for (const std::string &name : files.archive->Names())
+                if (name.size() > safe.size() && name[safe.size()] == '/' &&
+                    EqualNoCase(std::string_view(name).substr(0, safe.size()), safe) &&
+                    name.find('/', safe.size() + 1) == std::string::npos)
+                    add(name.substr(safe.size() + 1));
+            continue;
+        }
         std::error_code failed, unknown;
-        for (fs::directory_iterator at(root / PathOf(safe), failed), end; !failed && at != end; at.increment(failed))
+        for (fs::directory_iterator at(files.path / PathOf(safe), failed), end; !failed && at != end;
+             at.increment(failed))
             if (at->is_regular_file(unknown))
                 add(at->path().filename().string());
     }
-    for (const Archive &archive : state_->archives)
-        for (const std::string &name : archive.Names())
-            if (name.size() > safe.size() && name[safe.size()] == '/' &&
-                EqualNoCase(std::string_view(name).substr(0, safe.size()), safe) &&
-                name.find('/', safe.size() + 1) == std::string::npos)
-                add(name.substr(safe.size() + 1));
     std::sort(names.begin(), names.end(), LessWithoutCase);
     return names;
 }

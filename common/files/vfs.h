@@ -28,6 +28,11 @@ class VirtualFileSystem {
     /// Mount the folder that should win first. A missing folder is fine; an unreadable archive is a warning and is
     /// skipped.
     void Mount(const std::filesystem::path &folder, std::string_view archiveExtension);
+    /// Puts a package first, and after it the mounted packages that its file DEPS names, those that they name, and so
+    /// on; all others keep their order behind these. `package`: the folder that a map is in; one that is not mounted
+    /// yet is. Without a version in DEPS the newest counts. A package that is not there is a warning. To be called
+    /// after the last Mount; packages are those of Dæmon (dependencies.h).
+    void PreferDependencies(const std::filesystem::path &package);
 
     /// Contents of the winning file of that name, or nothing. A damaged archive entry is a warning and counts as
     /// absent.

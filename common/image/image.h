@@ -40,12 +40,11 @@ Image DecodeJpeg(std::span<const std::byte> file, std::string_view name);
 /// All 16 bits of a channel, where DecodePng keeps 8.
 DeepImage DecodeDeepPng(std::span<const std::byte> file, std::string_view name);
 
-/// Reads an image file: PNG, JPEG and DDS by their first bytes, TGA by its extension. Errors: those of ReadFile and of
-/// the decoders, and a file that is none of these.
+/// The same as DecodeImage of a file; 16-bit PNG keeps its bits. Errors: those of ReadFile too.
 DeepImage ReadDeepImage(const std::filesystem::path &path);
 
-/// By its first bytes, PNG, JPEG and DDS, else by the extension of `name`, TGA. Errors: those of the decoders, and
-/// another format.
+/// By its first bytes, PNG, JPEG, WebP, DDS and KTX, else by the extension of `name`, TGA. Errors: those of the
+/// decoders, and another format.
 Image DecodeImage(std::span<const std::byte> file, std::string_view name);
 
 /// Which row the texels given to EncodeTga begin with.
@@ -92,8 +91,22 @@ std::optional<IndexImage> DecodePngIndexes(std::span<const std::byte> file, std:
 /// fits already. Each texel is the mean of the area that it covers, of stored values, as engines make mipmaps.
 Image Reduced(const Image &image, int longestSide);
 
-/// Decodes the largest mipmap; of a cube map, that of its first face. DXT1, DXT3, DXT5, and uncompressed texels with
-/// any masks. `name`, errors and limits as for DecodeTga.
+/// WebP, lossy or lossless, through libwebp. Error for animations.
+Image DecodeWebp(std::span<const std::byte> file, std::string_view name);
+
+// Textures for graphics cards: the largest mipmap; of a cube map, an array or a volume, the first image.
+
+/// DDS, also with the extended header of DirectX 10: BC1 to BC5, BC7, and uncompressed texels with any masks.
 Image DecodeDds(std::span<const std::byte> file, std::string_view name);
+/// KTX 1, and KTX 2 without supercompression: BC1 to BC5, BC7, ETC1, ETC2 and uncompressed texels of up to 8 bits a
+/// channel. The first row is the top row, as in engines, which do not look at KTXorientation.
+Image DecodeKtx(std::span<const std::byte> file, std::string_view name);
+/// Crunch (.crn): checks the header only. One texel of middle gray, 128, stands for the colors.
+Image DecodeCrn(std::span<const std::byte> file, std::string_view name);
+
+/// Width and height from the header; nullopt: another format, damaged, or over 16384 texels a side.
+std::optional<std::array<int, 2>> WebpSize(std::span<const std::byte> file);
+std::optional<std::array<int, 2>> KtxSize(std::span<const std::byte> file);
+std::optional<std::array<int, 2>> CrnSize(std::span<const std::byte> file);
 
 } // namespace q3

@@ -71,8 +71,13 @@ enum class GridSHContainer {
     Bspx  ///< BSPX lump of a version 46 file: unmodified engines load it and see no SH grid
 };
 
-/// All lumps of an IBSP file as records. A value: copy, compare, edit. ReadBsp returns only validated data.
+/// The first four bytes of a file of each format.
+inline constexpr std::string_view kIbspIdent = "IBSP", kRbspIdent = "RBSP", kFbspIdent = "FBSP";
+
+/// All lumps of a file as records, in whatever format it is. A value: copy, compare, edit. ReadBsp returns only validated
+/// data.
 struct Bsp {
+    std::string_view ident = kIbspIdent; ///< of the file that it was read from; WriteBsp goes by its BspFormat
     std::string entities; ///< text of the lump without the final NUL
     std::vector<bspShader_t> shaders;
     std::vector<bspPlane_t> planes;
@@ -86,7 +91,8 @@ struct Bsp {
     std::vector<std::int32_t> drawIndexes;
     std::vector<bspFog_t> fogs;
     std::vector<bspDrawSurface_t> drawSurfaces;
-    std::vector<std::uint8_t> lightmaps; ///< pages of 128 * 128 * 3 bytes
+    int lightmapSide = kLightmapSide;    ///< texels of a side of the pages
+    std::vector<std::uint8_t> lightmaps; ///< pages of LightmapPageBytes(lightmapSide) bytes
     std::vector<bspGridPoint_t> gridPoints;
     std::vector<std::uint8_t> visibility; ///< i32 clusters, i32 bytes per row, rows; empty: everything is visible
     std::vector<bspAdvertisement_t> advertisements;
@@ -100,15 +106,20 @@ struct Bsp {
     std::optional<AmbientCubes> ambientCubes;
     std::optional<PropLight> propLight;
     std::vector<BspxLump> bspx; ///< without those that members above hold (bspx_lumps.h)
+
+    std::size_t LightmapPages() const { return lightmaps.size() / LightmapPageBytes(lightmapSide); }
 };
 
-/// Which header a file without an SH lump gets. Version 46: 17 slots. Version 47: 17 slots (Wolfenstein family) or 18
-/// with the advertisement lump (Quake Live).
+/// Which format a file gets. IBSP without an SH lump: version 46 has 17 slots, version 47 has 17 (Wolfenstein family) or
+/// 18 with the advertisement lump (Quake Live). RBSP and FBSP: version 1, with four light styles in their records.
 struct BspFormat {
     int version = 46;
     bool advertisements = false; ///< slot 17 belongs to the format
     bool force = false;          ///< reading: wrong ident or version, or a partial record (lump dropped), only warns
-    std::string_view ident = "IBSP"; ///< writing: which format; reading goes by the file
+    std::string_view ident = kIbspIdent; ///< writing: which format; reading goes by the file
+
+    /// Whether records hold kStyles light styles, not one.
+    bool HasStyleSlots() const { return ident != kIbspIdent; }
 };
 
 /// Name of a 64-byte field: up to the first NUL.

@@ -1,9 +1,11 @@
-// GPL-2.0-or-later. On-disk records of IBSP 46 and 47: little endian, no padding. See docs/bsp_format.md.
+// GPL-2.0-or-later. Records of compiled maps: little endian, no padding, as they lie in RBSP and FBSP files. Four of them
+// are smaller in IBSP files, where they hold one light style: bspfile_ibsp.cpp. See docs/bsp_format.md.
 #pragma once
 
 #include "libs/math/packed_color.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -27,15 +29,33 @@ enum BspLump {
     LUMP_LIGHTMAPS,
     LUMP_LIGHTGRID,
     LUMP_VISIBILITY,
-    LUMP_ADVERTISEMENTS, ///< version 47 of Quake Live only
-    LUMP_LIGHTGRID_SH,   ///< version 47 of this program only
-    kNumLumps
+    LUMP_ADVERTISEMENTS, ///< IBSP 47 of Quake Live only
+    LUMP_LIGHTGRID_SH,   ///< IBSP 47 of this program only
+    kNumLumps,
+    LUMP_LIGHTARRAY = LUMP_ADVERTISEMENTS ///< RBSP and FBSP: u16 numbers of light grid records, one for each point
 };
+
+/// Light styles that a record can hold. IBSP files have slot 0 only.
+inline constexpr std::size_t kStyles = 4;
+/// Style by slot. Slot 0 of surfaces holds style 0, and free slots come last.
+using Styles = std::array<std::uint8_t, kStyles>;
+/// Marks a free slot.
+inline constexpr std::uint8_t kNoStyle = 255;
+inline constexpr Styles kOnlyStyle0{0, kNoStyle, kNoStyle, kNoStyle};
+/// A grid point in a wall: engines of RBSP leave it out of their interpolation.
+inline constexpr Styles kNoStyles{kNoStyle, kNoStyle, kNoStyle, kNoStyle};
+/// A value for each light style.
+template <typename T> using PerStyle = std::array<T, kStyles>;
 
 /// lightmapNum of surfaces that are lit at their vertices: LIGHTMAP_BY_VERTEX of engines.
 inline constexpr std::int32_t kLightmapByVertex = -3;
-/// Bytes of a lightmap page: 128 x 128 RGB texels.
-inline constexpr std::size_t kLightmapPageBytes = 128 * 128 * 3;
+/// Texels of a side of a lightmap page in IBSP and RBSP files, and in FBSP files without _lightmapimagesize.
+inline constexpr int kLightmapSide = 128, kFbspLightmapSide = 512;
+/// Bytes of a lightmap page of RGB texels.
+constexpr std::size_t LightmapPageBytes(int side) {
+    return std::size_t(side) * std::size_t(side) * 3;
+}
+inline constexpr std::size_t kLightmapPageBytes = LightmapPageBytes(kLightmapSide);
 
 using Float3 = std::array<float, 3>;
 using Int3 = std::array<std::int32_t, 3>;
@@ -80,13 +100,15 @@ struct bspBrush_t {
 
 struct bspBrushSide_t {
     std::int32_t planeNum, shaderNum;
+    std::int32_t surfaceNum = -1; ///< draw surface made from this side; -1: none, or not known (IBSP)
 };
 
 struct bspDrawVert_t {
     Float3 xyz;
-    std::array<float, 2> st, lightmap; ///< may be NaN in valid files, where no lightmap is used
+    std::array<float, 2> st;
+    PerStyle<std::array<float, 2>> lightmap; ///< may be NaN in valid files, where no lightmap is used
     Float3 normal;
-    std::array<std::uint8_t, 4> color;
+    PerStyle<std::array<std::uint8_t, 4>> color;
 };
 
 struct bspFog_t {
@@ -99,7 +121,10 @@ enum BspSurfaceType { MST_BAD, MST_PLANAR, MST_PATCH, MST_TRIANGLE_SOUP, MST_FLA
 struct bspDrawSurface_t {
     std::int32_t shaderNum, fogNum, surfaceType;
     std::int32_t firstVert, numVerts, firstIndex, numIndexes;
-    std::int32_t lightmapNum, lightmapX, lightmapY, lightmapWidth, lightmapHeight;
+    Styles lightmapStyles = kOnlyStyle0, vertexStyles = kOnlyStyle0;
+    PerStyle<std::int32_t> lightmapNum{kLightmapByVertex, kLightmapByVertex, kLightmapByVertex, kLightmapByVertex};
+    PerStyle<std::int32_t> lightmapX{}, lightmapY{};
+    std::int32_t lightmapWidth, lightmapHeight;
     Float3 lightmapOrigin;
     std::array<Float3, 3> lightmapVecs;
     std::int32_t patchWidth, patchHeight;
@@ -107,8 +132,10 @@ struct bspDrawSurface_t {
 
 /// Legacy light grid point.
 struct bspGridPoint_t {
-    std::array<std::uint8_t, 3> ambient, directed;
+    PerStyle<std::array<std::uint8_t, 3>> ambient, directed;
+    Styles styles = kOnlyStyle0;
     std::array<std::uint8_t, 2> latLong; ///< angle from +z, angle around z; 255 steps encode 360 degrees
+    bool operator==(const bspGridPoint_t &) const = default;
 };
 
 struct bspAdvertisement_t {
@@ -203,8 +230,8 @@ template <typename Record, std::size_t size>
 inline constexpr bool kPinned = sizeof(Record) == size &&std::is_trivially_copyable_v<Record>;
 static_assert(kPinned<bspShader_t, 72> && kPinned<bspPlane_t, 16> && kPinned<bspNode_t, 36>);
 static_assert(kPinned<bspLeaf_t, 48> && kPinned<bspModel_t, 40> && kPinned<bspBrush_t, 12>);
-static_assert(kPinned<bspBrushSide_t, 8> && kPinned<bspDrawVert_t, 44> && kPinned<bspFog_t, 72>);
-static_assert(kPinned<bspDrawSurface_t, 104> && kPinned<bspGridPoint_t, 8> && kPinned<bspAdvertisement_t, 128>);
+static_assert(kPinned<bspBrushSide_t, 12> && kPinned<bspDrawVert_t, 80> && kPinned<bspFog_t, 72>);
+static_assert(kPinned<bspDrawSurface_t, 148> && kPinned<bspGridPoint_t, 30> && kPinned<bspAdvertisement_t, 128>);
 static_assert(kPinned<bspRnmHeader_t, 20>);
 static_assert(kPinned<bspCubeHeader_t, 16> && kPinned<bspCubeLeaf_t, 4> && kPinned<bspCubeSample_t, 28>);
 static_assert(kPinned<bspPropLightHeader_t, 20> && kPinned<bspPropLight_t, 20> && kPinned<bspPropMesh_t, 8>);

@@ -21,7 +21,6 @@ constexpr std::int64_t kMaxAreas = 256; ///< an engine's area mask has 32 bytes
 constexpr int kMaxTreeDepth = 4096;     ///< limit of this program, chosen, for code that walks the tree by recursion
 constexpr int kMinPatchSide = 3, kMaxPatchSide = 31; ///< control points, odd; MAX_PATCH_SIZE of engines is 32
 constexpr std::size_t kBoxSides = 6;
-constexpr std::int64_t kLightmapSide = 128; ///< texels of a page's side
 constexpr double kLengthTolerance = 0.01;   ///< of normals of planes, which should have length 1
 constexpr float kBoxTolerance = 0.001f;     ///< of the component of a box side's normal, which should be 1 or -1
 /// Head of the visibility lump: the number of clusters and the bytes of a row, 4 bytes each.
@@ -107,9 +106,8 @@ class Validator {
         required(bsp_.nodes.size(), "nodes");
         required(bsp_.leafs.size(), "leafs");
         required(bsp_.models.size(), "models");
-        if (bsp_.lightmaps.size() % kLightmapPageBytes != 0)
-            throw Error("{}: lightmaps: {} bytes are not a multiple of {}", name_, bsp_.lightmaps.size(),
-                        kLightmapPageBytes);
+        if (const std::size_t page = LightmapPageBytes(bsp_.lightmapSide); bsp_.lightmaps.size() % page != 0)
+            throw Error("{}: lightmaps: {} bytes are not a multiple of {}", name_, bsp_.lightmaps.size(), page);
     }
 
     void CheckVisibility() {
@@ -329,18 +327,25 @@ class Validator {
                 Fail(at, "lightmapVecs are not finite");
         if (surface.surfaceType == MST_FLARE)
             return; // flares have no lightmap
-        const auto pages = std::int64_t(bsp_.lightmaps.size() / kLightmapPageBytes);
-        // Without pages in the file, lightmapNum refers to external images.
-        if (surface.lightmapNum < kLeastLightmapNum || (pages > 0 && surface.lightmapNum >= pages))
-            log_.Warn("lightmapNum", "{}: surface {}: lightmapNum {} is not one of {} pages: taken as lit by vertex",
-                      name_, at.index, surface.lightmapNum, pages);
-        const auto inPage = [](std::int64_t start, std::int64_t length) {
-            return start >= 0 && length >= 0 && start + length <= kLightmapSide;
+        const auto pages = std::int64_t(bsp_.LightmapPages());
+        const auto inPage = [this](std::int64_t start, std::int64_t length) {
+            return start >= 0 && length >= 0 && start + length <= bsp_.lightmapSide;
         };
-        if (!inPage(surface.lightmapX, surface.lightmapWidth) || !inPage(surface.lightmapY, surface.lightmapHeight))
-            log_.Warn("lightmap rectangle",
-                      "{}: surface {}: the lightmap rectangle {} {} {} {} leaves the page: ignored", name_, at.index,
-                      surface.lightmapX, surface.lightmapY, surface.lightmapWidth, surface.lightmapHeight);
+        for (std::size_t slot = 0; slot < kStyles; slot++) {
+            if (slot > 0 && surface.lightmapStyles[slot] == kNoStyle)
+                break; // free slots may hold anything
+            // Without pages in the file, lightmapNum refers to external images.
+            const std::int32_t page = surface.lightmapNum[slot];
+            if (page < kLeastLightmapNum || (pages > 0 && page >= pages))
+                log_.Warn("lightmapNum",
+                          "{}: surface {}: lightmapNum {} is not one of {} pages: taken as lit by vertex", name_,
+                          at.index, page, pages);
+            const std::int32_t x = surface.lightmapX[slot], y = surface.lightmapY[slot];
+            if (!inPage(x, surface.lightmapWidth) || !inPage(y, surface.lightmapHeight))
+                log_.Warn("lightmap rectangle",
+                          "{}: surface {}: the lightmap rectangle {} {} {} {} leaves the page: ignored", name_,
+                          at.index, x, y, surface.lightmapWidth, surface.lightmapHeight);
+        }
     }
 
     void CheckTriangles(const RecordRef &at, const bspDrawSurface_t &surface) const {

@@ -6,6 +6,7 @@
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
 #include "q3map2/bspfile/bspfile_ibsp.h"
+#include "q3map2/bspfile/bspfile_rbsp.h"
 
 #include <fmt/format.h>
 
@@ -27,8 +28,6 @@ struct Mark {
 
 /// Files by their first bytes.
 constexpr std::array kMarks = std::to_array<Mark>({
-    {"RBSP"sv, "a map of a Raven game, such as Jedi Academy or Soldier of Fortune II, or of SiN (RBSP)"},
-    {"FBSP"sv, "a map of Warsow or another QFusion game (FBSP)"},
     {"VBSP"sv, "a map of a Source game (VBSP)"},
     {"PSBV"sv, "a map of a Source game for consoles (PSBV)"},
     {"XBSP"sv, "a map of XreaL (XBSP)"},
@@ -171,6 +170,8 @@ namespace {
 /// The formats. The first one reads files that are of none, and says what they are.
 constexpr BspCodec kCodecs[] = {
     {kIbspIdent, DecodeIbsp, EncodeIbsp},
+    {kRbspIdent, DecodeRbsp, EncodeRbsp},
+    {kFbspIdent, DecodeRbsp, EncodeRbsp},
 };
 
 const BspCodec &CodecOfFile(const ByteSource &file) {
@@ -209,14 +210,15 @@ Bsp ReadBspFile(const std::filesystem::path &path, const BspFormat &format, Log 
 }
 
 std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format) {
-    return CodecOfFormat(format).encode(bsp, format).Bytes();
+    Log quiet(Log::Nowhere());
+    return CodecOfFormat(format).encode(bsp, format, quiet).Bytes();
 }
 
 void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, Log &log) {
     log.Print("Writing {}\n", path.string());
     const ByteRanges bytes = [&] {
         try {
-            return CodecOfFormat(format).encode(bsp, format);
+            return CodecOfFormat(format).encode(bsp, format, log);
         } catch (const Error &error) {
             throw Error("{}: {}", path.string(), error.what());
         }

@@ -7,171 +7,162 @@
 #include "q3map2/bspfile/bspx_lumps.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 
 namespace q3 {
 
-// ---- Records to bytes ----
-
-static_assert(std::endian::native == std::endian::little, "records are written as they lie in memory");
+// ---- Records that are smaller than those in memory ----
 
 namespace {
+
+struct IbspBrushSide {
+    std::int32_t planeNum, shaderNum;
+};
+
+struct IbspDrawVert {
+    Float3 xyz;
+    std::array<float, 2> st, lightmap;
+    Float3 normal;
+    std::array<std::uint8_t, 4> color;
+};
+
+struct IbspDrawSurface {
+    std::int32_t shaderNum, fogNum, surfaceType;
+    std::int32_t firstVert, numVerts, firstIndex, numIndexes;
+    std::int32_t lightmapNum, lightmapX, lightmapY, lightmapWidth, lightmapHeight;
+    Float3 lightmapOrigin;
+    std::array<Float3, 3> lightmapVecs;
+    std::int32_t patchWidth, patchHeight;
+};
+
+struct IbspGridPoint {
+    std::array<std::uint8_t, 3> ambient, directed;
+    std::array<std::uint8_t, 2> latLong;
+};
+
+static_assert(kPinned<IbspBrushSide, 8> && kPinned<IbspDrawVert, 44>);
+static_assert(kPinned<IbspDrawSurface, 104> && kPinned<IbspGridPoint, 8>);
+
+bspBrushSide_t InMemory(const IbspBrushSide &side) {
+    return {side.planeNum, side.shaderNum};
+}
+IbspBrushSide InFile(const bspBrushSide_t &side) {
+    return {side.planeNum, side.shaderNum};
+}
+
+bspDrawVert_t InMemory(const IbspDrawVert &vert) {
+    return {vert.xyz, vert.st, {vert.lightmap}, vert.normal, {vert.color}};
+}
+IbspDrawVert InFile(const bspDrawVert_t &vert) {
+    return {vert.xyz, vert.st, vert.lightmap[0], vert.normal, vert.color[0]};
+}
+
+bspDrawSurface_t InMemory(const IbspDrawSurface &from) {
+    bspDrawSurface_t surface{};
+    surface.shaderNum = from.shaderNum, surface.fogNum = from.fogNum, surface.surfaceType = from.surfaceType;
+    surface.firstVert = from.firstVert, surface.numVerts = from.numVerts;
+    surface.firstIndex = from.firstIndex, surface.numIndexes = from.numIndexes;
+    surface.lightmapNum[0] = from.lightmapNum;
+    surface.lightmapX[0] = from.lightmapX, surface.lightmapY[0] = from.lightmapY;
+    surface.lightmapWidth = from.lightmapWidth, surface.lightmapHeight = from.lightmapHeight;
+    surface.lightmapOrigin = from.lightmapOrigin, surface.lightmapVecs = from.lightmapVecs;
+    surface.patchWidth = from.patchWidth, surface.patchHeight = from.patchHeight;
+    return surface;
+}
+IbspDrawSurface InFile(const bspDrawSurface_t &surface) {
+    return {surface.shaderNum,      surface.fogNum,         surface.surfaceType,  surface.firstVert,
+            surface.numVerts,       surface.firstIndex,     surface.numIndexes,   surface.lightmapNum[0],
+            surface.lightmapX[0],   surface.lightmapY[0],   surface.lightmapWidth, surface.lightmapHeight,
+            surface.lightmapOrigin, surface.lightmapVecs,   surface.patchWidth,   surface.patchHeight};
+}
+
+bspGridPoint_t InMemory(const IbspGridPoint &point) {
+    return {{point.ambient}, {point.directed}, kOnlyStyle0, point.latLong};
+}
+IbspGridPoint InFile(const bspGridPoint_t &point) {
+    return {point.ambient[0], point.directed[0], point.latLong};
+}
+
+// ---- Records to bytes ----
 
 /// Slots in the order in which their lumps lie in the file: that of the compilers of these games.
 constexpr std::array<int, kNumLumps> kDiskOrder = {1, 2, 4, 3, 8, 9, 5, 6, 7, 10, 13, 16, 14, 15, 0, 12, 11, 17, 18};
 
-void Store32(std::vector<std::byte> &bytes, std::size_t at, std::uint32_t value) {
-    std::memcpy(bytes.data() + at, &value, sizeof value);
-}
-
-void StorePart(std::vector<std::byte> &bytes, std::size_t at, const FilePart &part) {
-    Store32(bytes, at, std::uint32_t(part.offset));
-    Store32(bytes, at + 4, std::uint32_t(part.length));
+template <typename FileRecord, typename Record> ByteRanges FileRecords(const std::vector<Record> &records) {
+    return ConvertedRecords<FileRecord>(records, [](const Record &record) { return InFile(record); });
 }
 
 } // namespace
 
-FilePlan PlanFile(std::size_t slots, const std::array<std::uint64_t, kNumLumps> &lengths,
-                  std::span<const std::uint64_t> bspxLengths) {
-    FilePlan plan;
-    plan.slots = slots;
-    std::uint64_t position = HeaderBytes(slots);
-    const auto place = [&position](std::uint64_t length) {
-        const FilePart part{std::int64_t(position), std::int64_t(length)};
-        position = Align4(position + length);
-        return part;
-    };
-    for (const int slot : kDiskOrder) {
-        const auto index = std::size_t(slot);
-        const bool unused = slots == kNumLumps && slot == LUMP_ADVERTISEMENTS && lengths[index] == 0;
-        if (index < slots && !unused)
-            plan.lumps[index] = place(lengths[index]);
-    }
-    plan.bspxStart = position;
-    if (!bspxLengths.empty())
-        position += kBspxHeadBytes + bspxLengths.size() * kBspxEntryBytes;
-    for (const std::uint64_t length : bspxLengths)
-        plan.bspx.push_back(place(length));
-    plan.size = position;
-    if (plan.size > INT32_MAX)
-        throw Error("the file would have {} bytes, but a BSP file ends at {}: use larger cells for the light grids "
-                    "(-gridsh, -gridscalesh) or fewer lightmaps",
-                    plan.size, INT32_MAX);
-    return plan;
-}
-
-namespace {
-
-using SlotBytes = std::array<ByteRanges, kNumLumps>;
-
-SlotBytes TakeLumps(const Bsp &bsp, const BspFormat &format) {
-    SlotBytes lumps;
-    ForEachArray(bsp, [&](int slot, const auto &records) {
-        if (slot != LUMP_ADVERTISEMENTS || format.advertisements)
-            lumps[std::size_t(slot)].Add(records);
-    });
-    lumps[LUMP_ENTITIES].Add(std::span(bsp.entities.c_str(), bsp.entities.size() + 1));
-    if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump)
-        lumps[LUMP_LIGHTGRID_SH] = GridRanges(*bsp.gridSH);
-    return lumps;
-}
-
-std::vector<std::byte> MakeHeader(const FilePlan &plan, int version) {
-    std::vector<std::byte> header(HeaderBytes(plan.slots));
-    std::memcpy(header.data(), kIbspIdent.data(), kIbspIdent.size());
-    Store32(header, 4, std::uint32_t(version));
-    for (std::size_t slot = 0; slot < plan.slots; slot++)
-        StorePart(header, HeaderBytes(slot), plan.lumps[slot]);
-    return header;
-}
-
-} // namespace
-
-ByteRanges EncodeIbsp(const Bsp &bsp, const BspFormat &format) {
+ByteRanges EncodeIbsp(const Bsp &bsp, const BspFormat &format, Log &) {
     CheckBspxLumps(bsp, "writing");
-    SlotBytes lumps = TakeLumps(bsp, format);
-    std::vector<BspxOutput> bspx = WriteBspxLumps(bsp);
-    std::array<std::uint64_t, kNumLumps> lengths{};
-    std::ranges::transform(lumps, lengths.begin(), &ByteRanges::Size);
-    std::vector<std::uint64_t> bspxLengths;
-    for (const BspxOutput &lump : bspx)
-        bspxLengths.push_back(lump.bytes.Size());
-    const bool hasLump18 = lengths[LUMP_LIGHTGRID_SH] > 0;
-    const std::size_t slots = hasLump18               ? std::size_t(kNumLumps)
-                              : format.advertisements ? kAdvertisementSlots
-                                                      : kClassicSlots;
-    const FilePlan plan = PlanFile(slots, lengths, bspxLengths);
-
-    std::vector<BspxPart> directory;
-    for (std::size_t i = 0; i < bspx.size(); ++i)
-        directory.push_back({std::string(bspx[i].name), plan.bspx[i]});
-    ByteRanges file;
-    file.AddOwned(MakeHeader(plan, hasLump18 ? 47 : format.version));
-    for (const int slot : kDiskOrder)
-        file.AddPadded(std::move(lumps[std::size_t(slot)]));
-    file.AddOwned(BspxDirectory(directory));
-    for (BspxOutput &lump : bspx)
-        file.AddPadded(std::move(lump.bytes));
-    return file;
+    LumpBytes lumps = CommonLumps(bsp);
+    lumps[LUMP_BRUSHSIDES] = FileRecords<IbspBrushSide>(bsp.brushSides);
+    lumps[LUMP_DRAWVERTS] = FileRecords<IbspDrawVert>(bsp.drawVerts);
+    lumps[LUMP_SURFACES] = FileRecords<IbspDrawSurface>(bsp.drawSurfaces);
+    lumps[LUMP_LIGHTGRID] = FileRecords<IbspGridPoint>(bsp.gridPoints);
+    if (format.advertisements)
+        lumps[LUMP_ADVERTISEMENTS].Add(bsp.advertisements);
+    const bool hasLump18 = bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump;
+    if (hasLump18)
+        lumps[LUMP_LIGHTGRID_SH] = GridRanges(*bsp.gridSH);
+    const FileLayout layout{.ident = kIbspIdent,
+                            .version = hasLump18 ? 47 : format.version,
+                            .slots = hasLump18               ? std::size_t(kNumLumps)
+                                     : format.advertisements ? kAdvertisementSlots
+                                                             : kClassicSlots,
+                            .order = kDiskOrder};
+    return AssembleFile(layout, std::move(lumps), bsp);
 }
 
 // ---- Bytes to records ----
-
-static_assert(std::endian::native == std::endian::little, "records are copied as they lie in the file");
 
 namespace {
 
 class Reader {
   public:
     Reader(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log)
-        : file_(file), name_(name), format_(format), log_(log) {}
+        : lumps_(file, name, format, log), file_(file), name_(name), format_(format), log_(log) {}
 
     Bsp Read() {
         ReadHead();
         Bsp bsp;
         ReadAdvertisementSlot();
         ReadGridSHSlot(bsp);
-        WarnOverlap();
-        ReadEntities(bsp);
-        ForEachArray(bsp, [this](int slot, auto &records) { ReadArray(slot, records); });
-        if (bsp.lightmaps.size() % kLightmapPageBytes != 0) {
-            RefuseRagged(LUMP_LIGHTMAPS, kLightmapPageBytes);
+        lumps_.WarnOverlap();
+        lumps_.ReadCommonLumps(bsp);
+        ReadRecords<IbspBrushSide>(LUMP_BRUSHSIDES, bsp.brushSides);
+        ReadRecords<IbspDrawVert>(LUMP_DRAWVERTS, bsp.drawVerts);
+        ReadRecords<IbspDrawSurface>(LUMP_SURFACES, bsp.drawSurfaces);
+        ReadRecords<IbspGridPoint>(LUMP_LIGHTGRID, bsp.gridPoints);
+        lumps_.ReadArray(LUMP_ADVERTISEMENTS, bsp.advertisements);
+        if (constexpr std::size_t page = LightmapPageBytes(kLightmapSide); bsp.lightmaps.size() % page != 0) {
+            lumps_.RefuseRagged(LUMP_LIGHTMAPS, page);
             bsp.lightmaps.clear();
         }
-        ReadBspxDirectory(bsp);
+        lumps_.ReadBspx(bsp);
         return bsp;
     }
 
   private:
-    std::int64_t FileSize() const { return std::int64_t(file_.size); }
-    bool Inside(const FilePart &part, std::size_t header) const {
-        return part.length > 0 && part.offset >= std::int64_t(header) && part.End() <= FileSize();
+    template <typename FileRecord, typename Record> void ReadRecords(int slot, std::vector<Record> &records) const {
+        lumps_.ReadConverted<FileRecord>(slot, records, [](const FileRecord &record) { return InMemory(record); });
     }
-    FilePart Slot(std::size_t slot) const {
-        const std::size_t at = HeaderBytes(slot);
-        return {LoadRecord<std::int32_t>(head_, at), LoadRecord<std::int32_t>(head_, at + 4)};
-    }
-    const FilePart &Lump(int slot) const { return lumps_[std::size_t(slot)]; }
 
     void ReadHead() {
         const std::string kind = Kind();
-        if (file_.size < HeaderBytes(kClassicSlots) && kind.empty())
-            throw Error("{}: {} bytes, but a BSP header has {}", name_, file_.size, HeaderBytes(kClassicSlots));
         const bool isShort = file_.size < HeaderBytes(kClassicSlots);
+        if (isShort && kind.empty())
+            throw Error("{}: {} bytes, but a BSP header has {}", name_, file_.size, HeaderBytes(kClassicSlots));
         if (!kind.empty() && (isShort || !format_.force))
-            throw Error("{}: the file is {}; expected a .bsp of Quake III or of a game of its family (IBSP 46 or 47)",
+            throw Error("{}: the file is {}; expected a .bsp of Quake III or of a game of its family (IBSP 46 or 47, "
+                        "RBSP 1, FBSP 1)",
                         name_, kind);
-        file_.Fill(0, std::span(head_).first(std::size_t(std::min<std::uint64_t>(file_.size, head_.size()))));
-        if (std::memcmp(head_.data(), kIbspIdent.data(), kIbspIdent.size()) != 0)
-            Mismatch("the file does not start with IBSP: not a Quake III map");
-        version_ = LoadRecord<std::int32_t>(head_, 4);
-        if (version_ != 46 && version_ != 47)
-            Mismatch(fmt::format("BSP version {}, expected 46 or 47", version_));
-        for (std::size_t slot = 0; slot < kClassicSlots; slot++)
-            lumps_[slot] = CheckedSlot(slot);
-        for (std::size_t slot = 0; slot < kClassicSlots; slot++)
-            if (lumps_[slot].length > 0)
-                firstByte_ = std::min(firstByte_, lumps_[slot].offset);
+        if (!lumps_.HasIdent(kIbspIdent))
+            lumps_.Mismatch("the file does not start with IBSP: not a Quake III map");
+        if (lumps_.Version() != 46 && lumps_.Version() != 47)
+            lumps_.Mismatch(fmt::format("BSP version {}, expected 46 or 47", lumps_.Version()));
+        lumps_.ReadSlots(kClassicSlots);
     }
 
     /// What the file is if not a map of this family.
@@ -181,49 +172,27 @@ class Reader {
         return KindOfFile(begin);
     }
 
-    void Mismatch(const std::string &text) {
-        if (!format_.force)
-            throw Error("{}: {}", name_, text);
-        log_.Warn("BSP ident or version", "{}: {}", name_, text);
-    }
-
-    FilePart CheckedSlot(std::size_t slot) const {
-        const FilePart part = Slot(slot);
-        const auto fail = [&](const std::string &text) {
-            throw Error("{}: lump {} ({}): {}", name_, slot, kLumpNames[slot], text);
-        };
-        if (part.offset < 0)
-            fail(fmt::format("offset {} is negative", part.offset));
-        if (part.length < 0)
-            fail(fmt::format("length {} is negative", part.length));
-        if (part.End() > FileSize())
-            fail(fmt::format("offset {} + length {} exceeds the {} bytes of the file", part.offset, part.length,
-                             file_.size));
-        if (part.length > 0 && part.offset < std::int64_t(HeaderBytes(kClassicSlots)))
-            fail(fmt::format("offset {} lies inside the header of {} bytes", part.offset, HeaderBytes(kClassicSlots)));
-        return part;
-    }
-
     // A first lump behind 18 slots only suggests that slot 17 exists: other layouts have text or lumps there.
     void ReadAdvertisementSlot() {
-        if (version_ != 47 || !format_.advertisements || firstByte_ < std::int64_t(HeaderBytes(kAdvertisementSlots)))
+        if (lumps_.Version() != 47 || !format_.advertisements ||
+            lumps_.FirstByte() < std::int64_t(HeaderBytes(kAdvertisementSlots)))
             return;
-        const FilePart part = Slot(LUMP_ADVERTISEMENTS);
-        if (Inside(part, HeaderBytes(kAdvertisementSlots)) &&
+        const FilePart part = lumps_.Slot(LUMP_ADVERTISEMENTS);
+        if (lumps_.Inside(part, HeaderBytes(kAdvertisementSlots)) &&
             part.length % std::int64_t(sizeof(bspAdvertisement_t)) == 0)
-            lumps_[LUMP_ADVERTISEMENTS] = part;
+            lumps_.SetLump(LUMP_ADVERTISEMENTS, part);
     }
 
     void ReadGridSHSlot(Bsp &bsp) {
         constexpr std::size_t header = HeaderBytes(kNumLumps);
-        if (version_ != 47 || firstByte_ < std::int64_t(header) || file_.size < header)
+        if (lumps_.Version() != 47 || lumps_.FirstByte() < std::int64_t(header) || file_.size < header)
             return;
-        const FilePart part = Slot(LUMP_LIGHTGRID_SH);
+        const FilePart part = lumps_.Slot(LUMP_LIGHTGRID_SH);
         // This program places the first lump right behind 19 slots. Where others begin later, slot 18 may be anything.
-        const bool isOwnLayout = firstByte_ == std::int64_t(header);
-        if (part.length == 0 || (!isOwnLayout && !Inside(part, header)))
+        const bool isOwnLayout = lumps_.FirstByte() == std::int64_t(header);
+        if (part.length == 0 || (!isOwnLayout && !lumps_.Inside(part, header)))
             return;
-        if (!Inside(part, header))
+        if (!lumps_.Inside(part, header))
             throw Error("{}: lump {} ({}): offset {} + length {} is not inside the {} bytes of the file", name_,
                         int(LUMP_LIGHTGRID_SH), kLumpNames[LUMP_LIGHTGRID_SH], part.offset, part.length, file_.size);
         try {
@@ -234,61 +203,14 @@ class Reader {
             log_.Warn("slot 18", "slot 18 is ignored, it is no SH light grid: {}", error.what());
             return;
         }
-        lumps_[LUMP_LIGHTGRID_SH] = part;
+        lumps_.SetLump(LUMP_LIGHTGRID_SH, part);
     }
 
-    void WarnOverlap() {
-        std::vector<std::size_t> order;
-        for (std::size_t slot = 0; slot < lumps_.size(); slot++)
-            if (lumps_[slot].length > 0)
-                order.push_back(slot);
-        std::ranges::stable_sort(order, {}, [this](std::size_t slot) { return lumps_[slot].offset; });
-        for (std::size_t i = 1; i < order.size(); i++)
-            if (lumps_[order[i]].offset < lumps_[order[i - 1]].End())
-                log_.Warn("overlapping lumps", "{}: lump {} ({}) overlaps lump {} ({})", name_, order[i - 1],
-                          kLumpNames[order[i - 1]], order[i], kLumpNames[order[i]]);
-    }
-
-    void ReadEntities(Bsp &bsp) const {
-        const FilePart &part = Lump(LUMP_ENTITIES);
-        bsp.entities.resize(std::size_t(part.length));
-        file_.Fill(std::uint64_t(part.offset), std::span(bsp.entities));
-        bsp.entities.resize(std::min(bsp.entities.find('\0'), bsp.entities.size()));
-    }
-
-    template <typename Record> void ReadArray(int slot, std::vector<Record> &records) {
-        const FilePart &part = Lump(slot);
-        if (part.length % std::int64_t(sizeof(Record)) != 0)
-            return RefuseRagged(slot, sizeof(Record));
-        records.resize(std::size_t(part.length) / sizeof(Record));
-        file_.Fill(std::uint64_t(part.offset), std::span(records));
-    }
-
-    /// Error for a lump that is no whole number of records of `record` bytes; with -force, a warning that the caller
-    /// drops it.
-    void RefuseRagged(int slot, std::size_t record) {
-        const auto text = fmt::format("{}: lump {} ({}): length {} is not a multiple of the record size {}", name_,
-                                      slot, kLumpNames[std::size_t(slot)], lumps_[std::size_t(slot)].length, record);
-        if (!format_.force)
-            throw Error(text);
-        log_.Warn("ragged lump", "{}: the lump is dropped", text);
-    }
-
-    void ReadBspxDirectory(Bsp &bsp) {
-        std::int64_t end = 0;
-        for (const FilePart &part : lumps_)
-            end = std::max(end, part.End());
-        ReadBspxLumps(file_, Align4(std::uint64_t(end)), name_, bsp, log_);
-    }
-
+    LumpReader lumps_;
     const ByteSource &file_;
     std::string_view name_;
     const BspFormat &format_;
     Log &log_;
-    std::array<std::byte, HeaderBytes(kNumLumps)> head_{}; ///< zeros where the file is shorter
-    std::int32_t version_ = 0;
-    std::array<FilePart, kNumLumps> lumps_{};
-    std::int64_t firstByte_ = INT64_MAX; ///< smallest offset of a lump that is not empty
 };
 
 } // namespace

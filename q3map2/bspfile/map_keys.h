@@ -181,7 +181,7 @@ inline constexpr EntityKey kFlareKeys[] = {{{.name = "_flare",
                                            {{.name = "_flareshader",
                                              .values = "NAME",
                                              .kind = Text,
-                                             .initial = "flareshader",
+                                             .initial = "by game, usually flareshader",
                                              .help = "The light has a flare of that shader, with -flares"}}};
 inline constexpr const EntityKey &kFlare = Key(kFlareKeys, "_flare");
 inline constexpr const EntityKey &kFlareShader = Key(kFlareKeys, "_flareshader");

@@ -27,7 +27,8 @@ std::vector<SettingSection> EntitySections();
 
 /// What holds for all directives, for the documentation.
 inline constexpr std::string_view kDirectiveRules =
-    "A directive is a line of a shader in a script of the game (`scripts/*.shader`). Names are case-insensitive; "
+    "A directive is a line of a shader in a script of the game (`scripts/*.shader`, or `shaders/*.shader`). Names are "
+    "case-insensitive; "
     "parentheses around numbers may be left out, and the rest of a line after its values is not read. A faulty line "
     "is a warning that names the script, the line and the shader, and has no effect. Words that are for engines and "
     "editors are ignored; any other unknown word is a warning, with the nearest name if there is one. Numbers are "

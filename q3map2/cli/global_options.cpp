@@ -2,6 +2,7 @@
 #include "q3map2/cli/global_options.h"
 
 #include "common/error.h"
+#include "common/files/dependencies.h"
 #include "common/platform/platform.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
@@ -160,12 +161,33 @@ std::filesystem::path GameFolderOfMap(const std::string &map) {
     return maps.parent_path();
 }
 
+namespace {
+
+/// Packages as folders that maps named on the command line are in, the first last.
+std::vector<std::filesystem::path> PackagesOfMaps(const std::vector<std::string> &words) {
+    std::vector<std::filesystem::path> packages;
+    for (const std::string &word : words) {
+        std::filesystem::path folder = GameFolderOfMap(word);
+        std::error_code absent;
+        const bool isPackage = EqualNoCase(folder.extension().string(), kPackageFolderExtension) ||
+                               std::filesystem::is_regular_file(folder / kDependencyFile, absent);
+        if (!folder.empty() && isPackage && std::ranges::find(packages, folder) == packages.end())
+            packages.insert(packages.begin(), std::move(folder));
+    }
+    return packages;
+}
+
+} // namespace
+
 VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders,
-                                Log &log) {
+                                Log &log, const std::vector<std::string> &words) {
     VirtualFileSystem vfs(log);
     vfs.SetForbidden(options.forbidden);
     for (const std::filesystem::path &folder : folders)
         vfs.Mount(folder, options.game->archiveExtension);
+    if (options.game->archiveExtension == kPackageExtension.substr(1))
+        for (const std::filesystem::path &package : PackagesOfMaps(words))
+            vfs.PreferDependencies(package);
     return vfs;
 }
 

@@ -44,7 +44,10 @@ struct GlobalOptions {
     bool noMagicPath = false; ///< -fs_nomagicpath: words of the command line do not tell the base path
 
     BspFormat Format() const {
-        return {.version = game->bspVersion, .advertisements = game->hasAdvertisements, .force = force};
+        return {.version = game->bspVersion,
+                .advertisements = game->hasAdvertisements,
+                .force = force,
+                .ident = game->bspIdent};
     }
 };
 
@@ -65,8 +68,10 @@ std::vector<std::filesystem::path> GameFolders(const GlobalOptions &options, con
 /// The game folder that a map is in: DIR/game of DIR/game/maps/x.map. Empty: the map is not in a folder called maps.
 std::filesystem::path GameFolderOfMap(const std::string &map);
 
+/// Mounts the folders. For games whose archives are .dpk packages those come first that the package of a map in
+/// `words`, the command line, is in, and that it needs.
 VirtualFileSystem OpenGameFiles(const GlobalOptions &options, const std::vector<std::filesystem::path> &folders,
-                                Log &log);
+                                Log &log, const std::vector<std::string> &words = {});
 
 // ---- The options that every stage accepts, declared ----
 

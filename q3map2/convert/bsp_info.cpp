@@ -229,7 +229,7 @@ class InfoTable {
     }
 
     void PrintLight(const Entity &world) const {
-        Line(bsp_.lightmaps.size() / kLightmapPageBytes, "lightmaps", bsp_.lightmaps.size());
+        Line(bsp_.LightmapPages(), "lightmaps", bsp_.lightmaps.size());
         if (world.Has(kToneKey))
             Note("tone: {}", Printable(std::string(world.Value(kToneKey))));
         Line(bsp_.gridPoints, "lightgrid", kRbspGridPointBytes);
@@ -293,8 +293,8 @@ class InfoTable {
                    double(count * sizeof(bspGridPointSH_t)) / kMegabyte);
     }
 
-    void PrintHdrLightmaps(const Entity &) const { // kLightmapPageBytes has 3 bytes a texel, HDR pages a code each
-        Line(bsp_.lightmapsE5bgr9.size() * 3 / kLightmapPageBytes, "HDR lightmaps", 4 * bsp_.lightmapsE5bgr9.size());
+    void PrintHdrLightmaps(const Entity &) const { // LightmapPageBytes has 3 bytes a texel, HDR pages a code each
+        Line(bsp_.lightmapsE5bgr9.size() * 3 / LightmapPageBytes(bsp_.lightmapSide), "HDR lightmaps", 4 * bsp_.lightmapsE5bgr9.size());
     }
 
     void PrintHdrVertices(const Entity &) const { Line(bsp_.vertexE5bgr9, "HDR vertices"); }

@@ -221,14 +221,14 @@ void Merger::MergeLightmaps() {
     constexpr std::size_t kTexelBytes = 3; // RGB
     const bool hdrOnly = main_.lightmaps.empty() && added_.lightmaps.empty();
     const auto pages = [&](const Bsp &bsp) {
-        return int(hdrOnly ? bsp.lightmapsE5bgr9.size() * kTexelBytes / kLightmapPageBytes
-                           : bsp.lightmaps.size() / kLightmapPageBytes);
+        return int(hdrOnly ? bsp.lightmapsE5bgr9.size() * kTexelBytes / LightmapPageBytes(bsp.lightmapSide)
+                           : bsp.LightmapPages());
     };
     // Pages that surfaces refer to: more than the file has if pages are images beside it.
     const auto used = [](const Bsp &bsp) {
         int count = 0;
         for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
-            count = std::max(count, surface.lightmapNum + 1);
+            count = std::max(count, std::ranges::max(surface.lightmapNum) + 1);
         return count;
     };
     const bool mainIsExternal = used(main_) > pages(main_), addedIsExternal = used(added_) > pages(added_);
@@ -366,7 +366,8 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
     };
     surface.shaderNum = shaders_[std::size_t(surface.shaderNum)];
     surface.fogNum += surface.fogNum >= 0 ? fogBase_ : 0;
-    surface.lightmapNum += surface.lightmapNum >= 0 ? lightmapBase_ : 0;
+    for (std::int32_t &page : surface.lightmapNum)
+        page += page >= 0 ? lightmapBase_ : 0;
     if (!vertRuns_.contains({surface.firstVert, surface.numVerts}))
         copiedVerts_.emplace_back(surface.firstVert, surface.numVerts);
     surface.firstVert = copied(vertRuns_, bsp_.drawVerts, added_.drawVerts, surface.firstVert, surface.numVerts);

@@ -15,6 +15,7 @@
 #include "q3map2/geometry/faces/meta.h"
 #include "q3map2/geometry/faces/tjunctions.h"
 #include "q3map2/geometry/models/models.h"
+#include "q3map2/map/switchable_lights.h"
 #include "q3map2/tree/brush_filter.h"
 #include "q3map2/tree/flood.h"
 #include "q3map2/tree/portals.h"
@@ -32,16 +33,14 @@ namespace {
 
 /// Letter of the shader that an editor should apply to a hidden side: 'c' caulk, 'w', 's' and 'l' caulk of liquids, 'n'
 /// nodraw, 'N' solid nodraw; '-': leave the side as it is.
-char CaulkLetter(const Brush &brush, const BrushSide &side) {
+char CaulkLetter(const Brush &brush, const BrushSide &side, const Game &game) {
     const bool isSeen = side.visibleHull.size() >= 3 && !side.culled;
     if (isSeen || !side.shader || (side.compileFlags & C_NODRAW) != 0)
         return '-';
-    constexpr std::uint32_t kWater = 0x20, kSlime = 0x10, kLava = 0x8; // content flags
-    constexpr std::array<std::pair<std::uint32_t, char>, 3> kLiquids = {{{kWater, 'w'}, {kSlime, 's'}, {kLava, 'l'}}};
     if ((brush.compileFlags & C_LIQUID) != 0)
-        for (const auto &[flag, letter] : kLiquids)
-            if ((brush.contentFlags & flag) != 0)
-                return letter;
+        for (const std::string_view liquid : {"water", "slime", "lava"})
+            if (const SurfaceParm *parm = game.FindParm(liquid); (brush.contentFlags & parm->contentSet) != 0)
+                return liquid.front();
     if ((brush.compileFlags & C_SOLID) == 0)
         return 'n';
     return (brush.compileFlags & C_TRANSLUCENT) != 0 ? 'N' : 'c';
@@ -53,7 +52,7 @@ std::string PointText(const Vec3f &p) {
 
 } // namespace
 
-std::string CaulkText(const MapEntity &world) {
+std::string CaulkText(const MapEntity &world, const Game &game) {
     std::string text;
     for (const Brush &brush : world.brushes) {
         if (brush.settings.entity != 0 || brush.generated)
@@ -61,7 +60,7 @@ std::string CaulkText(const MapEntity &world) {
         text += fmt::format("{} ", brush.primitive);
         for (const BrushSide &side : brush.sides)
             if (!side.bevel && side.winding.size() >= 3)
-                text += CaulkLetter(brush, side);
+                text += CaulkLetter(brush, side, game);
         text += '\n';
     }
     return text;
@@ -98,7 +97,7 @@ std::size_t CountEntities(std::string_view text) {
 
 } // namespace
 
-void WarnOfLimits(const Bsp &bsp, Log &log) {
+void WarnOfLimits(const Bsp &bsp, const Game &game, Log &log) {
     int lastArea = 0;
     for (const bspLeaf_t &leaf : bsp.leafs)
         lastArea = std::max(lastArea, leaf.area);
@@ -126,7 +125,7 @@ void WarnOfLimits(const Bsp &bsp, Log &log) {
         {"draw vertices", bsp.drawVerts.size(), 524288, "use -meta, and simpler models"},
         {"draw indexes", bsp.drawIndexes.size(), 524288, "use simpler models"},
         {"areas", std::size_t(lastArea) + 1, 256, "use fewer area portals"},
-        {"fogs", bsp.fogs.size(), 31, "use fewer fog brushes"},
+        {"fogs", bsp.fogs.size(), std::size_t(game.maxFogs), "use fewer fog brushes"},
     };
     for (const Limit &limit : limits)
         if (limit.count > limit.most)
@@ -193,7 +192,8 @@ void NumberModels(Map &map, const BspContext &context) {
     context.log.VerboseCount(models, "models");
 }
 
-std::string GameEntities(const Map &map, const BspOptions &options) {
+std::string GameEntities(const Map &map, const BspContext &context) {
+    const BspOptions &options = context.options;
     const Entity &world = map.entities.front().pairs;
     const bool keepLights = options.keepLights || keys::kKeepLights.Flag(world);
     const bool keepModels = options.keepModels || keys::kKeepModels.Flag(world);
@@ -204,7 +204,8 @@ std::string GameEntities(const Map &map, const BspOptions &options) {
             EqualNoCase(name, "_decal") || EqualNoCase(name, "_skybox") || EqualNoCase(name, "func_group") ||
             EqualNoCase(name, "group_info") ||
             (EqualNoCase(name, "misc_model") && !keepModels && !keys::kStaticProp.Flag(entity.pairs)) ||
-            (StartsWithNoCase(name, "light") && !keepLights);
+            (StartsWithNoCase(name, "light") && !keepLights &&
+             !(context.game.styleSlots && IsSwitchableLight(entity.pairs)));
         if (&entity.pairs == &world || (!isCompiledIn && !entity.pairs.pairs.empty()))
             kept.push_back(entity.pairs);
     }
@@ -213,6 +214,8 @@ std::string GameEntities(const Map &map, const BspOptions &options) {
 
 void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
     NumberModels(map, context);
+    if (context.game.styleSlots)
+        NumberSwitchableLights(map);
     const std::vector<Entity> old = ParseEntities(bsp.entities, map.name);
     for (const std::string_view key : kToolKeys)
         if (!old.empty() && old.front().Has(key))
@@ -227,7 +230,10 @@ void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
         for (const auto &[key, value] : old.front().pairs)
             if (IsStyleKey(key))
                 map.World().pairs.Set(key, value);
-    bsp.entities = GameEntities(map, context.options);
+    bsp.entities = GameEntities(map, context);
+    if (context.game.styleSlots && HaveOtherSwitches(old, ParseEntities(bsp.entities, map.name)))
+        context.log.Warn("renumbered lights",
+                         "{}: switchable lights have other styles than before: light the map again", map.name);
     DropUnfitLumps(bsp, map.name, context.log);
 }
 
@@ -339,7 +345,7 @@ bool MapCompiler::CompileWorld() {
     MakeFaceSurfaces(world, geometry_, map_.planes, context_, parts);
     ApplyIndexedTerrain(geometry_, 0, context_);
     if (context_.options.autoCaulk) {
-        result_.caulkFile = CaulkText(world);
+        result_.caulkFile = CaulkText(world, context_.game);
         return false;
     }
     tree = MakeTree(VisibleFaces(world, context_));
@@ -423,6 +429,8 @@ CompiledMap MapCompiler::Compile() {
     Log &log = context_.log;
     decals_ = CollectDecals(map_, context_);
     NumberModels(map_, context_);
+    if (context_.game.styleSlots)
+        NumberSwitchableLights(map_);
     if (!context_.options.noFog)
         geometry_.fogs = CollectFogs(map_, context_, geometry_.defaultFog);
     if (!CompileWorld())
@@ -439,10 +447,10 @@ CompiledMap MapCompiler::Compile() {
         writer_.EmitSkyImages();
     writer_.EmitPlanes();
     writer_.RemapShaders();
-    writer_.bsp.entities = GameEntities(map_, context_.options);
+    writer_.bsp.entities = GameEntities(map_, context_);
     result_.bsp = std::move(writer_.bsp);
     result_.surfaceFile = std::move(writer_.surfaceFile);
-    WarnOfLimits(result_.bsp, log);
+    WarnOfLimits(result_.bsp, context_.game, log);
     return std::move(result_);
 }
 

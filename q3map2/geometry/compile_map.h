@@ -12,18 +12,20 @@
 namespace q3 {
 
 /// -autocaulk: a line for each brush of the world, with its number and a letter per side.
-std::string CaulkText(const MapEntity &world);
+std::string CaulkText(const MapEntity &world, const Game &game);
 /// -fakemap: the world's brushes as map source.
 std::string FakeMapText(const MapEntity &world, const PlaneTable &planes);
 /// Warns of each number of records that exceeds what engines can load.
-void WarnOfLimits(const Bsp &bsp, Log &log);
+void WarnOfLimits(const Bsp &bsp, const Game &game, Log &log);
 
 /// Numbers the models: sets the key `model` of brush entities to *N, and of clones to the value of the named entity.
 void NumberModels(Map &map, const BspContext &context);
 /// Text of the entities lump: all entities except groups, sky boxes, decals, and the lights and models compiled in.
-std::string GameEntities(const Map &map, const BspOptions &options);
+/// Numbered switchable lights stay.
+std::string GameEntities(const Map &map, const BspContext &context);
 /// -onlyents: replaces the entities of the .bsp by the entities of the map. Keys that the tools added to the old
-/// worldspawn (command line, version, grid size, how it was lit) are kept.
+/// worldspawn (command line, version, grid size, how it was lit) are kept. Switchable lights are numbered as by
+/// CompileMap.
 void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context);
 
 /// Output of the bsp stage.

@@ -228,10 +228,10 @@ std::vector<bspGridPoint_t> EncodeLegacyGrid(const LegacyPoints &points, const L
             continue;
         const AmbientDirected fit = FitFor(points.light[i], target, tone, ambientFactor);
         bspGridPoint_t &point = grid[i];
-        point.ambient = ToBytes(UndoAmbient(tone.Limited(fit.ambient), target));
-        point.directed = ToBytes(tone.Limited(fit.directed));
-        if (point.ambient == std::array<std::uint8_t, 3>{})
-            point.ambient = {1, 1, 1};
+        point.ambient[0] = ToBytes(UndoAmbient(tone.Limited(fit.ambient), target));
+        point.directed[0] = ToBytes(tone.Limited(fit.directed));
+        if (point.ambient[0] == std::array<std::uint8_t, 3>{})
+            point.ambient[0] = {1, 1, 1};
         point.latLong = EncodeDirection(fit.direction, target.angleSteps);
     }
     return grid;

@@ -54,7 +54,21 @@ std::vector<Light> LightsForSH(const LightSetup &setup, Log &log) {
     return lights;
 }
 
-std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
+namespace {
+
+/// Warns of lights whose style found no slot at some points.
+void WarnOfDroppedStyles(const std::vector<Light> &lights, const GridStats &stats, Log &log) {
+    DroppedLightCounts dropped;
+    for (const auto &[style, points] : stats.dropped)
+        for (const Light &light : lights)
+            if (light.style == style)
+                dropped.Add(StyledLightName(light), points);
+    dropped.Warn("light", "grid points", log);
+}
+
+} // namespace
+
+std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const BouncedLight &bounced, const JobPool &jobs,
                                             Log &log, GridStats &stats) {
     log.Section("TraceGrid");
     int culled = 0;
@@ -62,9 +76,17 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Indir
         SetupEnvelopes(setup.lights, LightPass::LegacyGrid, setup.options, setup.space, setup.skySeenFrom, culled);
     log.Count(lights.size(), "lights");
     log.Count(culled, "lights culled");
-    const GridInputs in{setup.space, setup.scene, setup.options, setup.world, jobs, log, indirect};
+    const GridInputs in{.space = setup.space,
+                        .scene = setup.scene,
+                        .options = setup.options,
+                        .world = setup.world,
+                        .jobs = jobs,
+                        .log = log,
+                        .indirect = bounced.steady.get(),
+                        .styled = bounced.styled};
     auto points = TraceGrid(in, setup.layout, lights, stats);
     stats.Print(log);
+    WarnOfDroppedStyles(lights, stats, log);
     return points;
 }
 

@@ -3,6 +3,7 @@
 
 #include "q3map2/light/light_setup.h"
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,8 +13,14 @@ namespace q3 {
 /// them.
 std::vector<Light> LightsForSH(const LightSetup &setup, Log &log);
 
-/// The legacy grid, with bounced light unless that is null.
-std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs,
+/// Bounced light for grids.
+struct BouncedLight {
+    std::unique_ptr<IndirectLight> steady; ///< style 0; null: none
+    std::vector<StyledIndirect> styled;    ///< other styles, if the file can hold them
+};
+
+/// The legacy grid.
+std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const BouncedLight &bounced, const JobPool &jobs,
                                             Log &log, GridStats &stats);
 
 /// The uniform SH grid, and the sparse one made from it.

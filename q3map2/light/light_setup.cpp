@@ -27,8 +27,10 @@ struct NumberedEntities {
 };
 
 /// The entities of the .bsp, with the lights of the .map source if there is one, since compilers strip lights from the
-/// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp.
-NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const LightInputs &inputs, Log &log) {
+/// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp. So are those that the bsp stage gave a
+/// style.
+NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const LightInputs &inputs,
+                                    const LightOptions &options, Log &log) {
     const bool keepsLights = keys::kKeepLights.Flag(entities.front());
     WarnOfBadKeys(entities.front(), 0, keys::kWorldLightKeys, log);
     WarnOfBadKeys(entities.front(), 0, keys::kStyleWorldKeys, log);
@@ -41,15 +43,18 @@ NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const L
             WarnOfForeignKeys(sources[i], i, KeyOwner::Light, log);
         }
     const bool replaced = inputs.mapEntities && !keepsLights;
+    const auto hasStyle = [&](const Entity &light) {
+        return options.styleSlots && !light.Value("targetname").empty();
+    };
     NumberedEntities result;
     const auto take = [&](const std::vector<Entity> &from, const auto &wanted) {
         for (std::size_t i = 0; i < from.size(); ++i)
             if (wanted(from[i]))
                 result.entities.push_back(from[i]), result.numbers.push_back(i);
     };
-    take(entities, [&](const Entity &entity) { return !replaced || !IsLight(entity); });
+    take(entities, [&](const Entity &entity) { return !replaced || !IsLight(entity) || hasStyle(entity); });
     if (replaced)
-        take(sources, IsLight);
+        take(sources, [&](const Entity &entity) { return IsLight(entity) && !hasStyle(entity); });
     if (std::none_of(result.entities.begin(), result.entities.end(), IsLight))
         log.Warn("no light entities", "{}: no light entities, {}; surface, sun and sky lights still count", inputs.name,
                  inputs.mapEntities ? "neither in the .map nor in the .bsp" : "there is no .map beside the .bsp");
@@ -143,6 +148,15 @@ LightStyles NumberStyles(const LightOptions &options, const SurfaceTable &table,
     return styles;
 }
 
+/// Errors: a style that the file cannot hold. Engines look up the color of a style in a table.
+void CheckStyles(const std::vector<Light> &lights) {
+    constexpr int kLastStyle = 63;
+    for (const Light &light : lights)
+        if (light.style < 0 || light.style > kLastStyle)
+            throw Error("{}: light style {}, but the engine has styles 0 to {}",
+                        light.label.empty() ? "a light of a surface" : light.label, light.style, kLastStyle);
+}
+
 /// What lights are made of, beside surfaces.
 struct LightSources {
     const LightInputs &inputs;
@@ -155,12 +169,14 @@ struct LightSources {
 /// The lights of entities and surfaces. Sets `styles`, and in `table` texture lights and sky numbers.
 std::vector<Light> CreateLightsLogged(const LightSources &from, SurfaceTable &table, LightStyles &styles,
                                       ShaderLibrary &library, Log &log) {
-    auto [entities, numbers] = EntitiesWithLights(from.bspEntities, from.inputs, log);
+    auto [entities, numbers] = EntitiesWithLights(from.bspEntities, from.inputs, from.options, log);
     log.Section("CreateLights");
     ApplyTexLights(from.inputs.texLights, table, log);
     try {
         styles = NumberStyles(from.options, table, entities, log);
         auto lights = CreateLights(from.space, entities, table, from.options, from.world, library, log);
+        if (from.options.styleSlots)
+            CheckStyles(lights);
         for (Light &light : lights)
             if (light.entity >= 0)
                 light.entity = int(numbers[std::size_t(light.entity)]);

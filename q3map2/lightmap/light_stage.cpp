@@ -4,7 +4,6 @@
 #include "common/platform/platform.h"
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entity_key.h"
-#include "q3map2/light/grid_bakes.h"
 #include "q3map2/light/options/light_tone.h"
 #include "q3map2/light/sources/light_sources.h"
 #include "q3map2/lightmap/ao/luxel_occlusion.h"
@@ -25,8 +24,14 @@ namespace q3 {
 
 namespace {
 
+bool HasStyledLights(const LightSetup &setup) {
+    return std::ranges::any_of(setup.lights, [](const Light &light) { return light.style != 0; });
+}
+
 SurfaceInputs InputsOf(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log) {
-    return {setup.bsp, setup.space, setup.scene, setup.table, setup.options, lightmap, setup.world, jobs, log};
+    const bool gamePagesOnly = setup.options.styleSlots && !lightmap.external && HasStyledLights(setup);
+    return {setup.bsp, setup.space,   setup.scene, setup.table, setup.options,
+            lightmap,  setup.world, jobs,        log,         gamePagesOnly};
 }
 
 struct PreparedLights {
@@ -54,8 +59,7 @@ SurfacePasses::SurfacePasses(const LightSetup &setup, const LightmapOptions &lig
 SurfaceLight SurfacePasses::Prepare() {
     in_.log.Section("SetupSurfaceLightmaps");
     SurfaceLight surfaces = SetupSurfaceLight(in_);
-    surfaces.styled =
-        std::any_of(setup_.lights.begin(), setup_.lights.end(), [](const Light &light) { return light.style != 0; });
+    surfaces.styled = HasStyledLights(setup_);
     if (in_.lightmap.shade)
         SmoothNormals(in_, surfaces);
     in_.log.Section("MapRawLightmap");
@@ -98,10 +102,13 @@ void SurfacePasses::Bounce() {
     AverageLuxels(in_, {.bounce = true}, options_.keepLuxels ? PassData::Keep : PassData::Free, surfaces_);
 }
 
-std::unique_ptr<IndirectLight> SurfacePasses::ForGrids() const {
+BouncedLight SurfacePasses::ForGrids() const {
     if (!bounces_ || !in_.lightmap.bounceGrid)
-        return nullptr;
-    return bounces_->ForPoints();
+        return {};
+    BouncedLight bounced{.steady = bounces_->ForPoints(), .styled = {}};
+    if (in_.options.styleSlots)
+        bounced.styled = bounces_->StyledForPoints();
+    return bounced;
 }
 
 StoredLightmaps SurfacePasses::Store(std::string_view mapName, Bsp &bsp) {
@@ -202,7 +209,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     library.ReleaseImages(bounces ? KeptImages::OfReflectors : KeptImages::SeeThrough);
     LightResult result;
     std::optional<SurfacePasses> surfaces;
-    std::unique_ptr<IndirectLight> bounced;
+    BouncedLight bounced;
     if (lightSurfaces) {
         surfaces.emplace(setup, lightmap, jobs, log);
         surfaces->Run();
@@ -219,18 +226,18 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     setup.bspEntities.front().Erase(kGridSHKey);
     RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap, options, setup.bspEntities.front(), log);
     if (!options.noGrid)
-        bsp.gridPoints = LightLegacyGrid(setup, bounced.get(), jobs, log, result.grid);
+        bsp.gridPoints = LightLegacyGrid(setup, bounced, jobs, log, result.grid);
     if (options.sh || options.shAdaptive) {
-        BakedGridSH baked = BakeGridSH(setup, bounced.get(), jobs, log, result.gridSH);
+        BakedGridSH baked = BakeGridSH(setup, bounced.steady.get(), jobs, log, result.gridSH);
         bsp.gridSH = std::move(baked.uniform);
-        bsp.gridSHContainer = options.shBspx ? GridSHContainer::Bspx : GridSHContainer::Lump;
+        bsp.gridSHContainer = options.shBspx || options.styleSlots ? GridSHContainer::Bspx : GridSHContainer::Lump;
         bsp.sparseGridSH = std::move(baked.sparse);
         if (options.shRadiance)
             setup.bspEntities.front().Set(kGridSHKey, kRadiance);
     }
     if (options.ambientCubes)
         bsp.ambientCubes =
-            BakeAmbientCubes(setup, bounced.get(), bsp.gridSH ? &*bsp.gridSH : nullptr, jobs, log, result.cubes);
+            BakeAmbientCubes(setup, bounced.steady.get(), bsp.gridSH ? &*bsp.gridSH : nullptr, jobs, log, result.cubes);
     if (!options.sh)
         bsp.gridSH.reset();
     if (!lightmap.onlyGrid) {

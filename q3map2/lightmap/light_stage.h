@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The light stage: a compiled map in, a lit one out.
 #pragma once
 
+#include "q3map2/light/grid_bakes.h"
 #include "q3map2/light/light_setup.h"
 #include "q3map2/lightmap/bounce/light_bounce.h"
 #include "q3map2/lightmap/store/lightmap_store.h"
@@ -29,8 +30,8 @@ class SurfacePasses {
 
     /// Direct light and all bounces. Call once.
     void Run();
-    /// -bouncegrid: bounced light for the light grids; else null.
-    std::unique_ptr<IndirectLight> ForGrids() const;
+    /// -bouncegrid: bounced light for the light grids; else none.
+    BouncedLight ForGrids() const;
     /// The light of all bounces; null without -bounce. It refers to this.
     const Bounces *Bounced() const { return bounces_ ? &*bounces_ : nullptr; }
     /// Call last: it moves the results out.

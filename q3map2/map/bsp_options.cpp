@@ -15,6 +15,7 @@ namespace q3 {
 BspOptions ParseBspOptions(Arguments &arguments, const Game &game, Log &log) {
     BspOptions o;
     o.keepLights = game.keepLights;
+    o.flares = game.flares;
     o.maxSurfaceVerts = game.maxSurfaceVerts;
     o.maxVertexLitVerts = game.maxVertexLitVerts;
     o.maxSurfaceIndexes = game.maxSurfaceIndexes;
@@ -145,7 +146,7 @@ Group Merging() {
          {{.name = "-maxarea", .help = "Triangulate faces into large triangles instead of strips"},
           &BspOptions::maxArea},
          {{.name = "-nobrushsnap", .help = "Do not round vertices to 1/8 game unit"}, Off(&BspOptions::snapVertices)},
-         {{.name = "-flares", .initial = "off", .help = "Make flare surfaces for lights and shaders"},
+         {{.name = "-flares", .initial = "by game, usually off", .help = "Make flare surfaces for lights and shaders"},
           &BspOptions::flares},
          {{.name = "-noflares", .help = "Make no flare surfaces"}, Off(&BspOptions::flares)},
          {{.name = "-skyfix", .help = "Add invisible surfaces that make old drivers load sky images"},
@@ -197,7 +198,7 @@ Group Shaders() {
                           "farthest if that is less; other kinds use -F."},
               &BspOptions::clipDepth},
              {{.name = "-rename", .help = "Append _BSP to shader names of models"}, &BspOptions::rename},
-             {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
+             {{.name = "-custinfoparms", .help = "Read more surfaceparms from custinfoparms.txt, beside the shader scripts"},
               &BspOptions::customInfoParms},
              {{.name = "-noob", .help = "Give the surfaceparm noob to every shader without ob"}, &BspOptions::noOb},
              {{.name = "-globalflag",

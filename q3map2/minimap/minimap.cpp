@@ -19,15 +19,16 @@ namespace q3 {
 
 namespace {
 
-/// Fraction of the image that games of the DarkPlaces engine expect on each side.
-constexpr double kDarkPlacesBorder = 1.0 / 66;
-constexpr std::string_view kDarkPlacesOutput = "../gfx/{}_mini.tga";
+/// Fraction of the image that games of the DarkPlaces engine and of qfusion expect on each side.
+constexpr double kEngineBorder = 1.0 / 66;
+constexpr std::string_view kDarkPlacesOutput = "../gfx/{}_mini.tga", kMinimapsOutput = "../minimaps/{}.tga";
 
 constexpr MinimapStyle kMinimapStyles[] = {
     {},
-    {.game = "nexuiz", .border = kDarkPlacesBorder, .output = kDarkPlacesOutput},
-    {.game = "xonotic", .border = kDarkPlacesBorder, .output = kDarkPlacesOutput},
-    {.game = "unvanquished", .pixels = MinimapPixels::White, .output = "../minimaps/{}.tga", .sidecar = true},
+    {.game = "nexuiz", .border = kEngineBorder, .output = kDarkPlacesOutput},
+    {.game = "xonotic", .border = kEngineBorder, .output = kDarkPlacesOutput},
+    {.game = "qfusion", .border = kEngineBorder, .output = kMinimapsOutput},
+    {.game = "unvanquished", .pixels = MinimapPixels::White, .output = kMinimapsOutput, .sidecar = true},
 };
 
 constexpr SettingRange kMinimapSizes{1, 16384}, kMinimapSamples{1, 1024};

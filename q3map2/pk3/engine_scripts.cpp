@@ -245,7 +245,8 @@ std::string FaultOf(std::string_view name, const std::string &text) {
 } // namespace
 
 std::string ImageName(std::string_view name) {
-    constexpr std::array<std::string_view, 5> kExtensions = {".tga", ".jpg", ".jpeg", ".png", ".dds"};
+    constexpr std::array<std::string_view, 8> kExtensions = {".tga", ".jpg", ".jpeg", ".png",
+                                                             ".dds", ".ktx", ".crn",  ".webp"};
     std::string clean = NameInPackage(name);
     for (const std::string_view extension : kExtensions)
         if (clean.size() > extension.size() &&

@@ -210,7 +210,7 @@ class NeedsOfMap {
             const bspShader_t &shader = bsp_.shaders[std::size_t(surface.shaderNum)];
             if ((shader.surfaceFlags & noDraw) == 0)
                 needs_.shaders.Add(FieldName(shader.shader), why);
-            pages = std::max(pages, surface.lightmapNum + 1);
+            pages = std::max(pages, std::ranges::max(surface.lightmapNum) + 1);
         }
         for (const bspFog_t &fog : bsp_.fogs)
             needs_.shaders.Add(FieldName(fog.shader), fmt::format("a fog of {}", name_));

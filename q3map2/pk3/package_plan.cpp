@@ -137,10 +137,10 @@ class Planner {
     /// File names of an image in order of preference: with -png the .png comes first, otherwise it is left out.
     std::vector<std::string> ImageFiles(const std::string &image) const {
         std::vector<std::string> names;
-        for (const ImageFormat &format : ImageFormats()) {
-            const bool isPng = format.extension == kPng;
+        for (std::string &name : ImageFileNames(image, rules_.imageFiles)) {
+            const bool isPng = name.ends_with(kPng);
             if (!isPng || rules_.png)
-                names.insert(isPng ? names.begin() : names.end(), image + std::string(format.extension));
+                names.insert(isPng ? names.begin() : names.end(), std::move(name));
         }
         return names;
     }
@@ -154,7 +154,7 @@ class Planner {
             hint += std::string(i == 0                 ? ""
                                 : i + 1 < names.size() ? ", "
                                                        : " or ") +
-                    names[i].substr(image.name.size());
+                    (names[i].starts_with(image.name) ? names[i].substr(image.name.size()) : names[i]);
         const bool isPngOnly = !rules_.png && source_.Find(image.name + std::string(kPng)) != Whereabouts::Nowhere;
         TakeFirst(names, image, hint + (isPngOnly ? "; there is a .png, which -png packs)" : ")"));
     }
@@ -355,8 +355,8 @@ void AddLightFiles(const fs::path &bspPath, const WantedList &externalPages, con
     }
 }
 
-void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const Game &game,
-                 const PackageSource &source, PackagePlan &plan) {
+void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const PackageSource &source,
+                 PackagePlan &plan) {
     AddLightFiles(bspPath, externalPages, source, plan);
     const std::string name = bspPath.stem().string();
     plan.Add(fmt::format("maps/{}.bsp", name), bspPath);
@@ -371,8 +371,8 @@ void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const
     for (const std::string_view end : {".aas", "_b0.aas", "_b1.aas"})
         addIfThere(fmt::format("maps/{}{}", name, end), bspPath.parent_path() / (name + std::string(end)),
                    end == ".aas" ? "bots will not play the map" : "");
-    addIfThere(fmt::format("{}/{}.arena", game.shaderDir, name), {}, "the menus of the game will not list the map");
-    addIfThere(fmt::format("{}/{}.defi", game.shaderDir, name), {}, "");
+    addIfThere(fmt::format("scripts/{}.arena", name), {}, "the menus of the game will not list the map");
+    addIfThere(fmt::format("scripts/{}.defi", name), {}, "");
 }
 
 fs::path WritePackage(const fs::path &path, const fs::path &failedPath, int level, const PackageSource &source,

@@ -54,6 +54,7 @@ class PackagePlan {
 /// How needs become files.
 struct PlanRules {
     const Exclusions &exclusions;
+    std::string_view imageFiles; ///< Game::imageFiles
     bool png = false;
     bool wholeScripts = true; ///< else shaders are listed in PackagePlan::strippedShaders
     bool list = false;        ///< print what was collected
@@ -69,8 +70,8 @@ void AddLightFiles(const std::filesystem::path &bspPath, const WantedList &exter
                    PackagePlan &plan);
 
 /// Adds a map itself: its lightmap files, the .bsp, and as far as they are there bot files and menu entries.
-void AddMapFiles(const std::filesystem::path &bspPath, const WantedList &externalPages, const Game &game,
-                 const PackageSource &source, PackagePlan &plan);
+void AddMapFiles(const std::filesystem::path &bspPath, const WantedList &externalPages, const PackageSource &source,
+                 PackagePlan &plan);
 
 /// Reads the plan's files and writes the archive. A file that cannot be read is added to PackagePlan::missing, and the
 /// archive then gets `failedPath`. Returns the path of the archive. Errors: it cannot be written.

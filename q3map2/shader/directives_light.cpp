@@ -238,10 +238,10 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
       .kind = SettingKind::Integer,
       .initial = "0",
       .range = {0, 255},
-      .help = "Light style of the light that the shader emits",
+      .help = "Light style of the light that the shader emits, and of its flares",
       .details = "0 and 255 are constant light. Suns take the style that lines before them set; sky light and "
                  "emitting surfaces take it from any line."},
-     "light",
+     "both",
      LightStyle},
     {{.name = "q3map_bounceScale",
       .aliases = {"q3map_bounce"},

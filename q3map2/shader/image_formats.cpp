@@ -92,15 +92,37 @@ std::optional<std::array<int, 2>> DdsSize(std::span<const std::byte> file) {
     return SizeInRange(LittleEndian16(file, 16), LittleEndian16(file, 12));
 }
 
-constexpr std::array<ImageFormat, 4> kFormats = {{{".tga", DecodeTga, TgaSize},
+constexpr std::array<ImageFormat, 7> kFormats = {{{".tga", DecodeTga, TgaSize},
                                                   {".png", DecodePng, PngSize},
                                                   {".jpg", DecodeJpeg, JpegSize},
-                                                  {".dds", DecodeDds, DdsSize}}};
+                                                  {".dds", DecodeDds, DdsSize},
+                                                  {".ktx", DecodeKtx, KtxSize},
+                                                  {".crn", DecodeCrn, CrnSize},
+                                                  {".webp", DecodeWebp, WebpSize}}};
 
 } // namespace
 
 std::span<const ImageFormat> ImageFormats() {
     return kFormats;
+}
+
+const ImageFormat *FindImageFormat(std::string_view fileName) {
+    const auto found = std::ranges::find_if(
+        kFormats, [&](const ImageFormat &format) { return EndsWithNoCase(fileName, format.extension); });
+    return found == kFormats.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> ImageFileNames(std::string_view image, std::string_view patterns) {
+    std::vector<std::string> names;
+    for (std::string_view rest = patterns; !rest.empty();) {
+        const std::size_t end = std::min(rest.find(' '), rest.size());
+        std::string name(rest.substr(0, end));
+        if (const std::size_t star = name.find('*'); star != std::string::npos)
+            name.replace(star, 1, image);
+        names.push_back(std::move(name));
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    return names;
 }
 
 // ---- Color spaces: sRGB as in IEC 61966-2-1 ----

@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace q3 {
 
@@ -20,8 +22,13 @@ struct ImageFormat {
     std::optional<std::array<int, 2>> (*size)(std::span<const std::byte> file);
 };
 
-/// All formats, in the order in which files are looked for: the first that exists is used.
 std::span<const ImageFormat> ImageFormats();
+/// By the extension of a file name, in any case; null: not an image.
+const ImageFormat *FindImageFormat(std::string_view fileName);
+
+/// Files that an image may be in, in the order in which they are looked for: the first that exists is used. `patterns`:
+/// Game::imageFiles.
+std::vector<std::string> ImageFileNames(std::string_view image, std::string_view patterns);
 
 /// Decodes an sRGB channel value in 0..1 to linear.
 float LinearFromSrgb(float c);

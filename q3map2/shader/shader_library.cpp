@@ -74,11 +74,15 @@ struct ShaderLibrary::State {
     std::shared_ptr<const Image> FindImage(const std::string &name) const;
     std::shared_ptr<const Image> ReadImage(const std::string &name) const;
     struct ImageBytes {
-        const ImageFormat &format;
+        std::string name; ///< of the file
         std::vector<std::byte> bytes;
     };
+    std::vector<std::string> FileNames(const std::string &image) const {
+        return ImageFileNames(image, table.GameRules().imageFiles);
+    }
     std::optional<ImageBytes> FindBytes(const std::string &name) const;
     std::string FileOfImage(const std::string &name) const;
+    void WarnIfOpenExr(const std::string &image) const;
     void AddJpegAlpha(const std::string &name, Image &image) const;
     const std::shared_ptr<const Image> &CachedImage(std::string_view name);
     std::shared_ptr<const Image> LightImageOf(const ParsedShader &shader);
@@ -217,22 +221,36 @@ void ShaderLibrary::State::AddJpegAlpha(const std::string &name, Image &image) c
             image.rgba[i + 3] = alpha.rgba[i + 2]; // its blue
 }
 
-/// The first format in which the image exists, and its bytes.
+/// The first file in which the image exists.
 std::optional<ShaderLibrary::State::ImageBytes> ShaderLibrary::State::FindBytes(const std::string &name) const {
-    for (const ImageFormat &format : ImageFormats())
-        if (auto bytes = vfs.Read(name + std::string(format.extension)))
-            return ImageBytes{format, std::move(*bytes)};
+    for (std::string &file : FileNames(name))
+        if (auto bytes = vfs.Read(file))
+            return ImageBytes{std::move(file), std::move(*bytes)};
     return std::nullopt;
+}
+
+/// To be called for an image that no other file has.
+void ShaderLibrary::State::WarnIfOpenExr(const std::string &image) const {
+    if (const std::string file = image + ".exr"; vfs.Exists(file))
+        log.Warn("OpenEXR image",
+                 "{}: files of the game in this format are not opened; save it as .tga or .png beside it", file);
 }
 
 /// Decodes the first existing file; null: none. Error: it is damaged.
 std::shared_ptr<const Image> ShaderLibrary::State::FindImage(const std::string &name) const {
     const auto found = FindBytes(name);
-    if (!found)
+    if (!found) {
+        WarnIfOpenExr(name);
         return nullptr;
-    Image image = found->format.decode(found->bytes, name + std::string(found->format.extension));
-    if (found->format.extension == ".jpg")
+    }
+    Image image = FindImageFormat(found->name)->decode(found->bytes, found->name);
+    if (EndsWithNoCase(found->name, ".jpg"))
         AddJpegAlpha(name, image);
+    if (EndsWithNoCase(found->name, ".crn"))
+        log.Warn("colors of Crunch images",
+                 "{}: of .crn files only the size is read, middle gray (128) stands for the colors; save the image as "
+                 ".tga or .png beside it",
+                 vfs.Location(found->name));
     return std::make_shared<const Image>(std::move(image));
 }
 
@@ -298,15 +316,15 @@ void ShaderLibrary::State::Complete(ParsedShader &shader) {
 /// Size of the file that FindImage decodes; nothing if there is none or it is damaged.
 std::optional<std::array<int, 2>> ShaderLibrary::State::ImageSize(const std::string &name) const {
     const auto found = FindBytes(name);
-    return found ? found->format.size(found->bytes) : std::nullopt;
+    return found ? FindImageFormat(found->name)->size(found->bytes) : std::nullopt;
 }
 
 /// Name of the file with its extension; empty: there is none.
 std::string ShaderLibrary::State::FileOfImage(const std::string &name) const {
     if (!name.empty())
-        for (const ImageFormat &format : ImageFormats())
-            if (std::string file = name + std::string(format.extension); vfs.Exists(file))
-                return file;
+        for (std::string &file : FileNames(name))
+            if (vfs.Exists(file))
+                return std::move(file);
     return {};
 }
 
@@ -335,12 +353,17 @@ void ShaderLibrary::State::FindTextureSize(ParsedShader &shader) {
     std::array<int, 2> size{kDefaultImageSize, kDefaultImageSize};
     if ((shader.info.compileFlags & C_NODRAW) == 0 && shader.info.name != kNoShader) {
         bool found = false;
-        for (const std::string &name : {shader.editorImage, shader.info.name, shader.implicitImage, shader.lightImage})
-            if (!found && !name.empty())
-                if (const auto known = ImageSize(name)) {
-                    size = *known;
-                    found = true;
-                }
+        for (const std::string &name :
+             {shader.editorImage, shader.info.name, shader.implicitImage, shader.lightImage}) {
+            if (found || name.empty())
+                continue;
+            if (const auto known = ImageSize(name)) {
+                size = *known;
+                found = true;
+            } else {
+                WarnIfOpenExr(name);
+            }
+        }
         const bool named = !shader.editorImage.empty() || !shader.implicitImage.empty() || !shader.lightImage.empty();
         if (!found && (named || !shader.builtInImage)) // built-in images have no file
             log.Warn("image not found", "shader {}: couldn't find image", shader.info.name);

@@ -126,7 +126,7 @@ struct ShaderOptions {
     float backsplashScale = 1;       ///< multiplies the default fraction
     float backsplashDistance = -999; ///< replaces the default 23 when >= -900
     bool imageSizes = false;         ///< for the bsp stage: sizes of images; pixels only where flares need a color
-    bool customInfoParms = false;    ///< read scripts/custinfoparms.txt
+    bool customInfoParms = false;    ///< read custinfoparms.txt in Game::shaderDir
     bool noOb = false;               ///< surfaceparm noob for all shaders without ob
     std::vector<std::string> globalFlags{}; ///< surfaceparms whose surface flags all shaders get
 };

@@ -28,8 +28,7 @@ constexpr int kZlibsChoice = -1; ///< level of compression
 constexpr int kJpegQuality = 85; ///< 0 to 100
 
 bool IsImage(std::string_view name) {
-    return std::ranges::any_of(ImageFormats(),
-                               [&](const ImageFormat &format) { return EndsWithNoCase(name, format.extension); });
+    return FindImageFormat(name) != nullptr;
 }
 
 /// A file of the archive, or why there is none.
@@ -52,11 +51,14 @@ EncodedTexture EncodeTexture(const std::string &name, const PackageSource &sourc
         const auto file = source.Read(name);
         if (!file)
             throw Error("{}: it is damaged", name);
-        const Image image = Reduced(DecodeImage(*file, name), textureSize);
+        const Image whole = EndsWithNoCase(name, ".crn") ? DecodeCrn(*file, name) : DecodeImage(*file, name);
+        const Image image = Reduced(whole, textureSize);
         const bool isOpaque = IsOpaque(image);
         texture.bytes = isOpaque ? EncodeJpeg(image, kJpegQuality, name)
                                  : EncodePng(image.rgba, image.width, image.height, 4, name);
-        texture.name = name.substr(0, name.rfind('.')) + (isOpaque ? ".jpg" : ".png");
+        constexpr std::string_view kDdsFolder = "dds/"; // of compressed textures, with the folders of the others in it
+        const std::size_t begin = name.starts_with(kDdsFolder) ? kDdsFolder.size() : 0;
+        texture.name = name.substr(begin, name.rfind('.') - begin) + (isOpaque ? ".jpg" : ".png");
     } catch (const Error &error) {
         texture.fault = error.what();
     }
@@ -69,7 +71,9 @@ class ReportPackage {
         AddNeeds(map.bsp, name_, map.game, needs_);
         MapNeeds drawn;
         drawn.shaders = needs_.shaders;
-        plan_ = MakePlan(drawn, map.source, map.scripts, {.exclusions = {}, .png = true, .wholeScripts = false}, log);
+        plan_ =
+            MakePlan(drawn, map.source, map.scripts,
+                     {.exclusions = {}, .imageFiles = map.game.imageFiles, .png = true, .wholeScripts = false}, log);
     }
 
     void AddMap() {

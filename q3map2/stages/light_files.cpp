@@ -144,7 +144,7 @@ double MeanLight(const Bsp &bsp) {
     std::uint64_t sum = 0;
     for (const bspGridPoint_t &point : bsp.gridPoints)
         for (std::size_t channel = 0; channel < 3; ++channel)
-            sum += point.ambient[channel] + unsigned(point.directed[channel]);
+            sum += point.ambient[0][channel] + unsigned(point.directed[0][channel]);
     return bsp.gridPoints.empty() ? 0 : double(sum) / double(bsp.gridPoints.size());
 }
 

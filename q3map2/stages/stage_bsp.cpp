@@ -212,7 +212,7 @@ int BspStage(const StageContext &context, Arguments arguments) {
     const FileGuard guard = GuardFiles(source, files, options, context);
     if (!options.onlyEntities)
         RequireGameFiles(context.options, folders, context.words, log);
-    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     ShaderLibrary library(vfs, *context.options.game, ShadersFor(options), log);
     log.Count(library.DefinedCount(), "shaders defined");
     const BspContext bspContext{.options = options,

@@ -16,6 +16,7 @@
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/gridformats/grid_formats.h"
 #include "q3map2/map/map_parse.h"
+#include "q3map2/map/switchable_lights.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/stages/light_files.h"
 #include "q3map2/stages/stages.h"
@@ -156,7 +157,9 @@ void WriteForGame(const ConvertJob &job) {
     Bsp bsp = InputBsp(job);
     ConvertToGame(bsp, job.context.game, game, job.context.log);
     const fs::path output = PathOfOutput(job.input, FormatKind::Game, {});
-    WriteBspFile(output, bsp, {.version = game.bspVersion, .advertisements = game.hasAdvertisements}, job.context.log);
+    const BspFormat format{
+        .version = game.bspVersion, .advertisements = game.hasAdvertisements, .ident = game.bspIdent};
+    WriteBspFile(output, bsp, format, job.context.log);
     WarnOfEngineMemory(output, bsp, game, job.context.log);
 }
 
@@ -274,7 +277,7 @@ int ConvertStage(const StageContext &context, Arguments arguments) {
     guard.Needs(input);
     guard.Writes(PathOfOutput(input, format.kind, format.name), SizeOfFile(input));
     RequireGameFiles(context.options, folders, context.words, log);
-    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     const BspOptions compile = CompileOptions(context, options);
     ShaderLibrary library(vfs, *context.options.game, {.sRgbColor = compile.sRgbColor, .imageSizes = true}, log);
     const BspContext bspContext{
@@ -344,13 +347,18 @@ int ExportEntitiesStage(const StageContext &context, Arguments arguments) {
     guard.Writes(path);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
-    const std::string text = bsp.entities.substr(0, bsp.entities.find('\0')) + "\n";
-    if (text.size() == 1) {
+    std::string text = bsp.entities.substr(0, bsp.entities.find('\0'));
+    if (text.empty()) {
         log.Warn("no entities", "{}: the map has no entities to write", bspPath.string());
         return 0;
     }
+    if (context.options.game->styleSlots) {
+        std::vector<Entity> entities = ParseEntities(text, bspPath.string());
+        std::ranges::for_each(entities, RestoreLightStyle);
+        text = FormatEntities(entities);
+    }
     log.Print("Writing {}\n", path.string());
-    ReplaceTextFile(path, text);
+    ReplaceTextFile(path, text + "\n");
     return 0;
 }
 

@@ -31,7 +31,7 @@ int MinimapStage(const StageContext &context, Arguments arguments) {
         guard.Writes(output);
     const auto folders = GameFolders(context.options, context.words, context.program);
     RequireGameFiles(context.options, folders, context.words, log);
-    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
     ShaderLibrary library(vfs, game, {}, log);

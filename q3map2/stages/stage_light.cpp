@@ -105,7 +105,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     PrintChangedOptions(arguments, log);
 
     RequireGameFiles(context.options, folders, context.words, log);
-    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);

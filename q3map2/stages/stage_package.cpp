@@ -140,7 +140,7 @@ struct Packing {
 
     Packing(const StageContext &context, const PackOptions &options, const std::vector<fs::path> &given)
         : maps(given), vfs(OpenGameFiles(context.options, GameFolders(context.options, context.words, context.program),
-                                         context.log)),
+                                         context.log, context.words)),
           source(vfs, FoldersOf(maps), options.basePaks),
           scripts(ReadScripts(source, *context.options.game, context.log)) {
         for (const fs::path &map : maps) {
@@ -188,9 +188,13 @@ int PackStage(const StageContext &context, Arguments arguments) {
     const FileGuard files = GuardPackage({path, failed}, maps, context);
     Packing packing(context, options, maps);
     PackagePlan plan = MakePlan(packing.needs, packing.source, packing.scripts,
-                                {.exclusions = packing.exclusions, .png = options.png, .list = options.list}, log);
+                                {.exclusions = packing.exclusions,
+                                 .imageFiles = context.options.game->imageFiles,
+                                 .png = options.png,
+                                 .list = options.list},
+                                log);
     for (const fs::path &map : packing.maps)
-        AddMapFiles(map, packing.needs.externalPages, *context.options.game, packing.source, plan);
+        AddMapFiles(map, packing.needs.externalPages, packing.source, plan);
     for (const fs::path &map : packing.maps)
         WarnOfBotFiles(map, packing.source, plan, log);
     files.CheckUnchanged();
@@ -213,9 +217,13 @@ int RepackStage(const StageContext &context, Arguments arguments) {
     Packing packing(context, options, maps);
     if (const fs::path more = context.program.parent_path() / "repack.exclude"; fs::exists(more))
         packing.exclusions.Add(ReadExclusions(ReadTextFile(more), more.string()));
-    PackagePlan plan =
-        MakePlan(packing.needs, packing.source, packing.scripts,
-                 {.exclusions = packing.exclusions, .png = options.png, .wholeScripts = false, .list = true}, log);
+    PackagePlan plan = MakePlan(packing.needs, packing.source, packing.scripts,
+                                {.exclusions = packing.exclusions,
+                                 .imageFiles = context.options.game->imageFiles,
+                                 .png = options.png,
+                                 .wholeScripts = false,
+                                 .list = true},
+                                log);
     if (!options.onlyList) {
         files.CheckUnchanged();
         std::string text;
@@ -280,7 +288,7 @@ int SHReportStage(const StageContext &context, Arguments arguments) {
     guard.Writes(path, SizeOfFile(bspPath) / 4); // assumed: the map is packed
     if (options.textureSize > 0 || run)
         RequireGameFiles(context.options, folders, context.words, log);
-    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log);
+    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
     const std::string explanations = run ? ExplainPlaces(bsp, files, *run, vfs, options,

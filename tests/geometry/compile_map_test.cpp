@@ -343,6 +343,114 @@ TEST_F(CompileTest, ReplacedEntitiesKeepTheRecordOfTheTools) {
     EXPECT_EQ(bsp.drawSurfaces.size(), surfaces);
 }
 
+TEST_F(CompileTest, DamageShadersFollowTheirShader) {
+    folder.Write("scripts/test.shader", std::string(kScript) + "textures/test/crate\n{\nsurfaceparm detail\n"
+                                                               "damageShader textures/test/broken 50\n}\n");
+    const Bsp bsp = Compile(MapText(RoomText() + Box({-8, -8, 0}, {8, 8, 64}, "test/crate"))).bsp;
+    std::vector<std::string_view> names;
+    for (const bspShader_t &shader : bsp.shaders)
+        names.push_back(FieldName(shader.shader));
+    const auto crate = std::ranges::find(names, "textures/test/crate");
+    ASSERT_LT(crate - names.begin() + 1, std::ptrdiff_t(names.size()));
+    EXPECT_EQ(crate[1], "textures/test/broken");
+    EXPECT_EQ(std::ranges::count(names, "textures/test/broken"), 1);
+}
+
+// ---- Switchable lights of games whose files hold light styles ----
+
+class SwitchTest : public CompileTest {
+  protected:
+    SwitchTest() {
+        game = *FindGame("ja");
+        folder.Write("shaders/test.shader", kScript);
+    }
+    static std::string LightText(std::string_view keys) {
+        return fmt::format("{{\n\"classname\" \"light\"\n\"origin\" \"0 0 96\"\n{}\n}}\n", keys);
+    }
+    static std::string RoomWith(const std::string &lights) {
+        return WorldText(RoomText()) + std::string(kStart) + lights;
+    }
+    /// targetname, style and switch_style of each light.
+    static std::vector<std::array<std::string, 3>> LightsOf(std::string_view entities) {
+        std::vector<std::array<std::string, 3>> lights;
+        for (const Entity &entity : ParseEntities(entities, "test"))
+            if (entity.ClassName() == "light")
+                lights.push_back({std::string(entity.Value("targetname")),
+                                  std::string(entity.Value({"style", "_style"})),
+                                  std::string(entity.Value("switch_style"))});
+        return lights;
+    }
+    static constexpr const char *kNamed[] = {"\"targetname\" \"a\"", "\"targetname\" \"b\"\n\"_style\" \"3\"",
+                                             "\"targetname\" \"a\"", "\"style\" \"2\"",
+                                             "\"targetname\" \"a\"\n\"style\" \"2\""};
+    static std::string Named() {
+        std::string text;
+        for (const char *keys : kNamed)
+            text += LightText(keys);
+        return text;
+    }
+    std::string ErrorOf(const std::string &lights) {
+        try {
+            Compile(RoomWith(lights));
+        } catch (const Error &error) {
+            return error.what();
+        }
+        return "";
+    }
+};
+
+using testing::IsEmpty;
+using Light = std::array<std::string, 3>;
+
+TEST_F(SwitchTest, NamedLightsStayWithANumberForEachNameAndStyle) {
+    EXPECT_THAT(LightsOf(Compile(RoomWith(Named())).bsp.entities),
+                ElementsAre(Light{"a", "32", ""}, Light{"b", "33", "3"}, Light{"a", "32", ""}, Light{"a", "34", "2"}));
+    options.keepLights = true;
+    EXPECT_THAT(LightsOf(Compile(RoomWith(Named())).bsp.entities),
+                ElementsAre(Light{"a", "32", ""}, Light{"b", "33", "3"}, Light{"a", "32", ""}, Light{"", "2", ""},
+                            Light{"a", "34", "2"}));
+    options.keepLights = false;
+    game = *FindGame("quake3");
+    EXPECT_THAT(LightsOf(Compile(RoomWith(Named())).bsp.entities), IsEmpty());
+}
+
+TEST_F(SwitchTest, ReplacedEntitiesHaveTheSameNumbersAndTellOfOthers) {
+    Bsp bsp = Compile(RoomWith(Named())).bsp;
+    const std::string entities = bsp.entities;
+    const BspContext context{options, game, *library, out.log, &vfs};
+    Map map = ReadMap(RoomWith(Named()), "test.map", context);
+    ReplaceEntities(bsp, map, context);
+    EXPECT_EQ(bsp.entities, entities);
+    EXPECT_EQ(out.log.WarningCount("renumbered lights"), 0);
+    map = ReadMap(RoomWith(LightText("\"targetname\" \"new\"") + Named()), "test.map", context);
+    ReplaceEntities(bsp, map, context);
+    EXPECT_EQ(LightsOf(bsp.entities)[1], (Light{"a", "33", ""}));
+    EXPECT_EQ(out.log.WarningCount("renumbered lights"), 1);
+}
+
+TEST_F(SwitchTest, EntitiesOfABspKeepTheirNumbers) {
+    Bsp bsp = Compile(RoomWith(Named())).bsp;
+    const BspContext context{options, game, *library, out.log, &vfs};
+    Map map = ReadMap(bsp.entities, "test.ent", context);
+    const auto before = LightsOf(bsp.entities);
+    ReplaceEntities(bsp, map, context);
+    EXPECT_EQ(LightsOf(bsp.entities), before);
+}
+
+TEST_F(SwitchTest, StylesAndGroupsThatEnginesDoNotHaveAreRefused) {
+    std::string lights;
+    for (int i = 0; i < 32; ++i)
+        lights += LightText(fmt::format("\"targetname\" \"lamp{}\"", i));
+    EXPECT_EQ(ErrorOf(lights), "");
+    const std::string tooMany = ErrorOf(lights + LightText("\"targetname\" \"last\"\n\"style\" \"4\""));
+    EXPECT_THAT(tooMany, HasSubstr("33 groups of switchable lights"));
+    EXPECT_THAT(tooMany, HasSubstr("lamp31, last of style 4"));
+    EXPECT_EQ(ErrorOf(LightText("\"style\" \"63\"")), "");
+    for (const int style : {64, 255})
+        EXPECT_THAT(ErrorOf(LightText(fmt::format("\"style\" \"{}\"", style))),
+                    testing::AllOf(HasSubstr("Entity 2: test.map:"), HasSubstr(fmt::format("light style {}", style))));
+}
+
 TEST_F(CompileTest, OneWarningAboutMapsOfStructuralBrushes) {
     std::string boxes;
     for (int i = 0; i < 504; ++i) {

@@ -25,14 +25,14 @@ class ExtraTest : public testing::Test {
     /// Adds to the shader scripts; before anything looks a shader up.
     void Script(const std::string &text) {
         scripts += text;
-        folder.Write("scripts/test.shader", scripts);
+        folder.Write(fmt::format("{}/test.shader", FindGame(gameName)->shaderDir), scripts);
     }
     const BspContext &Context() {
         if (!context) {
             vfs.emplace(out.log);
             vfs->Mount(folder.Root(), "pk3");
-            library.emplace(*vfs, *FindGame("quake3"), ShaderOptions{}, out.log);
-            context.reset(new BspContext{options, *FindGame("quake3"), *library, out.log, &*vfs});
+            library.emplace(*vfs, *FindGame(gameName), ShaderOptions{}, out.log);
+            context.reset(new BspContext{options, *FindGame(gameName), *library, out.log, &*vfs});
         }
         return *context;
     }
@@ -94,6 +94,7 @@ class ExtraTest : public testing::Test {
     KeptLog out;
     GameFolder folder;
     std::string scripts;
+    std::string_view gameName = "quake3"; ///< before scripts are added
     BspOptions options;
     std::optional<VirtualFileSystem> vfs;
     std::optional<ShaderLibrary> library;

@@ -55,7 +55,7 @@ class LimitTest : public testing::TestWithParam<Limit> {
         KeptLog out;
         Bsp bsp;
         GetParam().fill(bsp, count);
-        WarnOfLimits(bsp, out.log);
+        WarnOfLimits(bsp, *FindGame("quake3"), out.log);
         return out.text;
     }
 };
@@ -67,6 +67,14 @@ TEST_P(LimitTest, IsToldWithTheNumber) {
     EXPECT_THAT(said,
                 testing::HasSubstr(fmt::format("{} {}, engines hold {}: ", limit.most + 1, limit.what, limit.most)));
     EXPECT_EQ(std::ranges::count(said, '\n'), 1);
+}
+
+TEST(LimitsOfGames, RavensGamesHaveOneFogLess) {
+    KeptLog out;
+    Bsp bsp;
+    bsp.fogs.resize(31);
+    WarnOfLimits(bsp, *FindGame("ja"), out.log);
+    EXPECT_THAT(out.text, testing::HasSubstr("31 fogs, engines hold 30"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, LimitTest, testing::ValuesIn(Limits()),

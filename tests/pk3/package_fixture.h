@@ -30,10 +30,12 @@ class PackageTest : public testing::Test {
             scripts_.Read("scripts/" + name, *source_->ReadText("scripts/" + name), log_.log);
         MapNeeds needs;
         AddNeeds(bsp, "x", Quake3(), needs);
-        PackagePlan plan = MakePlan(needs, *source_, scripts_,
-                                    {.exclusions = exclusions, .png = png, .wholeScripts = wholeScripts}, log_.log);
+        PackagePlan plan = MakePlan(
+            needs, *source_, scripts_,
+            {.exclusions = exclusions, .imageFiles = Quake3().imageFiles, .png = png, .wholeScripts = wholeScripts},
+            log_.log);
         folder_.Write("base/maps/x.bsp", Bytes(bsp));
-        AddMapFiles(folder_ / "base/maps/x.bsp", needs.externalPages, Quake3(), *source_, plan);
+        AddMapFiles(folder_ / "base/maps/x.bsp", needs.externalPages, *source_, plan);
         return plan;
     }
 

@@ -42,7 +42,7 @@ TEST_F(PackageTest, ATextureWithoutAScriptIsAnImage) {
 TEST_F(PackageTest, WhatIsMissingIsNamedWithWhoWantsIt) {
     const auto missing = Plan(MapWith("{\n\"classname\" \"target_speaker\"\n\"noise\" \"sound/hum\"\n}\n")).missing;
     ASSERT_EQ(missing.size(), 2u);
-    EXPECT_EQ(missing[0], "textures/base/wall (.tga, .jpg or .dds): wanted by surfaces of x");
+    EXPECT_EQ(missing[0], "textures/base/wall (.tga, .jpg, .dds, .ktx, .crn or .webp): wanted by surfaces of x");
     EXPECT_EQ(missing[1], "sound/hum.wav: wanted by entity 1 of x, target_speaker");
 }
 
@@ -52,11 +52,18 @@ TEST_F(PackageTest, PngIsTakenWhenAsked) {
     EXPECT_THAT(Names(Plan(MapWith(""), {}, true)), Contains("textures/base/wall.png"));
 }
 
-TEST_F(PackageTest, DdsIsTakenWhereThereIsNoOtherImage) {
-    Put("textures/base/wall.dds");
-    EXPECT_THAT(Names(Plan(MapWith(""))), ElementsAre("textures/base/wall.dds", "maps/x.bsp"));
+TEST_F(PackageTest, OtherFormatsAreTakenWhereThereIsNoOtherImage) {
+    for (const char *name : {"webp", "crn", "ktx", "dds"}) {
+        Put(fmt::format("textures/base/wall.{}", name));
+        EXPECT_THAT(Names(Plan(MapWith(""))), ElementsAre(fmt::format("textures/base/wall.{}", name), "maps/x.bsp"));
+    }
     Put("textures/base/wall.jpg");
     EXPECT_THAT(Names(Plan(MapWith(""))), ElementsAre("textures/base/wall.jpg", "maps/x.bsp"));
+}
+
+TEST_F(PackageTest, OpenExrIsNoImageOfAGame) {
+    Put("textures/base/wall.exr");
+    EXPECT_THAT(Plan(MapWith("")).missing, ElementsAre(HasSubstr("textures/base/wall (.tga")));
 }
 
 TEST_F(PackageTest, ScriptsThatEnginesIgnoreAreNamed) {

@@ -104,6 +104,21 @@ TEST_F(GameCheckTest, OneArchiveIsEnough) {
     EXPECT_EQ(RunBare({"-fs_basepath", (folder_ / "packed").string(), "-light", "-onlygrid"}).status, 0);
 }
 
+TEST_F(GameCheckTest, PackagesThatTheMapsPackageNeeds) {
+    const std::filesystem::path game = folder_ / "un";
+    folder_.WriteArchive("un/pkg/tex_1.dpk", {{"scripts/a.shader", "textures/a\n{\n}\n"}, {"DEPS", "gone 2\n"}});
+    folder_.Write("un/pkg/map-demo_src.dpkdir/maps/demo.bsp", MapBytes());
+    folder_.Write("un/pkg/map-demo_src.dpkdir/DEPS", "tex\n");
+    maps_ = game / "pkg/map-demo_src.dpkdir/maps";
+    const auto light = [&](const char *name) {
+        return RunBare({"-game", name, "-fs_basepath", game.string(), "-fs_basegame", "pkg", "-light", "-onlygrid"});
+    };
+    const Outcome found = light("unvanquished");
+    EXPECT_EQ(found.status, 0) << found.text;
+    EXPECT_TRUE(found.Printed("tex_1.dpk needs gone 2, which is in no folder of the game")) << found.text;
+    EXPECT_FALSE(light("quake3").Printed("needs gone")) << "other games have no such packages";
+}
+
 TEST_F(GameCheckTest, ModWithoutBaseGame) {
     std::filesystem::rename(game_, folder_ / "base/mod");
     game_ = folder_ / "base/mod";

@@ -22,21 +22,20 @@ TEST(Games, Quake3IsFirstAndNamesHaveNoCase) {
     ASSERT_FALSE(Games().empty());
     EXPECT_EQ(Games()[0].name, "quake3");
     EXPECT_EQ(FindGame("Quake3"), &Games()[0]);
-    EXPECT_EQ(FindGame("sof2"), nullptr);
+    EXPECT_EQ(FindGame("quake"), nullptr);
     EXPECT_EQ(FindGame(""), nullptr);
     std::set<std::string_view> names;
     for (const Game &game : Games())
         EXPECT_TRUE(names.insert(game.name).second) << game.name;
-    EXPECT_EQ(names.size(), 15u);
+    EXPECT_EQ(names.size(), 19u);
 }
 
 TEST(Games, EveryGameHasTheParmsThatCompilingNeeds) {
     for (const Game &game : Games())
-        for (const auto *name :
-             {"default",    "detail",     "structural",  "trans",  "hint",        "skip",        "areaportal",
-              "antiportal", "origin",     "lightgrid",   "nodraw", "alphashadow", "lightfilter", "nolightmap",
-              "pointlight", "nonsolid",   "water",       "slime",  "lava",        "fog",         "sky",
-              "nomarks",    "playerclip", "monsterclip", "noob",   "ob"})
+        for (const auto *name : {"default",     "detail",     "structural", "trans",     "hint",       "skip",
+                                 "areaportal",  "antiportal", "origin",     "lightgrid", "nodraw",     "alphashadow",
+                                 "lightfilter", "nolightmap", "pointlight", "nonsolid",  "water",      "slime",
+                                 "lava",        "fog",        "sky",        "nomarks",   "playerclip", "monsterclip"})
             EXPECT_NE(game.FindParm(name), nullptr) << game.name << " " << name;
 }
 
@@ -73,13 +72,43 @@ TEST(Games, PathsAndContainer) {
     EXPECT_EQ(FindGame("quake3")->homeDir, ".q3a");
     EXPECT_EQ(FindGame("quake3")->bspVersion, 46);
     EXPECT_EQ(FindGame("unvanquished")->archiveExtension, "dpk");
+    EXPECT_TRUE(FindGame("unvanquished")->imageFiles.starts_with("*.webp *.png *.tga"));
+    EXPECT_TRUE(FindGame("xonotic")->imageFiles.starts_with("*.tga *.png *.jpg dds/*.dds"));
+    EXPECT_EQ(FindGame("quake3")->imageFiles, "*.tga *.png *.jpg *.dds *.ktx *.crn *.webp");
     EXPECT_EQ(FindGame("reaction")->gameDir, "Boomstick");
     std::set<std::string_view> newer;
     for (const Game &game : Games())
         if (game.bspVersion == 47)
             newer.insert(game.name);
     EXPECT_THAT(newer, ElementsAre("et", "etut", "quakelive", "wolf"));
+    for (const auto *name : {"sof2", "jk2", "ja", "qfusion"}) {
+        const Game &game = *FindGame(name);
+        EXPECT_EQ(game.bspIdent, game.name == "qfusion" ? "FBSP" : "RBSP");
+        EXPECT_EQ(game.bspVersion, 1);
+        EXPECT_TRUE(game.styleSlots);
+        EXPECT_EQ(game.shaderDir, game.name == "qfusion" ? "scripts" : "shaders");
+        EXPECT_EQ(game.maxFogs, game.name == "qfusion" ? 31 : 30);
+    }
     EXPECT_TRUE(FindGame("quakelive")->hasAdvertisements);
+}
+
+TEST(Games, ParmsOfRavensGames) {
+    const std::uint32_t all = 0xFFFFFFFF;
+    const Game &game = *FindGame("ja");
+    EXPECT_THAT(Words(game.FindParm("default")), ElementsAre(0x8001, all, 0, all, C_SOLID, all));
+    EXPECT_THAT(Words(game.FindParm("fog")), ElementsAre(8, 0x8001, 0, 0, C_TRANSLUCENT | C_DETAIL | C_FOG, C_SOLID));
+    EXPECT_THAT(Words(game.FindParm("*mat_rock")), ElementsAre(0, 0, 23, 0x1F, 0, 0));
+    EXPECT_THAT(Words(game.FindParm("forcesight")), ElementsAre(0, 0, 0x2000000, 0, 0, 0));
+    EXPECT_EQ(FindGame("jk2")->FindParm("forcesight"), nullptr);
+    EXPECT_EQ(game.NoDrawSurfaceFlags(), 0x200000u);
+    std::uint32_t bevels = 0;
+    for (const auto *name : {"slick", "metalsteps", "nodamage", "nosteps", "nomiscents"})
+        bevels |= game.FindParm(name)->surfaceSet;
+    EXPECT_EQ(game.bevelSurfaceFlags, bevels);
+    EXPECT_EQ(FindGame("qfusion")->bevelSurfaceFlags, 0x43043u);
+    // trans and areaportal set the same bit.
+    EXPECT_EQ(game.CompileFlagsOf(0, 0x80008001), std::uint32_t(C_SOLID | C_TRANSLUCENT));
+    EXPECT_EQ(game.CompileFlagsOf(0, 0x80000000), std::uint32_t(C_TRANSLUCENT | C_AREAPORTAL));
 }
 
 TEST(Games, LightDefaults) {
@@ -96,6 +125,11 @@ TEST(Games, LightDefaults) {
     EXPECT_FLOAT_EQ(FindGame("dq")->gridScale, 0.3f);
     EXPECT_FLOAT_EQ(FindGame("prophecy")->gridScale, 0.4f);
     EXPECT_FLOAT_EQ(FindGame("prophecy")->gridAmbientScale, 0.6f);
+    const Game &qfusion = *FindGame("qfusion");
+    EXPECT_TRUE(qfusion.halfLambert && !qfusion.noStyles && qfusion.keepLights && qfusion.deluxe && !qfusion.flares);
+    EXPECT_EQ(qfusion.lightmapSize, 512);
+    EXPECT_TRUE(FindGame("sof2")->flares && !FindGame("sof2")->keepLights && !FindGame("sof2")->noStyles);
+    EXPECT_EQ(FindGame("sof2")->flareShader, "gfx/misc/lens_flare");
 }
 
 TEST(Games, FlagsOfAShaderRecordSayWhatItsParmsDid) {
@@ -120,7 +154,8 @@ TEST(Games, EveryParmComesBackFromItsBits) {
         for (const SurfaceParm &parm : game.surfaceParms) {
             if (parm.name == "default" || parm.name == "nonsolid" || (parm.contentSet | parm.surfaceSet) == 0)
                 continue;
-            const std::uint32_t contents = (1 & ~parm.contentClear) | parm.contentSet;
+            const std::uint32_t byDefault = game.FindParm("default")->contentSet;
+            const std::uint32_t contents = (byDefault & ~parm.contentClear) | parm.contentSet;
             const std::uint32_t expected = (C_SOLID & ~parm.compileClear) | parm.compileSet;
             EXPECT_EQ(game.CompileFlagsOf(parm.surfaceSet, contents) & expected, expected)
                 << game.name << ' ' << parm.name;

@@ -139,6 +139,9 @@ TEST_F(LightImage, FirstStageImageCountsUnlessAnotherWasNamed) {
     EXPECT_EQ(ColorOf("{\nmap red.tga\n}\nqer_editorImage green.tga"), kRed);
     EXPECT_EQ(ColorOf("qer_editorImage green.tga\n{\nmap red.tga\n}"), kGreen);
     EXPECT_EQ(ColorOf("implicitMap blue.tga\n{\nmap red.tga\n}"), kBlue);
+    EXPECT_EQ(ColorOf("{\nmap $whiteimage\n}\nqer_editorImage green.tga"), kGreen);
+    EXPECT_EQ(ColorOf("{\nmap $lightmap\n}\n{\nrgbGen identity\n}\nqer_editorImage green.tga"), kGreen);
+    EXPECT_EQ(ColorOf("{\nmap gone.tga\n}\nqer_editorImage green.tga"), kGreen);
     EXPECT_EQ(ColorOf("q3map_lightImage blue.tga\nqer_editorImage green.tga\n{\nmap red.tga\n}"), kBlue);
     EXPECT_EQ(ColorOf("{\nmap red.tga\n}\nq3map_lightImage blue.tga"), kBlue);
 }
@@ -201,6 +204,70 @@ TEST_F(ShaderImages, TgaBeforePngBeforeJpg) {
     EXPECT_EQ(Warnings("damaged image"), 1);
     EXPECT_EQ(library->LoadImage("d"), nullptr);
     EXPECT_EQ(library->LoadImage("../a"), nullptr);
+}
+
+/// A KTX file with one RGBA texel.
+std::string Ktx(int red, int green, int blue) {
+    std::string file("\xABKTX 11\xBB\r\n\x1A\n\1\2\3\4", 16);
+    for (const int word : {0x1401, 1, 0x1908, 0x8058, 0x1908, 1, 1, 0, 0, 1, 1, 0, 4})
+        file.append(reinterpret_cast<const char *>(&word), 4);
+    for (const int channel : {red, green, blue, 255})
+        file += char(channel);
+    return file;
+}
+
+/// A Crunch file of that width and height, with a header alone.
+std::string Crn(int side) {
+    std::string file(74, '\0');
+    file[0] = 'H', file[1] = 'x', file[9] = 74;
+    file[12] = file[14] = char(side >> 8), file[13] = file[15] = char(side);
+    return file;
+}
+
+TEST_F(ShaderImages, FormatsAreTriedInTheOrderOfTheGame) {
+    const Image green{1, 1, {0, 255, 0, 255}};
+    WriteTga("a.tga", {{255, 0, 0, 255}});
+    WritePng(folder / "a.png", green);
+    folder.Write("a.ktx", Ktx(0, 0, 255));
+    folder.Write("dds/b.dds", "no dds");
+    folder.Write("b.ktx", Ktx(0, 0, 255));
+    Load();
+    EXPECT_THAT(library->LoadImage("a")->rgba, ElementsAre(255, 0, 0, 255));
+    EXPECT_THAT(library->LoadImage("b")->rgba, ElementsAre(0, 0, 255, 255));
+    Load("unvanquished");
+    EXPECT_THAT(library->LoadImage("a")->rgba, ElementsAre(0, 255, 0, 255)) << "PNG first";
+    Load("xonotic");
+    EXPECT_THAT(library->LoadImage("a")->rgba, ElementsAre(255, 0, 0, 255));
+    EXPECT_EQ(library->LoadImage("b"), nullptr) << "the folder dds before";
+    EXPECT_EQ(Warnings("damaged image"), 1);
+}
+
+TEST_F(ShaderImages, CrunchGivesItsSizeAndGray) {
+    folder.Write("textures/c.crn", Crn(512));
+    options.imageSizes = true;
+    Load();
+    EXPECT_EQ(library->Get("textures/c").geometry.textureWidth, 512);
+    options.imageSizes = false;
+    Load();
+    EXPECT_EQ(Get("textures/c").averageColor, Vec3f(128, 128, 128));
+    EXPECT_EQ(Warnings("colors of Crunch images"), 1);
+    EXPECT_THAT(out.text, HasSubstr("c.crn: of .crn files only the size is read, middle gray (128)"));
+}
+
+TEST_F(ShaderImages, OpenExrIsNeverOpened) {
+    folder.Write("loose.exr", "no matter what");
+    folder.WriteArchive("a.pk3", {{"textures/packed.exr", "no matter what"}});
+    Load();
+    EXPECT_EQ(library->LoadImage("loose"), nullptr);
+    EXPECT_FALSE(Get("textures/packed").imageFound);
+    EXPECT_EQ(Warnings("OpenEXR image"), 2);
+    EXPECT_EQ(Warnings("damaged image"), 0);
+    EXPECT_THAT(out.text, HasSubstr("loose.exr: files of the game in this format are not opened; save it as"));
+    EXPECT_EQ(FindImageFormat("a.exr"), nullptr);
+    options.imageSizes = true;
+    Load();
+    EXPECT_EQ(library->Get("textures/packed").geometry.textureWidth, 64);
+    EXPECT_EQ(Warnings("OpenEXR image"), 3);
 }
 
 TEST_F(ShaderImages, BuiltInDefaultIsWhite) {

@@ -166,11 +166,25 @@ TEST_F(ShaderDirectives, SurfaceParmsApplyInOrder) {
     EXPECT_EQ(Warnings("unknown surfaceparm"), 1);
 }
 
+TEST_F(ShaderDirectives, ShadersOfRavensGamesAreSolidAndOpaqueUntilAParmSaysOtherwise) {
+    EXPECT_EQ(LoadShader("", "sof2").contentFlags, 0x8001u);
+    const ShaderInfo &water = LoadShader("surfaceparm water", "sof2");
+    EXPECT_EQ(water.contentFlags, 0x8004u);
+    EXPECT_EQ(water.compileFlags, std::uint32_t(C_TRANSLUCENT | C_LIQUID));
+    EXPECT_EQ(LoadShader("surfaceparm nonopaque\nsurfaceparm nonsolid", "jk2").contentFlags, 0u);
+    const ShaderInfo &lit = LoadShader("q3map_onlyVertexLighting", "ja");
+    EXPECT_EQ(lit.compileFlags, std::uint32_t(C_SOLID | C_VERTEXLIT));
+    EXPECT_EQ(lit.surfaceFlags, 0u) << "the engine has no flag for it";
+    EXPECT_EQ(LoadShader("light 1", "sof2").geometry.flareShader, "gfx/misc/lens_flare");
+}
+
 TEST_F(ShaderDirectives, Shorthands) {
     EXPECT_EQ(LoadShader("q3map_onlyVertexLighting").compileFlags, std::uint32_t(C_SOLID | C_VERTEXLIT));
     EXPECT_EQ(LoadShader("q3map_dust").surfaceFlags, kDust);
     EXPECT_EQ(LoadShader("surfaceparm slick\nq3map_material Brick", "etut").surfaceFlags, 0xC00000u | kSlick);
     EXPECT_EQ(LoadShader("q3map_material brick\nq3map_material tin", "etut").surfaceFlags, 0x100000u);
+    EXPECT_EQ(LoadShader("surfaceparm slick\nq3map_material carpet\nq3map_material rock", "ja").surfaceFlags,
+              0x4000u + 23u);
     LoadShader("q3map_material brick");
     EXPECT_EQ(Warnings("unknown material"), 1);
 }

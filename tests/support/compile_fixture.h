@@ -141,7 +141,7 @@ class CompileTest : public testing::Test {
     GameFolder folder;
     KeptLog out;
     VirtualFileSystem vfs{out.log};
-    const Game &game = *FindGame("quake3");
+    Game game = *FindGame("quake3");
     BspOptions options;
     std::unique_ptr<ShaderLibrary> library;
 };

@@ -29,7 +29,7 @@ class LibraryTest : public testing::Test {
     }
     /// One script with this text, and no list.
     void LoadScript(std::string_view text, std::string_view game = "quake3") {
-        folder.Write("scripts/test.shader", text);
+        folder.Write(fmt::format("{}/test.shader", FindGame(game)->shaderDir), text);
         Load(game);
     }
     /// One shader named `s` with this body.

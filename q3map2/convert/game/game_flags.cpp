@@ -50,42 +50,71 @@ bool ParseFlagNumber(std::string_view text, std::uint32_t &value) {
 
 namespace {
 
+/// Name of a parm in a script: q3map_material has its own.
+std::string NameInScript(std::string_view parm) {
+    constexpr std::string_view kMaterial = "*mat_";
+    return parm.starts_with(kMaterial) ? fmt::format("material {}", parm.substr(kMaterial.size()))
+                                       : fmt::format("surfaceparm {}", parm);
+}
+
 /// Flags of one kind, surface or content, from the bits of one game to those of another.
 class FlagTranslator {
   public:
     FlagTranslator(const Game &from, const Game &to, FlagKind kind) : from_(from), to_(to), kind_(kind) {
         for (const SurfaceParm &parm : to.surfaceParms)
             targetBits_ |= ParmBits(parm, kind);
+        if (const SurfaceParm *parm = from.FindParm("default"))
+            fromDefault_ = ParmBits(*parm, kind);
+        if (const SurfaceParm *parm = to.FindParm("default"))
+            toDefault_ = ParmBits(*parm, kind);
     }
 
     std::uint32_t Translate(std::uint32_t flags) {
         std::uint32_t result = 0;
+        std::uint32_t byDefault = toDefault_ & ~fromDefault_; // what shaders of the target have unless a parm clears it
         for (const auto &[name, bits] : SplitFlags(flags, from_, kind_))
-            if (const std::uint32_t translated = BitsInTarget(bits))
-                result |= translated;
-            else if ((bits & targetBits_) == 0)
+            if (const SurfaceParm *parm = ParmInTarget(bits, flags)) {
+                result |= ParmBits(*parm, kind_);
+                byDefault &= kind_ == FlagKind::Content ? ~parm->contentClear : ~parm->surfaceClear;
+            } else if ((bits & fromDefault_) != 0 && name == "?") {
+                result |= bits & toDefault_; // what another parm left of the default
+            } else if ((bits & targetBits_) == 0) {
                 result |= bits;
-            else
-                lost_.insert(name == "?" ? fmt::format("0x{:x}", bits) : std::string(name));
-        return result;
+            } else {
+                lost_.insert(name == "?" ? fmt::format("surfaceparm 0x{:x}", bits) : NameInScript(name));
+            }
+        return result | byDefault;
     }
     const std::set<std::string> &Lost() const { return lost_; }
 
   private:
-    /// The target game's bits for the surfaceparm that is exactly `bits` in the source game; 0 if there is none. The
-    /// last of several such names counts, as in SplitFlags: a game's own names follow those that all games share.
-    std::uint32_t BitsInTarget(std::uint32_t bits) const {
-        for (auto parm = from_.surfaceParms.rbegin(); parm != from_.surfaceParms.rend(); ++parm)
-            if (ParmBits(*parm, kind_) == bits)
-                if (const SurfaceParm *same = to_.FindParm(parm->name))
-                    return ParmBits(*same, kind_);
-        return 0;
+    /// The target game's surfaceparm of the name that is exactly `bits` in the source game; null if there is none, or
+    /// if it sets other flags only. Of several names the one counts that clears most of what `flags` lack, then the
+    /// last, as in SplitFlags: a game's own names follow those that all games share.
+    const SurfaceParm *ParmInTarget(std::uint32_t bits, std::uint32_t flags) const {
+        const SurfaceParm *found = nullptr;
+        int most = -1;
+        for (auto parm = from_.surfaceParms.rbegin(); parm != from_.surfaceParms.rend(); ++parm) {
+            if (ParmBits(*parm, kind_) != bits)
+                continue;
+            const SurfaceParm *same = to_.FindParm(parm->name);
+            const bool leavesNoTrace = same && (same->surfaceSet | same->contentSet) == 0;
+            if (!same || (ParmBits(*same, kind_) == 0 && !leavesNoTrace))
+                continue;
+            const std::uint32_t clears = kind_ == FlagKind::Content ? parm->contentClear : parm->surfaceClear;
+            if (const int cleared = (flags & clears) == 0 ? std::popcount(clears) : 0; cleared > most) {
+                most = cleared;
+                found = same;
+            }
+        }
+        return found;
     }
 
     const Game &from_, &to_;
     FlagKind kind_;
-    std::uint32_t targetBits_ = 0; ///< bits that have a meaning in the target game
-    std::set<std::string> lost_;   ///< names of dropped flags, or their bits in hexadecimal
+    std::uint32_t targetBits_ = 0;                  ///< bits that have a meaning in the target game
+    std::uint32_t fromDefault_ = 0, toDefault_ = 0; ///< of shaders without surfaceparms
+    std::set<std::string> lost_;                    ///< names of dropped flags, or their bits in hexadecimal
 };
 
 } // namespace
@@ -98,8 +127,7 @@ void ConvertToGame(Bsp &bsp, const Game &from, const Game &to, Log &log) {
     }
     for (const FlagTranslator *translator : {&surface, &content})
         for (const std::string &name : translator->Lost())
-            log.Warn("surfaceparm of another game", "{} has no surfaceparm {}, which the map uses: it is dropped",
-                     to.name, name);
+            log.Warn("surfaceparm of another game", "{} has no {}, which the map uses: it is dropped", to.name, name);
     if (from.lightmapSize != to.lightmapSize && !bsp.lightmaps.empty())
         log.Warn("lightmaps of another size", "{} has lightmap pages of {} texels, {} of {}: light the map again",
                  to.name, to.lightmapSize, from.name, from.lightmapSize);

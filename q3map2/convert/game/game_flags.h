@@ -27,8 +27,9 @@ bool ParseFlagNumber(std::string_view text, std::uint32_t &value);
 
 /// Translates the surface and content flags of the shader records: each surfaceparm of `from` gets the bits of the
 /// surfaceparm of that name in `to`. A flag that no surfaceparm of `from` names, or whose name `to` lacks, keeps its
-/// bits if they mean nothing in `to`; else it is dropped with a warning. Also warns if the games' lightmap pages differ
-/// in size. File version and advertisements are left to BspFormat.
+/// bits if they mean nothing in `to`; else it is dropped with a warning. Shaders also get the bits that all shaders of
+/// `to` have by default and those of `from` do not, unless their surfaceparms clear them. Also warns if the games'
+/// lightmap pages differ in size. File version and advertisements are left to BspFormat.
 void ConvertToGame(Bsp &bsp, const Game &from, const Game &to, Log &log);
 
 } // namespace q3

@@ -11,14 +11,6 @@
 
 namespace q3 {
 
-/// Light styles in every record of the four-slot form: slot 0 is the normal light, the others are unused.
-inline constexpr std::array<std::uint8_t, 4> kJsonStyles = {0, 255, 255, 255};
-
-/// A value in slot 0 of four. Records of the established layout have room for four light styles; IBSP has one.
-template <typename T> std::array<T, 4> Slots(const T &first, const T &rest = {}) {
-    return {first, rest, rest, rest};
-}
-
 template <typename JsonArchive> void Describe(JsonArchive &a, bspShader_t &shader) {
     a.Name("shader", shader.shader);
     a.Flags("surfaceFlags", shader.surfaceFlags, FlagKind::Surface);
@@ -77,29 +69,20 @@ template <typename JsonArchive> void Describe(JsonArchive &a, bspBrush_t &brush)
 }
 
 template <typename JsonArchive> void Describe(JsonArchive &a, bspBrushSide_t &side) {
-    std::int32_t surfaceNum = -1; // no such field in IBSP
     a.Field("planeNum", side.planeNum);
     a.Field("shaderNum", side.shaderNum);
-    a.Field("surfaceNum", surfaceNum);
+    a.Field("surfaceNum", side.surfaceNum);
 }
 
 template <typename JsonArchive> void Describe(JsonArchive &a, bspDrawVert_t &vert) {
-    auto lightmap = Slots(vert.lightmap);
-    auto color = Slots(vert.color);
     a.Field("xyz", vert.xyz);
     a.Field("st", vert.st);
-    a.Field("lightmap", lightmap);
+    a.Field("lightmap", vert.lightmap);
     a.Field("normal", vert.normal);
-    a.Field("color", color);
-    vert.lightmap = lightmap[0];
-    vert.color = color[0];
+    a.Field("color", vert.color);
 }
 
 template <typename JsonArchive> void Describe(JsonArchive &a, bspDrawSurface_t &surface) {
-    auto styles = kJsonStyles, vertexStyles = kJsonStyles;
-    auto lightmapNum = Slots(surface.lightmapNum, kLightmapByVertex);
-    auto lightmapX = Slots(surface.lightmapX);
-    auto lightmapY = Slots(surface.lightmapY);
     a.Field("shaderNum", surface.shaderNum);
     a.Field("fogNum", surface.fogNum);
     a.Field("surfaceType", surface.surfaceType);
@@ -107,20 +90,17 @@ template <typename JsonArchive> void Describe(JsonArchive &a, bspDrawSurface_t &
     a.Field("numVerts", surface.numVerts);
     a.Field("firstIndex", surface.firstIndex);
     a.Field("numIndexes", surface.numIndexes);
-    a.Field("lightmapStyles", styles);
-    a.Field("vertexStyles", vertexStyles);
-    a.Field("lightmapNum", lightmapNum);
-    a.Field("lightmapX", lightmapX);
-    a.Field("lightmapY", lightmapY);
+    a.Field("lightmapStyles", surface.lightmapStyles);
+    a.Field("vertexStyles", surface.vertexStyles);
+    a.Field("lightmapNum", surface.lightmapNum);
+    a.Field("lightmapX", surface.lightmapX);
+    a.Field("lightmapY", surface.lightmapY);
     a.Field("lightmapWidth", surface.lightmapWidth);
     a.Field("lightmapHeight", surface.lightmapHeight);
     a.Field("lightmapOrigin", surface.lightmapOrigin);
     a.Field("lightmapVecs", surface.lightmapVecs);
     a.Field("patchWidth", surface.patchWidth);
     a.Field("patchHeight", surface.patchHeight);
-    surface.lightmapNum = lightmapNum[0];
-    surface.lightmapX = lightmapX[0];
-    surface.lightmapY = lightmapY[0];
 }
 
 template <typename JsonArchive> void Describe(JsonArchive &a, bspFog_t &fog) {
@@ -130,15 +110,10 @@ template <typename JsonArchive> void Describe(JsonArchive &a, bspFog_t &fog) {
 }
 
 template <typename JsonArchive> void Describe(JsonArchive &a, bspGridPoint_t &point) {
-    auto ambient = Slots(point.ambient, point.ambient);
-    auto directed = Slots(point.directed, point.directed);
-    auto styles = kJsonStyles;
-    a.Field("ambient", ambient);
-    a.Field("directed", directed);
-    a.Field("styles", styles);
+    a.Field("ambient", point.ambient);
+    a.Field("directed", point.directed);
+    a.Field("styles", point.styles);
     a.Field("latLong", point.latLong);
-    point.ambient = ambient[0];
-    point.directed = directed[0];
 }
 
 template <typename JsonArchive> void Describe(JsonArchive &a, Entity &entity) {

@@ -44,7 +44,7 @@ std::string LightmapImage::Name() const {
 }
 
 MeshLightmaps::MeshLightmaps(const Bsp &bsp, const std::filesystem::path &bspPath, const std::filesystem::path &script)
-    : internalCount_(int(bsp.lightmaps.size() / kLightmapPageBytes)) {
+    : internalCount_(int(bsp.LightmapPages())) {
     const auto folder = bspPath.parent_path() / bspPath.stem();
     std::error_code ignored;
     while (externalCount_ < kMaxExternalImages &&
@@ -75,8 +75,8 @@ void MeshLightmaps::ReadScript(const std::filesystem::path &script) {
 }
 
 std::optional<LightmapImage> MeshLightmaps::Of(const bspDrawSurface_t &surface, std::string_view shader) const {
-    if (surface.lightmapNum >= 0)
-        return LightmapImage{surface.lightmapNum,
+    if (surface.lightmapNum[0] >= 0)
+        return LightmapImage{surface.lightmapNum[0],
                              internalCount_ == 0 ? LightmapImage::Place::External : LightmapImage::Place::InBsp};
     const auto found = byShader_.find(LowerCase(shader));
     if (found == byShader_.end())
@@ -223,7 +223,7 @@ class MeshSceneBuilder {
 
     MeshVertex Vertex(const bspDrawVert_t &from, const Vec3f &origin) const {
         const Vec3f xyz = Vec3f(from.xyz) + origin;
-        const auto &st = WantsLightmaps() ? from.lightmap : from.st;
+        const auto &st = WantsLightmaps() ? from.lightmap[0] : from.st;
         return {{PrintableNumber(xyz.x), PrintableNumber(xyz.y), PrintableNumber(xyz.z)},
                 {PrintableNumber(from.normal[0]), PrintableNumber(from.normal[1]), PrintableNumber(from.normal[2])},
                 {PrintableNumber(st[0]), PrintableNumber(st[1])}};

@@ -149,11 +149,11 @@ LegacySample LegacyPreview::At(const Vec3f &position) const {
         if (!inside)
             continue;
         const bspGridPoint_t &point = points_[std::size_t(index)];
-        if (point.ambient == std::array<std::uint8_t, 3>{}) // inside a wall
+        if (point.ambient[0] == std::array<std::uint8_t, 3>{}) // inside a wall
             continue;
         total += weight;
-        sum.ambient += FromBytes(point.ambient) * weight;
-        sum.directed += FromBytes(point.directed) * weight;
+        sum.ambient += FromBytes(point.ambient[0]) * weight;
+        sum.directed += FromBytes(point.directed[0]) * weight;
         sum.direction += DirectionOf(point) * weight;
     }
     if (total > 0 && total < kRenormalizeBelow) {

@@ -8,6 +8,7 @@
 #include "q3map2/convert/source/source_writer.h"
 #include "q3map2/convert/source/texture_form.h"
 #include "q3map2/map/map_texture.h"
+#include "q3map2/map/switchable_lights.h"
 
 #include <fmt/format.h>
 
@@ -231,11 +232,6 @@ constexpr double kUnknownScale = 0.25, kFastScale = kDefaultTextureScale;
 /// Shaders of sides whose texture axes are unknown (-wtf), and of sides without a shader.
 constexpr std::string_view kUnknownTexture = "common/WTF", kUnnamedTexture = "common/caulk";
 
-std::string_view OriginShader(const Game &game) {
-    const bool isRaven = game.name == "sof2" || game.name == "jk2" || game.name == "ja";
-    return isRaven ? "system/origin" : "common/origin";
-}
-
 /// Writes one .bsp, entity by entity.
 class Decompiler {
   public:
@@ -271,7 +267,9 @@ class Decompiler {
 };
 
 std::string Decompiler::Write() {
-    const std::vector<Entity> entities = ParseEntities(bsp_.entities, name_);
+    std::vector<Entity> entities = ParseEntities(bsp_.entities, name_);
+    if (context_.game.styleSlots)
+        std::ranges::for_each(entities, RestoreLightStyle);
     for (std::size_t i = 0; i < entities.size(); ++i)
         WriteEntity(entities[i], i);
     PrintCounts();
@@ -330,7 +328,7 @@ void Decompiler::WriteEntity(const Entity &entity, std::size_t number) {
 
 /// Writes a cube around the origin, with one image centered on each side.
 void Decompiler::WriteOriginBrush(const Vec3d &origin) {
-    const std::string shader(OriginShader(context_.game));
+    const std::string shader(context_.game.originShader);
     const GeometryDirectives &directives = context_.shaders.Get("textures/" + shader).geometry;
     std::vector<SideWords> sides;
     for (const double sign : {1.0, -1.0})

@@ -145,7 +145,6 @@ constexpr double kFogEpsilon = 0.1; ///< tolerance of points on a border, game u
 /// Model surfaces are in a fog if they overlap its box, this much larger on each side, by at least kMinFogOverlap on
 /// each axis. Game units.
 constexpr double kFogMargin = 1, kMinFogOverlap = 1;
-constexpr std::size_t kMaxFogs = 31; ///< engines have five bits for the fog in their sort key
 
 /// Index of the side whose normal is most opposite to `direction`; -1: none.
 int SideAgainst(const Brush &brush, const PlaneTable &planes, const Vec3f &direction) {
@@ -321,8 +320,6 @@ std::vector<MapFog> CollectFogs(const Map &map, const BspContext &context, int &
         defaultFog = int(fogs.size());
         fogs.push_back({&shader, -1, -1, -1});
     }
-    if (fogs.size() > kMaxFogs)
-        context.log.Warn("too many fogs", "{} fogs, but engines draw at most {}", fogs.size(), kMaxFogs);
     return fogs;
 }
 

@@ -114,9 +114,10 @@ void MakeFlares(const Map &map, Geometry &geometry, const BspContext &context) {
         if (name.empty() && !keys::kFlare.Flag(light.pairs))
             continue;
         if (name.empty())
-            name = keys::kFlareShader.info.initial;
+            name = context.game.flareShader;
         const Vec3f color = keys::kColor.Vector(light.pairs).value_or(Vec3f{1, 1, 1});
         geometry.surfaces.push_back(FlareAt(light.origin, DirectionOf(light, map), color, context.shaders.Get(name)));
+        geometry.surfaces.back().lightStyle = std::uint8_t(keys::kStyle.Integer(light.pairs));
     }
 }
 
@@ -135,6 +136,8 @@ void MakeShaderFlare(std::size_t surface, const Vec3f &origin, Geometry &geometr
         FlareAt(position, direction, source.shader->color, context.shaders.Get(source.shader->geometry.flareShader));
     flare.fogNum = source.fogNum;
     flare.settings = source.settings;
+    constexpr int kConstant = 255; // as 0 does, for q3map_lightStyle
+    flare.lightStyle = std::uint8_t(source.shader->lightStyle == kConstant ? 0 : source.shader->lightStyle);
     geometry.surfaces.push_back(std::move(flare));
 }
 
@@ -207,6 +210,11 @@ void MakeFoliage(std::size_t surface, Geometry &geometry, const BspContext &cont
         return;
     if (!geometry.models)
         geometry.models = std::make_shared<ModelLibrary>(context.vfs);
+    if (context.game.refusesFoliage) {
+        context.log.Warn("foliage", "{}: q3map_foliage is left out, since {} loads no map with such surfaces",
+                         ground.shader->name, context.game.title);
+        return;
+    }
     ScatterRandom random{std::uint32_t(surface)};
     for (const FoliageDirective &directive : ground.shader->geometry.foliage) {
         context.log.Warn("foliage", "{}: q3map_foliage makes surfaces that Quake III engines do not draw",

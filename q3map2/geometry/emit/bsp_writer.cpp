@@ -88,7 +88,12 @@ int BspWriter::ShaderNumber(std::string_view name, std::uint32_t surfaceFlags, s
 }
 
 int BspWriter::ShaderNumber(const ShaderInfo &shader) {
-    return ShaderNumber(shader.name, shader.surfaceFlags, shader.contentFlags);
+    const std::size_t count = bsp.shaders.size();
+    const int number = ShaderNumber(shader.name, shader.surfaceFlags, shader.contentFlags);
+    const bool isNew = bsp.shaders.size() > count;
+    if (const std::string &damage = shader.geometry.damageShader; isNew && !damage.empty())
+        ShaderNumber(context_.shaders.Get(damage)); // for the game, which shows it once the surface is damaged
+    return number;
 }
 
 int BspWriter::ShaderNumber(std::string_view name) {

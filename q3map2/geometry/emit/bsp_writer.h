@@ -27,7 +27,7 @@ class BspWriter {
     /// Index in the shaders lump of the entry with this name and these flags, appended if missing. Engines take flags
     /// from the entry, so one name may have several entries. An empty name means the shader of sides without one.
     int ShaderNumber(std::string_view name, std::uint32_t surfaceFlags, std::uint32_t contentFlags);
-    /// With the flags of the shader.
+    /// With the flags of the shader. If it is appended, its damage shader follows it.
     int ShaderNumber(const ShaderInfo &shader);
     /// With the flags of the shader of that name.
     int ShaderNumber(std::string_view name);

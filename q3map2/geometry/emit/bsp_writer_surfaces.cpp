@@ -84,7 +84,7 @@ void BspWriter::WriteVerts(const DrawSurface &surface) {
         record.xyz = p.Array();
         record.st = vert.st;
         record.normal = vert.normal.Array();
-        record.color = context_.options.debugSurfaces ? OpaqueDebugColor(bsp.drawSurfaces.size()) : vert.color;
+        record.color.fill(context_.options.debugSurfaces ? OpaqueDebugColor(bsp.drawSurfaces.size()) : vert.color);
         bsp.drawVerts.push_back(record);
         if (growsModel) {
             model.mins = Min(Vec3f(model.mins), p).Array();
@@ -102,7 +102,6 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
     record.shaderNum = SurfaceShader(surface);
     record.fogNum = surface.fogNum;
     record.surfaceType = RecordType(surface, context_.options);
-    record.lightmapNum = kLightmapByVertex;
     const bool isFlare = record.surfaceType == MST_FLARE;
     if (isFlare)
         record.lightmapOrigin = surface.lightmapOrigin.Array();
@@ -123,8 +122,6 @@ void BspWriter::WriteSurface(const DrawSurface &surface) {
     surfaceFile += SurfaceBlock(surface, int(bsp.drawSurfaces.size()), surface.shader->name, worldSettings_,
                                 std::max(context_.options.sampleSize, context_.options.minSampleSize));
     bsp.drawSurfaces.push_back(record);
-    if (const std::string &damage = surface.shader->geometry.damageShader; !damage.empty())
-        ShaderNumber(damage); // listed for the game, which shows it once the surface is damaged
     const bool isSky = (surface.shader->compileFlags & C_SKY) != 0;
     if (isSky && std::find(skies_.begin(), skies_.end(), surface.shader) == skies_.end())
         skies_.push_back(surface.shader);
@@ -207,7 +204,7 @@ void BspWriter::EmitSkyImages() {
             record.shaderNum = ShaderNumber(sky->skyImageBase + std::string(side));
             record.fogNum = -1;
             record.surfaceType = MST_FLARE;
-            record.lightmapNum = -1; // none
+            record.lightmapNum[0] = -1; // none
             bsp.drawSurfaces.push_back(record);
         }
     }

@@ -78,6 +78,19 @@ Vec3f DominantAxis(const Vec3f &normal) {
     return {0, normal.y < 0 ? -1.f : 1.f, 0};
 }
 
+std::optional<SideNumber> SideOf(const DrawSurface &surface) {
+    const bool isOriginal = surface.kind == SurfaceKind::Face && !surface.isCopy && surface.parent < 0;
+    if (!isOriginal || surface.brush < 0 || surface.side < 0)
+        return std::nullopt;
+    return SideNumber{surface.brush, surface.side};
+}
+
+std::vector<SideNumber> SidesOf(const DrawSurface &surface) {
+    if (const auto side = SideOf(surface))
+        return {*side};
+    return surface.parent < 0 ? surface.mergedSides : std::vector<SideNumber>();
+}
+
 bool IsVertexLit(const DrawSurface &surface) {
     return (surface.shader->compileFlags & C_VERTEXLIT) != 0 || surface.kind == SurfaceKind::Triangles;
 }

@@ -6,7 +6,9 @@
 #include "q3map2/map/map.h"
 
 #include <array>
+#include <compare>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -20,24 +22,32 @@ namespace q3 {
 /// it makes. Bad: not written. Shader: a kind of .srf files that no step makes.
 enum class SurfaceKind { Bad, Face, Patch, Triangles, ForcedMeta, Meta, FogHull, Decal, Flare, Foliage, Shader };
 
+/// A side of a brush of an entity.
+struct SideNumber {
+    int brush = 0, side = 0;
+    auto operator<=>(const SideNumber &) const = default;
+};
+
 /// One draw surface. Indexes are relative to its first vertex. Faces are polygons until they are triangulated.
 struct DrawSurface {
     SurfaceKind kind = SurfaceKind::Bad;
     const ShaderInfo *shader = nullptr;
     SurfaceSettings settings;
-    int brush = -1, side = -1; ///< of the entity; -1: not from a brush
-    int patch = -1;            ///< index in the entity; -1: not from a patch
-    int primitive = -1;        ///< number in its entity of the map source, for messages
-    int planeNum = -1;         ///< in the plane table; -1: none
-    bool planar = false;       ///< all vertices are in one plane
-    int fogNum = -1;           ///< index in Geometry::fogs; -1: none
-    Vec3f lightmapAxis;        ///< zero: none
-    int sampleSize = 0;        ///< edge of a luxel, game units; 0: lit at vertices
+    int brush = -1, side = -1;           ///< of the entity; -1: not from a brush
+    int patch = -1;                      ///< index in the entity; -1: not from a patch
+    std::vector<SideNumber> mergedSides; ///< of a surface that the meta step made: see SidesOf
+    int primitive = -1;                  ///< number in its entity of the map source, for messages
+    int planeNum = -1;                   ///< in the plane table; -1: none
+    bool planar = false;                 ///< all vertices are in one plane
+    int fogNum = -1;                     ///< index in Geometry::fogs; -1: none
+    Vec3f lightmapAxis;                  ///< zero: none
+    int sampleSize = 0;                  ///< edge of a luxel, game units; 0: lit at vertices
     /// As in the .bsp: the normal of a planar surface is the last; patches have the bounds of their level of detail
     /// first, flares their color.
     std::array<Vec3f, 3> lightmapVecs{};
-    Vec3f lightmapOrigin;   ///< of a flare: its position
-    float longestCurve = 0; ///< Patch::longestCurve
+    Vec3f lightmapOrigin;        ///< of a flare: its position
+    std::uint8_t lightStyle = 0; ///< of a flare: style of its light
+    float longestCurve = 0;      ///< Patch::longestCurve
     Boundsf bounds;
     std::vector<DrawVert> verts;
     std::vector<int> indexes;
@@ -73,6 +83,11 @@ Vec3f DominantAxis(const Vec3f &normal);
 /// True for a surface without a lightmap: its shader says so, or its kind is Triangles (models that are not
 /// ForcedMeta).
 bool IsVertexLit(const DrawSurface &surface);
+
+/// The side of a brush that an unmerged surface shows; none for copies, decals and what is not made of brushes.
+std::optional<SideNumber> SideOf(const DrawSurface &surface);
+/// The same for all surfaces: the sides that a surface shows, ascending, each once.
+std::vector<SideNumber> SidesOf(const DrawSurface &surface);
 
 /// Sets bounds, plane, lightmap axis and sample size. A surface other than a face or patch that has more than
 /// BspOptions::maxVertexLitVerts vertices becomes ForcedMeta.

@@ -450,6 +450,10 @@ void SurfaceGrower::Discover(Growth &growth, const MetaTriangle &triangle) {
 void SurfaceGrower::AddTriangle(Growth &growth, int number) {
     const MetaTriangle &triangle = mesh_.Triangles()[std::size_t(number)];
     used_[std::size_t(number)] = 1;
+    std::vector<SideNumber> &sides = growth.surface.mergedSides;
+    const auto side = SideOf(geometry_.surfaces[std::size_t(triangle.surface)]);
+    if (side && (sides.empty() || sides.back() != *side))
+        sides.push_back(*side);
     for (const int v : triangle.verts) {
         const DrawVert &vert = Vert(mesh_, v);
         int &slot = slots_[std::size_t(v)];
@@ -542,6 +546,10 @@ void SurfaceGrower::Finish(Growth &growth) {
         slots_[std::size_t(v)] = -1;
     ClassifySurface(growth.surface, planes_, context_);
     growth.surface.lightmapAxis = growth.seed->lightmapAxis;
+    std::vector<SideNumber> &sides = growth.surface.mergedSides;
+    std::ranges::sort(sides);
+    const auto repeated = std::ranges::unique(sides);
+    sides.erase(repeated.begin(), repeated.end());
     geometry_.surfaces.push_back(std::move(growth.surface));
 }
 

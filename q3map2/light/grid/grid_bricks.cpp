@@ -46,6 +46,8 @@ void GridStats::Add(const GridStats &o) {
     points += o.points, open += o.open, moved += o.moved, filled += o.filled;
     skippedFaint += o.skippedFaint, skippedReach += o.skippedReach, skippedPvs += o.skippedPvs;
     skippedSmooth += o.skippedSmooth;
+    for (const auto &[style, count] : o.dropped)
+        dropped[style] += count;
     counts += o.counts;
     seconds += o.seconds;
 }

@@ -15,6 +15,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -37,6 +39,12 @@ class IndirectLight {
     virtual void Gather(const Vec3f &point, std::uint64_t seed, std::vector<IndirectRay> &rays) const = 0;
 };
 
+/// Bounced light of a style other than 0.
+struct StyledIndirect {
+    std::uint8_t style = 0;
+    std::unique_ptr<IndirectLight> light;
+};
+
 /// Directions of the rays of FloodFraction in the hemisphere around +z, at four elevations; half as many if lowQuality.
 std::vector<Vec3f> FloodDirections(bool lowQuality);
 /// Fraction of the hemisphere around +z or -z (up: +1 or -1) that is open within `distance`, 0 to 1: the mean over rays
@@ -52,7 +60,8 @@ struct GridInputs {
     const WorldLight &world;
     const JobPool &jobs;
     Log &log;
-    const IndirectLight *indirect = nullptr; ///< bounced light, or null
+    const IndirectLight *indirect = nullptr; ///< bounced light of style 0, or null
+    std::span<const StyledIndirect> styled{}; ///< bounced light of other styles: legacy grid only
     /// For FloodFraction.
     std::vector<Vec3f> floodDirections = FloodDirections(options.lowQuality);
 };
@@ -67,6 +76,7 @@ struct GridStats {
     std::uint64_t skippedReach = 0;  ///< brick and light pairs out of reach
     std::uint64_t skippedPvs = 0;    ///< brick and light pairs hidden by visibility data
     std::uint64_t skippedSmooth = 0; ///< points and samples whose weak light is interpolated
+    std::map<int, std::int64_t> dropped; ///< legacy grid: points that have no slot left for a style, by style
     ContributionCounts counts;
     double seconds = 0; ///< of passes, by the clock
     /// Adds all counts and seconds.

@@ -9,7 +9,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
+#include <numeric>
 
 namespace q3 {
 
@@ -50,13 +53,15 @@ struct Directed {
 class GridRecords {
   public:
     explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lightRecords_.reserve(kUsualLights * blocks); }
-    /// Adds a light at the points of a block. Without `colored` it counts for the main direction only.
-    void Add(std::size_t block, const Lanes3 &color, bool colored, const ProbeIncidentLight &incident);
+    /// What a record counts for.
+    enum class Counts { AsLight, AsDirection };
+    /// Adds a light at the points of a block.
+    void Add(std::size_t block, const Lanes3 &color, int style, Counts counts, const ProbeIncidentLight &incident);
     /// Adds light from a direction at one point, and ambient light; `weightedDirection` is added to the main
     /// direction's sum.
-    void Add(std::size_t block, std::size_t lane, const Vec3f &direction, const Vec3f &color, const Vec3f &ownAmbient,
-             const Vec3d &weightedDirection) {
-        pointRecords_.push_back({block, lane, direction, color, ownAmbient});
+    void Add(std::size_t block, std::size_t lane, int style, const Vec3f &direction, const Vec3f &color,
+             const Vec3f &ownAmbient, const Vec3d &weightedDirection) {
+        pointRecords_.push_back({block, lane, style, direction, color, ownAmbient});
         Block &to = blocks_[block];
         to.directionSumX[lane] += weightedDirection.x, to.directionSumY[lane] += weightedDirection.y,
             to.directionSumZ[lane] += weightedDirection.z;
@@ -64,11 +69,13 @@ class GridRecords {
     }
     std::int32_t Count(std::size_t block, std::size_t lane) const { return blocks_[block].records[lane]; }
 
-    /// Main directions of the points of a block, and their light as ambient and directed part.
+    /// Main directions of the points of a block, and their light of a style as ambient and directed part.
     struct Parts {
         Lanes3 mainDirection, ambient, directed;
     };
-    std::vector<Parts> AllParts(const LightOptions &options, const Vec3f &ambient) const;
+    /// The light of a block, by style; always with style 0, which has the ambient light of the world.
+    using PartsByStyle = std::map<int, Parts>;
+    std::vector<PartsByStyle> AllParts(const LightOptions &options, const Vec3f &ambient) const;
 
   private:
     static constexpr std::size_t kUsualLights = 16; ///< lights that reach a block of most maps
@@ -78,10 +85,12 @@ class GridRecords {
     };
     struct LightRecord {
         std::size_t block;
+        int style;
         Lanes3 direction, color; ///< zero where nothing arrives
     };
     struct PointRecord {
         std::size_t block, lane;
+        int style;
         Vec3f direction, color, ownAmbient;
     };
     static void AddDirection(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record,
@@ -129,12 +138,16 @@ Q3_VECTOR void GridRecords::AddDirection(const Lanes3 &color, const ProbeInciden
     }
 }
 
-void GridRecords::Add(std::size_t block, const Lanes3 &color, bool colored, const ProbeIncidentLight &incident) {
+void GridRecords::Add(std::size_t block, const Lanes3 &color, int style, Counts counts,
+                      const ProbeIncidentLight &incident) {
     LightRecord &record = lightRecords_.emplace_back();
     record.block = block;
     AddDirection(color, incident, record, blocks_[block]);
-    if (!colored)
+    record.style = style;
+    if (counts == Counts::AsDirection) {
+        record.style = 0;
         record.color.Fill({});
+    }
 }
 
 /// Splits a record into ambient and directed light and adds both.
@@ -154,21 +167,31 @@ Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &di
     }
 }
 
-std::vector<GridRecords::Parts> GridRecords::AllParts(const LightOptions &options, const Vec3f &ambient) const {
+std::vector<GridRecords::PartsByStyle> GridRecords::AllParts(const LightOptions &options, const Vec3f &ambient) const {
     const Directed directed(options);
-    std::vector<Parts> parts(blocks_.size());
+    std::vector<PartsByStyle> parts(blocks_.size());
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const Block &from = blocks_[block];
+        Parts &steady = parts[block][0];
         for (const std::size_t i : kEachLane)
-            parts[block].mainDirection.Set(
+            steady.mainDirection.Set(
                 i, Vec3f(Normalize(Vec3d{from.directionSumX[i], from.directionSumY[i], from.directionSumZ[i]})));
-        parts[block].ambient.Fill(ambient);
-        parts[block].directed.Fill({});
+        steady.ambient.Fill(ambient);
+        steady.directed.Fill({});
     }
+    const auto partsOf = [&parts](std::size_t block, int style) -> Parts & {
+        const auto [found, isNew] = parts[block].try_emplace(style);
+        if (isNew) {
+            found->second.mainDirection = parts[block][0].mainDirection;
+            found->second.ambient.Fill({});
+            found->second.directed.Fill({});
+        }
+        return found->second;
+    };
     for (const LightRecord &record : lightRecords_)
-        Divide(record, directed, parts[record.block]);
+        Divide(record, directed, partsOf(record.block, record.style));
     for (const PointRecord &record : pointRecords_) {
-        Parts &light = parts[record.block];
+        Parts &light = partsOf(record.block, record.style);
         const float k = directed.Fraction(Dot(record.direction, light.mainDirection[record.lane]));
         light.directed.Set(record.lane, light.directed[record.lane] + record.color * k);
         light.ambient.Set(record.lane,
@@ -258,18 +281,19 @@ void AddFloodlight(const GridInputs &in, const Vec3f &position, std::size_t bloc
             FloodFraction(in.scene, position, up, in.world.floodDistance, in.floodDirections, counts);
         const Vec3f flood = in.world.floodColor * (in.world.floodIntensity * fraction);
         const Vec3f directed = flood * kFloodDirected;
-        records.Add(block, lane, {0, 0, 1}, directed, flood * kFloodAmbient, Vec3d{0, 0, double(Length(directed))});
+        records.Add(block, lane, 0, {0, 0, 1}, directed, flood * kFloodAmbient, Vec3d{0, 0, double(Length(directed))});
     }
 }
 
-/// Adds bounced light at a point.
-void AddIndirect(const GridInputs &in, const ReceiverBatch &receivers, std::size_t block, std::size_t lane,
-                 GridRecords &records, RayCounts &counts) {
+/// Adds bounced light of a style at a point.
+void AddIndirect(const IndirectLight &indirect, int style, const ReceiverBatch &receivers, std::size_t block,
+                 std::size_t lane, GridRecords &records, RayCounts &counts) {
     std::vector<IndirectRay> rays;
-    in.indirect->Gather(receivers.rayOrigin[lane], receivers.index[lane], rays);
+    indirect.Gather(receivers.rayOrigin[lane], receivers.index[lane], rays);
     counts.rays += rays.size();
     for (const IndirectRay &ray : rays)
-        records.Add(block, lane, ray.direction, ray.light, {}, Vec3d(ray.direction) * double(Length(ray.light)));
+        records.Add(block, lane, style, ray.direction, ray.light, {},
+                    Vec3d(ray.direction) * double(Length(ray.light)));
 }
 
 /// A direction as polar angle and azimuth, in 255ths of a full turn, truncated. Straight down is half of 256.
@@ -282,15 +306,51 @@ std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
     return {std::uint8_t(fromZ & 255), std::uint8_t(aroundZ & 255)};
 }
 
-bspGridPoint_t StorePoint(const GridInputs &in, const Vec3f &main, const Vec3f &ambient, const Vec3f &directed) {
+/// Stored colors of a style at a point.
+struct StoredColors {
+    int style = 0;
+    std::array<std::uint8_t, 3> ambient{}, directed{};
+    int Sum() const {
+        return std::accumulate(ambient.begin(), ambient.end(), 0) + std::accumulate(directed.begin(), directed.end(), 0);
+    }
+};
+
+StoredColors StoreColors(const GridInputs &in, int style, const Vec3f &ambient, const Vec3f &directed) {
     const LightOptions &o = in.options;
-    bspGridPoint_t stored;
-    stored.ambient = ColorToBytes(Max(ambient, in.world.minGrid), o.gridScale * o.gridAmbientScale, 1, o.tone);
-    stored.directed = ColorToBytes(directed, o.gridScale, 1, o.tone);
+    return {style, ColorToBytes(ambient, o.gridScale * o.gridAmbientScale, 1, o.tone),
+            ColorToBytes(directed, o.gridScale, 1, o.tone)};
+}
+
+/// The point in a lane of a block: style 0, and the other styles that give most light, in ascending order. Counts
+/// those left out.
+bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::PartsByStyle &parts, std::size_t lane,
+                          std::map<int, std::int64_t> &dropped) {
+    bspGridPoint_t stored{};
+    const auto put = [&stored](std::size_t slot, const StoredColors &colors) {
+        stored.ambient[slot] = colors.ambient, stored.directed[slot] = colors.directed;
+        stored.styles[slot] = std::uint8_t(colors.style);
+    };
+    const GridRecords::Parts &steady = parts.at(0);
+    StoredColors colors = StoreColors(in, 0, Max(steady.ambient[lane], in.world.minGrid), steady.directed[lane]);
     constexpr std::array<std::uint8_t, 3> kBlack{};
-    if (stored.ambient == kBlack && stored.directed != kBlack) // engines ignore points of black ambient light
-        stored.ambient = {1, 1, 1};
-    stored.latLong = DirectionBytes(main);
+    if (colors.ambient == kBlack && colors.directed != kBlack) // engines of IBSP ignore points of black ambient light
+        colors.ambient = {1, 1, 1};
+    put(0, colors);
+    stored.latLong = DirectionBytes(steady.mainDirection[lane]);
+    std::vector<StoredColors> others;
+    for (const auto &[style, light] : parts)
+        if (style != 0)
+            if (const StoredColors one = StoreColors(in, style, light.ambient[lane], light.directed[lane]); one.Sum() > 0)
+                others.push_back(one);
+    if (others.size() >= kStyles) {
+        std::ranges::stable_sort(others, std::greater(), &StoredColors::Sum);
+        for (std::size_t i = kStyles - 1; i < others.size(); ++i)
+            ++dropped[others[i].style];
+        others.resize(kStyles - 1);
+        std::ranges::sort(others, {}, &StoredColors::style);
+    }
+    for (std::size_t i = 0; i < others.size(); ++i)
+        put(i + 1, others[i]);
     return stored;
 }
 
@@ -307,8 +367,11 @@ class GridBlocks {
                 if (incident_[block].live.Any()) {
                     Lanes3 color;
                     SetColors(*one.light, incident_[block], color);
-                    // Styled light turns the main direction, but this format has no place for its color.
-                    records_.Add(block, color, one.light->style == 0, incident_[block]);
+                    // Styled light turns the main direction, even where the file has no place for its color.
+                    const bool stored = one.light->style == 0 || in_.options.styleSlots;
+                    records_.Add(block, color, one.light->style,
+                                 stored ? GridRecords::Counts::AsLight : GridRecords::Counts::AsDirection,
+                                 incident_[block]);
                     if (in_.options.cheapGrid || lights.size() > std::size_t(kMaxRecords))
                         StopFullPoints(block, color);
                 }
@@ -316,12 +379,11 @@ class GridBlocks {
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             AddFloodAndBounced(block, work);
     }
-    void Store(std::span<bspGridPoint_t> grid) const {
+    void Store(std::span<bspGridPoint_t> grid, GridStats &work) const {
         const auto lights = records_.AllParts(in_.options, in_.world.ambient);
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             for (std::size_t i = 0; i < blocks_[block].count; ++i)
-                grid[blocks_[block].index[i]] = StorePoint(in_, lights[block].mainDirection[i],
-                                                           lights[block].ambient[i], lights[block].directed[i]);
+                grid[blocks_[block].index[i]] = StorePoint(in_, lights[block], i, work.dropped);
     }
 
   private:
@@ -355,7 +417,9 @@ void GridBlocks::AddFloodAndBounced(std::size_t block, GridStats &work) {
         if (in_.options.floodlight || in_.world.hasFloodlight)
             AddFloodlight(in_, receivers.position[i], block, i, records_, work.counts);
         if (in_.indirect)
-            AddIndirect(in_, receivers, block, i, records_, work.counts);
+            AddIndirect(*in_.indirect, 0, receivers, block, i, records_, work.counts);
+        for (const StyledIndirect &one : in_.styled)
+            AddIndirect(*one.light, one.style, receivers, block, i, records_, work.counts);
     }
 }
 
@@ -390,6 +454,50 @@ GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
     return layout;
 }
 
+namespace {
+
+/// The mean of points with light. Styles are those of the first one; light of others is left out, as is that of other
+/// points in a slot that the first one leaves free.
+bspGridPoint_t MeanOf(std::span<const bspGridPoint_t *const> points) {
+    bspGridPoint_t mean = *points.front();
+    const auto count = int(points.size());
+    for (std::size_t slot = 0; slot < kStyles && mean.styles[slot] != kNoStyle; ++slot)
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            int ambient = 0, directed = 0;
+            for (const bspGridPoint_t *point : points) {
+                const auto from = std::size_t(std::ranges::find(point->styles, mean.styles[slot]) - point->styles.begin());
+                ambient += from < kStyles ? point->ambient[from][channel] : 0;
+                directed += from < kStyles ? point->directed[from][channel] : 0;
+            }
+            mean.ambient[slot][channel] = std::uint8_t((ambient + count / 2) / count);
+            mean.directed[slot][channel] = std::uint8_t((directed + count / 2) / count);
+        }
+    return mean;
+}
+
+/// Gives points in walls no style, so that engines leave them out, and the mean light of the lit points around them for
+/// engines that do not look: models beside a wall are lit from its corners too.
+void MarkWalls(const GridLayout &layout, const std::vector<std::uint8_t> &lit, std::vector<bspGridPoint_t> &grid) {
+    std::vector<const bspGridPoint_t *> around;
+    for (std::int64_t index = 0; index < layout.Count(); ++index) {
+        bspGridPoint_t &point = grid[std::size_t(index)];
+        if (lit[std::size_t(index)] != 0)
+            continue;
+        around.clear();
+        const Int3 at = layout.Coordinates(index);
+        for (int z = std::max(at[2] - 1, 0); z <= std::min(at[2] + 1, layout.bounds[2] - 1); ++z)
+            for (int y = std::max(at[1] - 1, 0); y <= std::min(at[1] + 1, layout.bounds[1] - 1); ++y)
+                for (int x = std::max(at[0] - 1, 0); x <= std::min(at[0] + 1, layout.bounds[0] - 1); ++x)
+                    if (const auto near = std::size_t(layout.Index(x, y, z)); lit[near] != 0)
+                        around.push_back(&grid[near]);
+        if (!around.empty())
+            point = MeanOf(around);
+        point.styles = kNoStyles;
+    }
+}
+
+} // namespace
+
 std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                                       GridStats &stats) {
     const LightSettings settings{.pass = LightPass::LegacyGrid,
@@ -398,12 +506,16 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
                                  .skip = in.options.skip};
     const PassLights passLights(lights);
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
+    std::vector<std::uint8_t> lit(grid.size()); // a byte each: workers write side by side
     const GridBricks bricks(layout);
     stats.points = layout.Count();
     RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         std::vector<ReceiverBatch> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
         if (blocks.empty())
             return;
+        for (const ReceiverBatch &block : blocks)
+            for (std::size_t i = 0; i < block.count; ++i)
+                lit[block.index[i]] = 1;
         StartFaintResiduals(blocks, kFaintInBrick);
         const LightsInReach lightsInReach(passLights, BrickExtent(blocks), {std::uint64_t(brick), kFaintInBrick},
                                           in.options.skip, work);
@@ -412,9 +524,11 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         for (std::size_t first = 0; first < blocks.size(); first += kBlocksTogether) {
             GridBlocks together(in, std::span(blocks).subspan(first, std::min(kBlocksTogether, blocks.size() - first)));
             together.Trace(pass, lightsInReach.List(), work);
-            together.Store(grid);
+            together.Store(grid, work);
         }
     });
+    if (in.options.styleSlots)
+        MarkWalls(layout, lit, grid);
     return grid;
 }
 

@@ -24,6 +24,7 @@ LightOptions GameDefaults(const Game &game) {
     o.gridScale = game.gridScale;
     o.gridAmbientScale = game.gridAmbientScale;
     o.noStyles = game.noStyles;
+    o.styleSlots = game.styleSlots;
     o.patchShadows = game.patchShadows;
     o.noDrawSurfaceFlags = game.NoDrawSurfaceFlags();
     o.skip.coarse = true; // ApplyInclusions clears it without -fastgrid
@@ -523,7 +524,7 @@ Group Rays() {
           &LightOptions::floodlight},
          {{.name = "-lowquality", .help = "Floodlight with 32 rays a hemisphere instead of 64"},
           &LightOptions::lowQuality},
-         {{.name = "-custinfoparms", .help = "Read more surfaceparms from scripts/custinfoparms.txt"},
+         {{.name = "-custinfoparms", .help = "Read more surfaceparms from custinfoparms.txt, beside the shader scripts"},
           customInfoParms}}};
 }
 

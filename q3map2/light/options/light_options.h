@@ -99,6 +99,7 @@ struct LightOptions {
     bool noTrace = false, structuralShadowsOnly = false, sunOnly = false, oneSky = false, noStyles = false,
          patchShadows = false;
     bool switchable = false; ///< lights of a targetname get a style
+    bool styleSlots = false; ///< the file holds four styles of light: Game::styleSlots
     bool floodlight = false, lowQuality = false;
     bool noGrid = false;             ///< the legacy grid stays as it is
     bool staticPropLighting = false; ///< light at the vertices of static props

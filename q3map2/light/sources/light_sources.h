@@ -118,6 +118,11 @@ struct Light {
     void SetShape();
 };
 
+/// What messages call a light of a style other than 0.
+inline std::string StyledLightName(const Light &light) {
+    return light.label.empty() ? fmt::format("light of style {}", light.style) : light.label;
+}
+
 /// From where suns count as seen: from the clusters that visibility data says, or from all.
 enum class SunsSeen { ByVisibility, Everywhere };
 

@@ -2,6 +2,7 @@
 #include "q3map2/light/sources/light_styles.h"
 
 #include "common/error.h"
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/light/sources/falloff.h"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
 #include <numbers>
 #include <utility>
@@ -180,6 +182,31 @@ StyleWave FitWave(std::string_view pattern) {
                 .amplitude = std::sqrt(variance) / kNoiseDeviation,
                 .frequency = kPatternRate};
     return best.wave;
+}
+
+// ---- Lights that were left out ----
+
+void DroppedLightCounts::Add(std::string_view light, std::int64_t count) {
+    const auto found = std::ranges::find(counts_, light, &std::pair<std::string, std::int64_t>::first);
+    if (found != counts_.end())
+        found->second += count;
+    else
+        counts_.emplace_back(light, count);
+}
+
+void DroppedLightCounts::Warn(std::string_view light, std::string_view places, Log &log) const {
+    constexpr std::size_t kNamedLights = 12;
+    if (counts_.empty())
+        return;
+    auto counts = counts_;
+    std::ranges::stable_sort(counts, std::greater(), &std::pair<std::string, std::int64_t>::second);
+    std::string names;
+    for (std::size_t i = 0; i < std::min(counts.size(), kNamedLights); ++i)
+        names += fmt::format("{}{} ({}: {})", i > 0 ? ", " : "", counts[i].first, places, counts[i].second);
+    if (counts.size() > kNamedLights)
+        names += fmt::format(" and {} more", counts.size() - kNamedLights);
+    log.Warn(fmt::format("{} left out of {}", light, places), "{} left out where {} other styles come first: {}", light,
+             kStyles - 1, names);
 }
 
 // ---- Numbers of styles ----

@@ -4,11 +4,13 @@
 #include "common/log.h"
 #include "q3map2/bspfile/entities.h"
 
+#include <cstdint>
 #include <map>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace q3 {
@@ -47,6 +49,19 @@ struct StyleWave {
 /// The periodic wave with the least mean squared difference from the repeated pattern. Noise of the same mean and
 /// variance where even that leaves more than half of the variance.
 StyleWave FitWave(std::string_view pattern);
+
+/// Lights that were left out somewhere, for one warning.
+class DroppedLightCounts {
+  public:
+    /// Counts `count` more places of a light.
+    void Add(std::string_view light, std::int64_t count = 1);
+    /// Warns if there are any, those left out most often first. light: the kind of light, such as "bounced light".
+    /// places: such as "lightmaps", plural.
+    void Warn(std::string_view light, std::string_view places, Log &log) const;
+
+  private:
+    std::vector<std::pair<std::string, std::int64_t>> counts_; ///< in the order of Add
+};
 
 /// Numbers for the styles of lights that need one: all lights with one pattern share a style, and under -switchable
 /// those of one targetname.

@@ -171,11 +171,21 @@ bool Bounces::Solve(const SurfaceLight &surfaces) {
 
 std::unique_ptr<IndirectLight> Bounces::ForPoints() const {
     const auto radiosity = byStyle_.find(0);
-    if (radiosity == byStyle_.end())
-        return nullptr;
+    return radiosity == byStyle_.end() ? nullptr : PointsLitBy(radiosity->second);
+}
+
+std::vector<StyledIndirect> Bounces::StyledForPoints() const {
+    std::vector<StyledIndirect> styled;
+    for (const auto &[style, radiosity] : byStyle_)
+        if (style != 0)
+            styled.push_back({style, PointsLitBy(radiosity)});
+    return styled;
+}
+
+std::unique_ptr<IndirectLight> Bounces::PointsLitBy(const StyleRadiosity &radiosity) const {
     // 3 / 2: the ratio of the defaults, 96 rays from a point and 64 from a luxel.
     const int rays = in_.lightmap.bounceRays ? std::max(1, *in_.lightmap.bounceRays * 3 / 2) : PointGather::kRays;
-    return std::make_unique<PointGather>(scene_, radiosity->second.rest, *radiosity->second.bright, rays);
+    return std::make_unique<PointGather>(scene_, radiosity.rest, *radiosity.bright, rays);
 }
 
 Vec3f Bounces::IrradianceAt(const Vec3f &position, const Vec3f &normal, bool twoSided) const {

@@ -61,6 +61,8 @@ class Bounces {
     /// Bounced light of style 0 at points in the open; null if there is none. Call after Solve. The result keeps
     /// references to this object.
     std::unique_ptr<IndirectLight> ForPoints() const;
+    /// The same for each other style that has some.
+    std::vector<StyledIndirect> StyledForPoints() const;
 
     /// Number of gather rays of all luxels.
     std::uint64_t Rays() const { return gather_.Rays(); }
@@ -80,6 +82,7 @@ class Bounces {
                                        std::size_t surface) const;
     Vec3f IrradianceOf(const StyleRadiosity &radiosity, const Vec3f &position, const Vec3f &normal, bool twoSided,
                        std::uint64_t seed) const;
+    std::unique_ptr<IndirectLight> PointsLitBy(const StyleRadiosity &radiosity) const;
 
     const SurfaceInputs &in_;
     EmitterIndex emitters_;

@@ -21,7 +21,6 @@ namespace {
 
 constexpr float kBehind = 0.25f; ///< points this far behind a surface still count as in front. Game units
 /// Texels on a side of the pages of the lump.
-constexpr int kLumpSide = 128;
 
 /// Point of the triangle a b c nearest to p, as weights of its corners: clamped to each edge where p projects beside.
 Vec3f NearestWeights(const Vec3f &p, const Vec3f &a, const Vec3f &b, const Vec3f &c) {
@@ -114,7 +113,7 @@ std::optional<LuxelExplainer::Spot> LuxelExplainer::FindSpot(const Vec3f &p) con
                 best->at = at, best->normal = normal;
                 for (std::size_t n = 0; n < 3; ++n) {
                     best->corners[n] = c[n]->xyz, best->luxels[n] = c[n]->luxel;
-                    best->texels[n] = in_.bsp.drawVerts[std::size_t(c[n]->vertex)].lightmap;
+                    best->texels[n] = in_.bsp.drawVerts[std::size_t(c[n]->vertex)].lightmap[0];
                 }
                 best->luxel = Blended(best->luxels, weights);
             }
@@ -155,7 +154,7 @@ SurfaceLight LuxelExplainer::OneLightmap(const Spot &spot) const {
 
 void LuxelExplainer::AddPage(const Spot &spot, LuxelAccount &account) const {
     const bspDrawSurface_t &surface = in_.bsp.drawSurfaces[std::size_t(spot.surface)];
-    account.page = surface.lightmapNum;
+    account.page = surface.lightmapNum[0];
     if (account.page < 0)
         return;
     const RawLightmap &raw = surfaces_.lightmaps[spot.lightmap];
@@ -170,10 +169,11 @@ void LuxelExplainer::AddPage(const Spot &spot, LuxelAccount &account) const {
     const float v = area != 0 ? (x * edge(2, 1) - y * edge(2, 0)) / area : 0;
     const float w = area != 0 ? (edge(1, 0) * y - edge(1, 1) * x) / area : 0;
     const std::array<float, 2> at = Blended(spot.texels, {1 - v - w, v, w});
+    const int side = in_.bsp.lightmapSide;
     for (std::size_t axis = 0; axis < 2; ++axis)
-        account.texel[axis] = std::clamp(int(std::floor(at[axis] * kLumpSide)), 0, kLumpSide - 1);
-    const std::size_t offset = std::size_t(account.page) * kLightmapPageBytes +
-                               3 * (std::size_t(account.texel[1]) * kLumpSide + std::size_t(account.texel[0]));
+        account.texel[axis] = std::clamp(int(std::floor(at[axis] * float(side))), 0, side - 1);
+    const std::size_t offset = std::size_t(account.page) * LightmapPageBytes(side) +
+                               3 * (std::size_t(account.texel[1]) * std::size_t(side) + std::size_t(account.texel[0]));
     if (offset + 3 <= in_.bsp.lightmaps.size())
         account.stored = {in_.bsp.lightmaps[offset], in_.bsp.lightmaps[offset + 1], in_.bsp.lightmaps[offset + 2]};
 }

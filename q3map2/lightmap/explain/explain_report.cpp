@@ -297,7 +297,7 @@ void Report::AddLegacy() {
         Line("  point {} at {}, {:.0f} % of the blend: {}", At(point.point), At(point.position), 100 * point.weight,
              from);
         const auto both = [](const bspGridPoint_t &p) {
-            return fmt::format("{}, {}", Bytes(p.ambient), Bytes(p.directed));
+            return fmt::format("{}, {}", Bytes(p.ambient[0]), Bytes(p.directed[0]));
         };
         Line("    direct light {}; in the map {}", both(point.now), point.stored ? both(*point.stored) : "none");
     }

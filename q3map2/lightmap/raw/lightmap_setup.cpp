@@ -288,6 +288,14 @@ Candidate LightmapSetup::MakeCandidate(int number) const {
     c.mergable = shader.mergable;
     for (std::size_t i = 0; i < 2; ++i)
         c.pageSize[i] = shader.pageSize[i] > 0 ? shader.pageSize[i] : in_.lightmap.pageSize[i];
+    if (in_.gamePagesOnly && c.pageSize != in_.lightmap.gamePageSize) {
+        in_.log.Warn("lightmap size of a shader",
+                     "{}: q3map_lightmapSize {} {} is not used: the map has light styles, which the engine shows on "
+                     "pages of {} {} only; -external keeps both",
+                     c.entry->shader->name, c.pageSize[0], c.pageSize[1], in_.lightmap.gamePageSize[0],
+                     in_.lightmap.gamePageSize[1]);
+        c.pageSize = in_.lightmap.gamePageSize;
+    }
     c.getsLightmap = GetsLightmap(c);
     return c;
 }

@@ -3,6 +3,7 @@
 #include "q3map2/lightmap/raw/lightmaps.h"
 
 #include "libs/math/rnm_basis.h"
+#include "q3map2/light/sources/light_styles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +13,6 @@
 namespace q3 {
 
 // ---- The light styles of a surface: slots, and the choice if more reach it than it can hold ----
-
-namespace {
-
-/// The most lights that one warning names.
-constexpr std::size_t kNamedLights = 12;
-
-} // namespace
 
 bool StyleChoice::IsNeeded(std::span<const Light *const> lights) {
     std::set<int> styles{0};
@@ -49,7 +43,7 @@ std::vector<std::string> StyleChoice::DroppedLightNames() const {
     for (const Light *light : lights_) {
         if (!Drops(light->style))
             continue;
-        std::string name = light->label.empty() ? fmt::format("light of style {}", light->style) : light->label;
+        std::string name = StyledLightName(*light);
         if (std::find(names.begin(), names.end(), name) == names.end())
             names.push_back(std::move(name));
     }
@@ -57,24 +51,11 @@ std::vector<std::string> StyleChoice::DroppedLightNames() const {
 }
 
 void WarnOfDroppedLights(const DroppedLights &dropped, std::string_view light, std::string_view what, Log &log) {
-    std::vector<std::pair<std::string_view, int>> counts; // in the order of surfaces
+    DroppedLightCounts counts;
     for (const std::vector<std::string> &names : dropped)
-        for (const std::string &name : names) {
-            auto found = std::find_if(counts.begin(), counts.end(), [&](const auto &one) { return one.first == name; });
-            if (found == counts.end())
-                found = counts.insert(counts.end(), {name, 0});
-            ++found->second;
-        }
-    std::stable_sort(counts.begin(), counts.end(), [](const auto &a, const auto &b) { return a.second > b.second; });
-    if (counts.empty())
-        return;
-    std::string names;
-    for (std::size_t i = 0; i < std::min(counts.size(), kNamedLights); ++i)
-        names += fmt::format("{}{} ({}: {})", i > 0 ? ", " : "", counts[i].first, what, counts[i].second);
-    if (counts.size() > kNamedLights)
-        names += fmt::format(" and {} more", counts.size() - kNamedLights);
-    log.Warn(fmt::format("{} left out of {}", light, what), "{} left out where {} other styles come first: {}", light,
-             kStyles - 1, names);
+        for (const std::string &name : names)
+            counts.Add(name);
+    counts.Warn(light, what, log);
 }
 
 // ---- Directional channels of luxels: L1 SH, and light on the RNM basis normals ----

@@ -26,14 +26,6 @@
 
 namespace q3 {
 
-/// Light styles that one surface can hold.
-inline constexpr std::size_t kStyles = 4;
-/// Style by slot; slot 0 holds style 0, and free slots come last.
-using Styles = std::array<std::uint8_t, kStyles>;
-/// Marks a free slot.
-inline constexpr std::uint8_t kNoStyle = 255;
-inline constexpr Styles kOnlyStyle0{0, kNoStyle, kNoStyle, kNoStyle};
-
 /// The slot that holds the style; kStyles if none does.
 inline std::size_t FindStyleSlot(const Styles &styles, int style) {
     return std::size_t(std::find(styles.begin(), styles.end(), style) - styles.begin());
@@ -265,6 +257,9 @@ struct SurfaceInputs {
     const WorldLight &world;
     const JobPool &jobs;
     Log &log;
+    /// All lightmaps go into pages of the game's size. Others need a generated shader, which shows style 0 alone where
+    /// records hold the styles.
+    bool gamePagesOnly = false;
 };
 
 /// The kind of pass over surfaces. Functions of passes are called from one thread and use the workers of

@@ -349,7 +349,7 @@ class Approximation {
         for (std::size_t i = 0; i < 2; ++i)
             sample.luxel[i] = surfaces_.verts[v].luxel[i] / float(lightmap_.super);
         const auto color = surfaces_.vertex.sum[0].empty()
-                               ? FirstThree(in_.bsp.drawVerts[v].color)
+                               ? FirstThree(in_.bsp.drawVerts[v].color[0])
                                : VertexBytes(in_, shader, surfaces_.vertex.sum[0][v], tone_);
         sample.color = {float(color[0]), float(color[1]), float(color[2])};
         return sample;

@@ -128,6 +128,8 @@ void MoveSurfaceNumbers(Bsp &bsp, int by) {
         surface += by;
     for (bspModel_t &model : bsp.models)
         model.firstBSPSurface += by;
+    for (bspBrushSide_t &side : bsp.brushSides)
+        side.surfaceNum += side.surfaceNum >= 0 ? by : 0;
 }
 
 } // namespace
@@ -246,7 +248,6 @@ void AddMipmapHints(std::string_view mapName, StoredLightmaps &stored, Bsp &bsp)
         surface.shaderNum = ShaderNumber(bsp, name, 0, 0);
         surface.fogNum = -1;
         surface.surfaceType = MST_FLARE;
-        surface.lightmapNum = kLightmapByVertex;
         hints.push_back(surface);
     }
     bsp.drawSurfaces.insert(bsp.drawSurfaces.begin(), hints.begin(), hints.end());
@@ -267,7 +268,7 @@ void FinishForFile(const LightmapOptions &options, std::string_view mapName, Sto
     for (bspDrawSurface_t &surface : bsp.drawSurfaces)
         if (surface.surfaceType == MST_PLANAR) {
             surface.surfaceType = MST_TRIANGLE_SOUP;
-            surface.lightmapNum = kLightmapByVertex;
+            surface.lightmapNum.fill(kLightmapByVertex);
         }
 }
 

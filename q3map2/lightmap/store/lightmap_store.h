@@ -42,6 +42,12 @@ inline std::array<std::uint8_t, 3> VertexBytes(const SurfaceInputs &in, const Sh
     return ColorToBytes(Max(light, in.world.minVertex), VertexScale(in, shader), 1, tone);
 }
 
+/// The same for light of a style other than 0.
+inline std::array<std::uint8_t, 3> StyledVertexBytes(const SurfaceInputs &in, const ShaderInfo &shader,
+                                                     const Vec3f &light, const ToneOptions &tone) {
+    return ColorToBytes(light, VertexScale(in, shader), 1, tone);
+}
+
 /// Name of the image of a page, without folder and extension.
 inline std::string PageImageName(int file) {
     return fmt::format("lm_{:04}", file);

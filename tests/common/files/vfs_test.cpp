@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. The virtual file system.
+#include "common/files/dependencies.h"
 #include "common/files/vfs.h"
 #include "common/text/text.h"
 #include "tests/support/game_folder.h"
@@ -86,6 +87,59 @@ TEST_F(Vfs, ArchiveExtensionIsTheGames) {
     EXPECT_EQ(Read("b.txt"), "dpk");
     EXPECT_EQ(Read("c.txt"), "dpkdir");
 }
+
+// ---- Packages that need others ----
+
+using Packages = Vfs;
+
+TEST_F(Packages, WhatDepsNamesComesFirst) {
+    folder.Write("pkg/map-x_src.dpkdir/DEPS", "tex-a\n  res-b 1.0 \n\n");
+    folder.Write("pkg/map-x_src.dpkdir/a.txt", "map");
+    folder.WriteArchive("pkg/tex-a_1.0.dpk", {{"a.txt", "a 1.0"}, {"b.txt", "a 1.0"}});
+    folder.WriteArchive("pkg/tex-a_1.10.dpk", {{"a.txt", "a 1.10"}, {"b.txt", "a 1.10"}, {"DEPS", "deep-c"}});
+    folder.WriteArchive("pkg/tex-a_1.9.dpk", {{"b.txt", "a 1.9"}});
+    folder.WriteArchive("pkg/res-b_1.0.dpk", {{"b.txt", "b 1.0"}, {"c.txt", "b 1.0"}});
+    folder.WriteArchive("pkg/res-b_2.0.dpk", {{"c.txt", "b 2.0"}});
+    folder.Write("pkg/deep-c_0.dpkdir/c.txt", "deep");
+    folder.Write("pkg/deep-c_0.dpkdir/DEPS", "map-x\n");
+    folder.Write("pkg/zzz_9.dpkdir/b.txt", "not needed");
+    vfs.Mount(folder / "pkg", "dpk");
+    EXPECT_EQ(Read("b.txt"), "not needed") << "folders before archives";
+    vfs.PreferDependencies(folder / "pkg/map-x_src.dpkdir");
+    EXPECT_THAT(ReadAll("a.txt"), ElementsAre("map", "a 1.10", "a 1.0"));
+    EXPECT_THAT(ReadAll("b.txt"), ElementsAre("a 1.10", "b 1.0", "not needed", "a 1.9", "a 1.0"));
+    EXPECT_THAT(ReadAll("c.txt"), ElementsAre("deep", "b 1.0", "b 2.0"));
+    EXPECT_EQ(out.log.WarningCount("missing package"), 0);
+}
+
+TEST_F(Packages, AMissingOneIsAWarningWithWhoNeedsIt) {
+    folder.Write("src/map-x.dpkdir/DEPS", "none\nres-b 3.0\ntoo many words\nres-b\n");
+    folder.WriteArchive("pkg/res-b_1.0.dpk", {{"a.txt", "b"}});
+    folder.Write("pkg/a.txt", "loose");
+    vfs.Mount(folder / "pkg", "dpk");
+    vfs.PreferDependencies(folder / "src/map-x.dpkdir");
+    EXPECT_EQ(Read("a.txt"), "b");
+    EXPECT_TRUE(vfs.Exists("DEPS")) << "the package of the map is mounted";
+    EXPECT_EQ(out.log.WarningCount("missing package"), 2);
+    EXPECT_EQ(out.log.WarningCount("package dependencies"), 1);
+    EXPECT_THAT(out.text, HasSubstr("map-x.dpkdir needs none, which is in no folder of the game"));
+    EXPECT_THAT(out.text, HasSubstr("line 3: expected a package, and its version or nothing"));
+}
+
+TEST(PackageNames, VersionsAreThoseOfDebian) {
+    EXPECT_EQ(ParsePackageName("map-x_1.2_abc").name, "map-x");
+    EXPECT_EQ(ParsePackageName("map-x_1.2_abc").version, "1.2");
+    EXPECT_EQ(ParsePackageName("map-x").version, "");
+    const char *const kOldToNew[] = {"", "0.9~rc1", "0.9", "0.9a", "0.9+b", "0.10", "1.0", "1.0.1", "src"};
+    for (std::size_t i = 1; i < std::size(kOldToNew); ++i) {
+        EXPECT_LT(CompareVersions(kOldToNew[i - 1], kOldToNew[i]), 0) << kOldToNew[i];
+        EXPECT_GT(CompareVersions(kOldToNew[i], kOldToNew[i - 1]), 0) << kOldToNew[i];
+    }
+    EXPECT_EQ(CompareVersions("1.01", "1.1"), 0);
+    EXPECT_GT(CompareVersions("123456789012345678901", "23456789012345678901"), 0);
+}
+
+// ---- Archives ----
 
 TEST_F(Vfs, ArchiveNamesHaveNoCaseAndAnySlash) {
     folder.WriteArchive("a.pk3", {{"Textures\\Base/Wall.TGA", "wall"}});

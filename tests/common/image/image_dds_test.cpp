@@ -138,11 +138,28 @@ TEST(Dds, TheExtendedHeaderNamesTheSameFormats) {
     EXPECT_EQ(Decode(Dds({.fourCc = "DX10", .dxgi = 71}, kRedOverBlue)).rgba, Decode(Dds({}, kRedOverBlue)).rgba);
     EXPECT_EQ(Decode(Dds({.width = 1, .height = 1, .fourCc = "DX10", .dxgi = 87}, {1, 2, 3, 4})).rgba,
               (std::vector<std::uint8_t>{3, 2, 1, 4}));
-    EXPECT_THAT(ErrorOf(Dds({.fourCc = "DX10", .dxgi = 98}, Bytes(16))), HasSubstr("DXGI format 98"));
+    EXPECT_EQ(Decode(Dds({.width = 1, .height = 1, .fourCc = "DX10", .dxgi = 115}, {0x4F, 0x08})).rgba,
+              (std::vector<std::uint8_t>{8 * 17, 4 * 17, 15 * 17, 0}));
+    EXPECT_THAT(ErrorOf(Dds({.fourCc = "DX10", .dxgi = 10}, Bytes(16))), HasSubstr("DXGI format 10"));
+}
+
+TEST(Dds, OneAndTwoChannelsAndBc7) {
+    const Bytes channel = {210, 70, 0, 0, 0, 0, 0, 0};
+    for (const std::string_view code : {"ATI1", "BC4U"})
+        EXPECT_EQ(Decode(Dds({.fourCc = code}, channel)).Texel(3, 3), (Texel{210, 210, 210, 255})) << code;
+    EXPECT_EQ(Decode(Dds({.fourCc = "DX10", .dxgi = 80}, channel)).Texel(0, 0), (Texel{210, 210, 210, 255}));
+    for (const std::string_view code : {"ATI2", "BC5U"})
+        EXPECT_EQ(Decode(Dds({.fourCc = code}, Bytes{255, 0, 0, 0, 0, 0, 0, 0} + Bytes{128, 0, 0, 0, 0, 0, 0, 0}))
+                      .Texel(0, 0),
+                  (Texel{255, 128, 128, 255}))
+            << code;
+    const Bytes white = Bytes{0xC0} + Bytes(7, 0xFF) + Bytes{0x01} + Bytes(7); // mode 6, all ends 127 and 1, indexes 0
+    EXPECT_EQ(Decode(Dds({.fourCc = "DX10", .dxgi = 98}, white)).Texel(2, 1), (Texel{255, 255, 255, 255}));
+    EXPECT_EQ(Decode(Dds({.fourCc = "DXT2"}, Bytes(8) + kRedOverBlue)).Texel(1, 0), (Texel{0, 0, 255, 0}));
 }
 
 TEST(Dds, WhatIsNotSupportedIsNamed) {
-    EXPECT_THAT(ErrorOf(Dds({.fourCc = "ATI2"}, Bytes(16))), HasSubstr("a.dds: DDS with format ATI2, expected DXT1"));
+    EXPECT_THAT(ErrorOf(Dds({.fourCc = "BC4S"}, Bytes(16))), HasSubstr("a.dds: DDS with format BC4S, expected DXT1"));
     EXPECT_THAT(ErrorOf(Dds({.flags = 0x40, .bits = 12, .masks = {1, 2, 4, 0}}, Bytes(64))), HasSubstr("12 bits"));
     EXPECT_THAT(ErrorOf(Dds({.flags = 0x40, .bits = 8, .masks = {0x100, 2, 4, 0}}, Bytes(64))), HasSubstr("masks 100"));
     EXPECT_THAT(ErrorOf(Dds({.flags = 0x40, .bits = 8, .masks = {5, 2, 8, 0}}, Bytes(64))), HasSubstr("masks 5"));
@@ -156,7 +173,8 @@ TEST(Dds, WhatIsNotSupportedIsNamed) {
 TEST(Dds, TruncatedAtEveryLengthIsAnError) {
     for (const Bytes &file :
          {Dds({}, kRedOverBlue), Dds({.fourCc = "DXT5"}, Bytes(8) + kRedOverBlue),
-          Dds({.fourCc = "DX10", .dxgi = 77}, Bytes(8) + kRedOverBlue),
+          Dds({.fourCc = "DX10", .dxgi = 77}, Bytes(8) + kRedOverBlue), Dds({.fourCc = "ATI1"}, kRedOverBlue),
+          Dds({.fourCc = "ATI2"}, Bytes(8) + kRedOverBlue), Dds({.fourCc = "DX10", .dxgi = 99}, Bytes(16, 0x40)),
           Dds({.width = 3, .height = 2, .flags = 0x40, .bits = 24, .masks = {0xFF0000, 0xFF00, 0xFF, 0}}, Bytes(18))}) {
         EXPECT_EQ(ErrorOf(file), "");
         for (std::size_t size = 0; size < file.size(); ++size)

@@ -42,6 +42,31 @@ TEST_F(GameConvertTest, BitsOfTheGamesCodeStay) {
     EXPECT_EQ(Converted("quake3", "wolf", 0, 0x40001).contentFlags, 0x40001u) << "teleporters";
 }
 
+TEST_F(GameConvertTest, GamesOfRavenHaveOtherBits) {
+    const auto contents = [this](const char *from, const char *to, std::uint32_t flags) {
+        return Converted(from, to, 0, flags).contentFlags;
+    };
+    EXPECT_EQ(contents("quake3", "ja", 0x1), 0x8001u) << "solid, and no sight through it";
+    EXPECT_EQ(contents("quake3", "ja", 0x20), 0x8004u) << "water";
+    EXPECT_EQ(contents("quake3", "ja", 0x40), 0x8u) << "fog is not in the way of sight";
+    EXPECT_EQ(contents("quake3", "ja", 0x10008000), 0x80000000u) << "areaportal; structural has no bits there";
+    EXPECT_EQ(contents("ja", "quake3", 0x80000000), 0x8000u) << "areaportal";
+    EXPECT_EQ(contents("ja", "quake3", 0x80008001), 0x20000001u) << "trans has the same bit";
+    EXPECT_EQ(contents("ja", "quake3", 0x8004), 0x20u) << "water";
+    EXPECT_EQ(contents("ja", "jk2", 0x8004), 0x8004u);
+    EXPECT_EQ(contents("ja", "jk2", 0x1), 0x1u) << "nonopaque";
+    // nodamage, slick, sky, nonsolid; metalsteps.
+    EXPECT_EQ(Converted("quake3", "ja", 0x4007, 0).surfaceFlags, 0x40000u + 0x4000u + 0x2000u);
+    EXPECT_EQ(Converted("sof2", "quake3", 0x8000, 0x8001).surfaceFlags, 0x1000u);
+    EXPECT_EQ(Converted("sof2", "ja", 0x8017, 0x8001).surfaceFlags, 0x8017u) << "metalsteps on rock";
+    EXPECT_EQ(out.log.WarningCount("surfaceparm of another game"), 0) << out.text;
+}
+
+TEST_F(GameConvertTest, LostMaterialsAreNamed) {
+    EXPECT_EQ(Converted("ja", "quake3", 0x4017, 0x8001).surfaceFlags, 0x2u);
+    EXPECT_NE(out.text.find("quake3 has no material rock"), std::string::npos) << out.text;
+}
+
 TEST_F(GameConvertTest, LightmapsOfAnotherSizeNeedNewLight) {
     Bsp bsp;
     bsp.lightmaps.resize(kLightmapPageBytes);

@@ -82,7 +82,7 @@ class SourceBspTest : public LibraryTest {
                      "textures/common/origin\n{\nsurfaceparm origin\nsurfaceparm nodraw\nsurfaceparm nonsolid\n}\n");
         Load();
     }
-    BspContext Context() { return {bspOptions, *FindGame("quake3"), *library, out.log, vfs.get()}; }
+    BspContext Context() { return {bspOptions, *FindGame(gameName), *library, out.log, vfs.get()}; }
     Map Read(std::string_view text) { return ReadMap(text, "maps/room.map", Context()); }
     Bsp Compiled(std::string_view text) {
         Map map = Read(text);
@@ -93,6 +93,7 @@ class SourceBspTest : public LibraryTest {
     }
 
     BspOptions bspOptions;
+    std::string_view gameName = "quake3";
 };
 
 using Row = std::array<float, 5>;
@@ -186,6 +187,26 @@ TEST_F(SourceBspTest, DetailAndOriginBrushesComeBack) {
     EXPECT_EQ(map.entities[2].pairs.Value("speed"), "20");
     EXPECT_THAT(text, testing::Not(testing::HasSubstr("\"*1\"")));
     EXPECT_THAT(text, testing::HasSubstr("// brush -1"));
+}
+
+TEST_F(SourceBspTest, GamesOfRavenHaveTheirOwnOriginShaderAndSwitchableLights) {
+    gameName = "ja";
+    LoadScript("textures/system/origin\n{\nsurfaceparm origin\nsurfaceparm nodraw\n}\n", gameName);
+    const std::string lights = "{\n\"classname\" \"light\"\n\"targetname\" \"lamp\"\n}\n"
+                               "{\n\"classname\" \"light\"\n\"targetname\" \"fire\"\n\"style\" \"3\"\n}\n";
+    std::string room = RoomText();
+    for (std::size_t at = 0; (at = room.find("common/origin", at)) != std::string::npos;)
+        room.replace(at, 6, "system");
+    const Bsp bsp = Compiled(room + lights);
+    EXPECT_THAT(bsp.entities, testing::HasSubstr("\"style\" \"33\""));
+    const std::string text = Source(bsp, {.form = MapForm::Classic});
+    EXPECT_THAT(text, testing::Not(testing::HasSubstr("common/origin")));
+    EXPECT_THAT(text, testing::Not(testing::HasSubstr("switch_style")));
+    const Map map = Read(text);
+    ASSERT_EQ(map.entities.size(), 5u);
+    EXPECT_EQ(map.entities[2].brushOrigin, (Vec3f{44, 44, 48}));
+    EXPECT_EQ(map.entities[3].pairs.Value("style"), "");
+    EXPECT_EQ(map.entities[4].pairs.Value("style"), "3");
 }
 
 TEST_F(SourceBspTest, SidesThatNobodySeesKeepTheirShaderOrAreMarked) {

@@ -112,6 +112,21 @@ TEST_F(DerivedTest, FlaresOfLightsAndShaders) {
     EXPECT_NEAR(geometry.surfaces[3].lightmapOrigin.z, 2, 1e-5);
 }
 
+TEST_F(DerivedTest, FlaresHaveTheShaderOfTheGameAndTheStyleOfTheirLight) {
+    gameName = "ja";
+    Script("textures/test/lamp\n{\nlight 1\nq3map_lightStyle 5\n}\n");
+    AddEntity({{"classname", "light"}, {"_flare", "1"}, {"style", "33"}});
+    options.flares = true;
+    MakeFlares(map, geometry, Context());
+    AddTriangle(Shader("textures/test/lamp"));
+    MakeShaderFlare(1, {}, geometry, Context());
+    ASSERT_THAT(geometry.surfaces, SizeIs(3));
+    EXPECT_EQ(geometry.surfaces[0].shader->name, "gfx/misc/flare");
+    EXPECT_EQ(geometry.surfaces[0].lightStyle, 33);
+    EXPECT_EQ(geometry.surfaces[2].shader->name, "gfx/misc/flare");
+    EXPECT_EQ(geometry.surfaces[2].lightStyle, 5);
+}
+
 TEST_F(DerivedTest, PortalsToLookAtAreThePassableOnes) {
     Tree tree;
     tree.nodes.resize(4); // a split, two open leafs, a solid one

@@ -7,6 +7,8 @@
 #include <random>
 #include <set>
 
+#include <gmock/gmock.h>
+
 namespace q3::test {
 namespace {
 
@@ -52,6 +54,21 @@ TEST_F(MetaTest, FourSquaresBecomeOneSurface) {
     EXPECT_EQ(made[0].sampleSize, 16);
     EXPECT_EQ(made[0].lightmapVecs[2], (Vec3f{0, 0, 1}));
     EXPECT_DOUBLE_EQ(AreaVector(made[0]).z, 128 * 128);
+}
+
+TEST_F(MetaTest, AMergedSurfaceKnowsTheSidesThatItShows) {
+    AddTiles(2, 2, 64);
+    for (int i = 0; i < 4; ++i)
+        geometry.surfaces[std::size_t(i)].brush = 7 - i / 2, geometry.surfaces[std::size_t(i)].side = 4 + i % 2;
+    geometry.surfaces.push_back(geometry.surfaces[0]); // by q3map_cloneShader
+    geometry.surfaces.back().isCopy = true;
+    EXPECT_THAT(SidesOf(geometry.surfaces[1]), testing::ElementsAre(SideNumber{7, 5}));
+    EXPECT_TRUE(SidesOf(geometry.surfaces[4]).empty());
+    geometry.surfaces.pop_back();
+    const std::vector<DrawSurface> made = Meta();
+    ASSERT_EQ(made.size(), 1u);
+    EXPECT_THAT(SidesOf(made[0]),
+                testing::ElementsAre(SideNumber{6, 4}, SideNumber{6, 5}, SideNumber{7, 4}, SideNumber{7, 5}));
 }
 
 TEST_F(MetaTest, VerticesStandInOrderOfFirstUse) {

@@ -11,7 +11,7 @@ LuxelBake::LuxelBake(const LightSetup &setup, const LightmapOptions &options, co
     : scene_(setup.scene), passes_(setup, options, jobs, log, {.floodlight = false, .keepLuxels = true}) {
     passes_.Run();
     cpuSeconds_ = timer_.Seconds();
-    bounced_ = passes_.ForGrids();
+    bounced_ = passes_.ForGrids().steady;
     int culled = 0;
     lights_ = SetupEnvelopes(setup.lights, LightPass::Surfaces, setup.options, setup.space, setup.skySeenFrom, culled,
                              options.fastPoint);
