@@ -35,11 +35,6 @@ LINES = """
     q3map2 -game xonotic -fs_basepath /games/xonotic -vis maps/mymap.map
     q3map2 -game xonotic -fs_basepath /games/xonotic -light -custinfoparms -sRGBlight -sRGBtex -sRGBcolor -deluxe -patchshadows -samples 4 -lightmapsize 512 -bounce 2 -bouncegrid -fill maps/mymap.map
     q3map2 -game xonotic -fs_basepath /games/xonotic -minimap -size 256 -samples 4 -sharpen 1 -border 0.02 -autolevel -o ../data/gfx/mini.tga maps/mymap.bsp
-    cd /games/warfork/basewf
-    q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -meta -samplesize 8 -maxarea -mv 32000 -mi 32000 -custinfoparms maps/mymap.map
-    q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -vis -saveprt maps/mymap.map
-    q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -light -custinfoparms -deluxe -patchshadows -fast -fastgrid -gridscale 1.0 -samplesize 8 -samples 4 -extradist 50 -bounce 3 -fastbounce -bouncegrid -bouncescale 2.25 -dirty -dirtdepth 72 -dirtscale 1.0 -dirtgain 1.75 maps/mymap.map
-    q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -minimap -size 256 -keepaspect -border 0.02 -o minimaps/small.tga maps/mymap.bsp
 """
 
 # ---- The map and its game folder ----
