@@ -35,11 +35,6 @@ LINES = """
     q3map2 -game xonotic -fs_basepath /games/xonotic -vis maps/mymap.map
     q3map2 -game xonotic -fs_basepath /games/xonotic -light -custinfoparms -sRGBlight -sRGBtex -sRGBcolor -deluxe -patchshadows -samples 4 -lightmapsize 512 -bounce 2 -bouncegrid -fill maps/mymap.map
     q3map2 -game xonotic -fs_basepath /games/xonotic -minimap -size 256 -samples 4 -sharpen 1 -border 0.02 -autolevel -o ../data/gfx/mini.tga maps/mymap.bsp
-    cd /games/warfork/basewf
-    q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -meta -samplesize 8 -maxarea -mv 32000 -mi 32000 -custinfoparms maps/mymap.map
-    q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -vis -saveprt maps/mymap.map
-    q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -light -custinfoparms -deluxe -patchshadows -fast -fastgrid -gridscale 1.0 -samplesize 8 -samples 4 -extradist 50 -bounce 3 -fastbounce -bouncegrid -bouncescale 2.25 -dirty -dirtdepth 72 -dirtscale 1.0 -dirtgain 1.75 maps/mymap.map
-    q3map2 -game qfusion -fs_basepath /games/warfork -fs_game basewf -minimap -size 256 -keepaspect -border 0.02 -o ../minimaps/mymap.tga maps/mymap.bsp
 """
 
 # ---- The map and its game folder ----
@@ -105,12 +100,13 @@ def make_game_folder(folder):
 class Layout:
     """Sizes of records in bytes and places in them."""
     version: int
+    ident: bytes = b"IBSP"
     surface: int = 104
     lightmap_number: int = 28
     page: int = 128
 
 
-FOUR_STYLES = {"surface": 148, "lightmap_number": 36}
+FBSP = Layout(1, b"FBSP", surface=148, lightmap_number=36, page=512)
 
 
 class Bsp:
@@ -147,22 +143,22 @@ class Bsp:
         return '"classname" "light"' in self.entities
 
 
-# By the name of -game: the layout of files, where minimaps go (from the folder of the map), and whether light entities
-# stay in the .bsp without -keeplights.
 @dataclass
 class Game:
     layout: Layout = field(default_factory=lambda: Layout(46))
-    minimap: str = "{}.tga"
-    keeps_lights: bool = False
+    minimap: str = "{}.tga"  # from the folder of the map
+    keeps_lights: bool = False  # light entities, without -keeplights
+    deluxe: bool = False  # without -deluxe
 
 
+# By the name of -game.
 GAMES = {
     "quake3": Game(), "tremulous": Game(),
     "quakelive": Game(Layout(47)), "et": Game(Layout(47)), "wolf": Game(Layout(47)),
     "nexuiz": Game(minimap="../gfx/{}_mini.tga", keeps_lights=True),
     "xonotic": Game(minimap="../gfx/{}_mini.tga", keeps_lights=True),
     "unvanquished": Game(minimap="../minimaps/{}.tga", keeps_lights=True),
-    "qfusion": Game(Layout(1, **FOUR_STYLES, page=512)),
+    "qfusion": Game(FBSP, "../minimaps/{}.tga", keeps_lights=True, deluxe=True),
 }
 
 
@@ -208,7 +204,8 @@ def faults_of_bsp(line):
     keeps_lights = line.game.keeps_lights or "-keeplights" in line.words
     flags = bsp.surface_flags("textures/t/wall")
     return [
-        (bsp.version == line.game.layout.version, f"version {bsp.version}"),
+        ((bsp.ident, bsp.version) == (line.game.layout.ident, line.game.layout.version),
+         f"{bsp.ident} of version {bsp.version}"),
         (line.placed("-srffile", ".srf").is_file(), "no .srf"),
         (line.placed("-prtfile", ".prt").is_file(), "no .prt"),
         (not line.placed("-linfile", ".lin").exists(), "a .lin, without a leak"),
@@ -231,7 +228,7 @@ def faults_of_light(line):
     size = int(line.value("-lightmapsize", line.game.layout.page))
     is_external = "-external" in line.words or size != line.game.layout.page
     pages = len(images) if is_external else bsp.pages
-    step = 2 if "-deluxe" in line.words else 1
+    step = 2 if "-deluxe" in line.words or line.game.deluxe else 1
     return [(used, "no surface has a lightmap"),
             (pages == step * (max(used, default=0) // step + 1), f"{pages} pages, lightmaps {sorted(used)}"),
             (all(number % step == 0 for number in used), f"-deluxe: lightmaps {sorted(used)}"),
@@ -301,7 +298,7 @@ class Runner:
 def main():
     program, source = str(Path(sys.argv[1]).resolve()), Path(sys.argv[2])
     page = (source / "docs/moving.md").read_text()
-    section = page[page.index("\n## Build lines of projects\n"):page.index("\n## Missing\n")]
+    section = page.split("\n## Build lines of projects\n")[1].split("\n## ")[0]
     with tempfile.TemporaryDirectory() as folder:
         runner = Runner(program, Path(folder))
         for text in lines_of(section) + lines_of(LINES):

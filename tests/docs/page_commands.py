@@ -70,6 +70,14 @@ def room():
             + "".join(f'{{\n"classname" "{name}"\n"origin" "{at}"\n{more}\n}}\n' for name, at, more in entities))
 
 
+def is_same(a, b):
+    """Whether two values are one word or one number, such as 1 and 1.0."""
+    try:
+        return float(a) == float(b)
+    except ValueError:
+        return a == b
+
+
 class Reader:
     """Commands of a page and the folders in which to follow them."""
 
@@ -145,7 +153,7 @@ class Reader:
         stage = next((word.lower() for word in words if word.lower() in self.options), "-bsp")
         for word, value in zip(words, [*words[1:], ""]):
             known = self.defaults.get(stage, {}).get(word.lower())
-            if known is None or "by game" in known or known == ("on" if value.startswith("-") else value):
+            if known is None or "by game" in known or is_same(known, "on" if value.startswith("-") else value):
                 continue
             if not re.search(rf"(  |WARNING: .*){word} ", log):
                 self.failures.append(f"{where}: {command}\n  {word} shows no effect")
