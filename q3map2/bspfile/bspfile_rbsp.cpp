@@ -55,6 +55,9 @@ ByteRanges EncodeRbsp(const Bsp &bsp, const BspFormat &format, Log &log) {
     lumps[LUMP_DRAWVERTS].Add(bsp.drawVerts);
     lumps[LUMP_SURFACES].Add(bsp.drawSurfaces);
     AddGrid(bsp, lumps, log);
+    // The engine of Raven's games takes one page for two. An empty one means no light directions to those that guess.
+    if (format.ident == kRbspIdent && bsp.LightmapPages() == 1)
+        lumps[LUMP_LIGHTMAPS].AddOwned(std::vector<std::byte>(LightmapPageBytes(bsp.lightmapSide)));
     return AssembleFile({.ident = format.ident, .version = kRbspVersion, .slots = kRbspSlots, .order = kRbspDiskOrder},
                         std::move(lumps), bsp);
 }

@@ -8,6 +8,7 @@
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/entity_key.h"
+#include "q3map2/bspfile/grid_table.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -129,8 +130,8 @@ namespace {
 constexpr std::string_view kSeparator = "---------------------------------";
 constexpr double kMegabyte = 1024 * 1024;
 
-/// Record sizes of RBSP, which the established program prints for IBSP files too.
-constexpr std::size_t kRbspBrushSideBytes = 12, kRbspSurfaceBytes = 148, kRbspVertBytes = 80, kRbspGridPointBytes = 30;
+/// Record sizes of IBSP. The established program prints those in memory, which RBSP files have, for all files.
+constexpr std::size_t kIbspBrushSideBytes = 8, kIbspSurfaceBytes = 104, kIbspVertBytes = 44, kIbspGridPointBytes = 8;
 
 /// The value with -0 as 0, for text.
 float WithoutNegativeZero(float value) {
@@ -183,14 +184,21 @@ class InfoTable {
             log_.Print("\n");
     }
 
+    template <typename Record> void Line(const std::vector<Record> &records, std::string_view name) const {
+        Line(records.size(), name, records.size() * sizeof(Record));
+    }
+    bool IsIbsp() const { return bsp_.ident == kIbspIdent; }
+    /// Records that are smaller in IBSP files.
     template <typename Record>
-    void Line(const std::vector<Record> &records, std::string_view name, std::size_t shownRecordBytes = 0) const {
+    void LineOfStyled(const std::vector<Record> &records, std::string_view name, std::size_t ibspBytes) const {
         const std::size_t bytes = records.size() * sizeof(Record);
-        if (shownRecordBytes == 0)
-            Line(records.size(), name, bytes);
+        if (IsIbsp())
+            LineInFile(records.size(), name, bytes, records.size() * ibspBytes);
         else
-            log_.Print("{:9} {:<14} {:9} * ({} in the file)\n", records.size(), name, records.size() * shownRecordBytes,
-                       bytes);
+            Line(records.size(), name, bytes);
+    }
+    void LineInFile(std::size_t count, std::string_view name, std::size_t bytes, std::size_t inFile) const {
+        log_.Print("{:9} {:<14} {:9} * ({} in the file)\n", count, name, bytes, inFile);
     }
     void Line(std::size_t count, std::string_view name, std::size_t bytes) const {
         log_.Print("{:9} {:<14} {:9}\n", count, name, bytes);
@@ -200,7 +208,7 @@ class InfoTable {
         Line(bsp_.models, "models");
         Line(bsp_.shaders, "shaders");
         Line(bsp_.brushes, "brushes");
-        Line(bsp_.brushSides, "brushsides", kRbspBrushSideBytes);
+        LineOfStyled(bsp_.brushSides, "brushsides", kIbspBrushSideBytes);
         Line(bsp_.fogs, "fogs");
         Line(bsp_.planes, "planes");
         Line(EntityCount(), "entdata", bsp_.entities.size() + 1);
@@ -218,12 +226,16 @@ class InfoTable {
             if (count > 0 || type != MST_FLARE)
                 log_.Print("{:9}   {}\n", count, name);
         };
-        Line(bsp_.drawSurfaces, "drawsurfaces", kRbspSurfaceBytes);
+        LineOfStyled(bsp_.drawSurfaces, "drawsurfaces", kIbspSurfaceBytes);
         ofType(MST_PATCH, "patch surfaces");
         ofType(MST_PLANAR, "planar surfaces");
         ofType(MST_TRIANGLE_SOUP, "trisoup surfaces");
         ofType(MST_FLARE, "flare surfaces");
-        Line(bsp_.drawVerts, "drawverts", kRbspVertBytes);
+        if (!IsIbsp())
+            log_.Print("{:9}   of several light styles\n", std::ranges::count_if(bsp_.drawSurfaces, [](const auto &s) {
+                           return s.lightmapStyles[1] != kNoStyle || s.vertexStyles[1] != kNoStyle;
+                       }));
+        LineOfStyled(bsp_.drawVerts, "drawverts", kIbspVertBytes);
         Line(bsp_.drawIndexes, "drawindexes");
         log_.Print("\n");
     }
@@ -232,9 +244,20 @@ class InfoTable {
         Line(bsp_.LightmapPages(), "lightmaps", bsp_.lightmaps.size());
         if (world.Has(kToneKey))
             Note("tone: {}", Printable(std::string(world.Value(kToneKey))));
-        Line(bsp_.gridPoints, "lightgrid", kRbspGridPointBytes);
+        PrintLegacyGrid();
         log_.Print("{:9} {:<14} {:9}\n", "", "visibility", bsp_.visibility.size());
         log_.Print("\n");
+    }
+
+    void PrintLegacyGrid() const {
+        const std::size_t count = bsp_.gridPoints.size();
+        std::size_t inFile = count * kIbspGridPointBytes;
+        if (!IsIbsp()) {
+            GridTableLoss loss;
+            const GridTable table = MakeGridTable(bsp_.gridPoints, loss);
+            inFile = table.records.size() * sizeof(bspGridPoint_t) + table.numbers.size() * sizeof table.numbers[0];
+        }
+        LineInFile(count, "lightgrid", count * sizeof(bspGridPoint_t), inFile);
     }
 
     void NoteConvolution(const Entity &world) const {

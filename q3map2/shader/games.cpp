@@ -156,7 +156,7 @@ Game QFusion() {
     Game game = MakeGame("qfusion", "base", ".qfusion", "qfusion", BaseParms());
     game.bspIdent = "FBSP";
     game.bspVersion = 1;
-    game.styleSlots = true;
+    game.styleSlots = game.solidModelLeafs = true;
     game.sRgbLightmap = game.sRgbTexture = game.sRgbColor = true;
     game.halfLambert = game.keepLights = game.patchShadows = true;
     game.lightmapSize = 512;

@@ -26,6 +26,8 @@ struct Game {
     /// Records hold four light styles (RBSP, FBSP), and engines read which of them shine. The bsp stage numbers
     /// switchable lights, and shaders need no stages for styles.
     bool styleSlots = false;
+    /// The leafs of brush entities are solid: the engine takes the surfaces that others list for those of the world.
+    bool solidModelLeafs = false;
     bool wolfLighting = false; ///< linear falloff without angle attenuation by default
     bool flares = false;       ///< default of -flares
     // Defaults of the options -nostyle, -keeplights, -patchshadows and -lightanglehl.

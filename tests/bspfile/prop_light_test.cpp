@@ -30,7 +30,7 @@ Bsp LitBsp() {
     return bsp;
 }
 
-std::vector<std::byte> LumpBytes() {
+std::vector<std::byte> BytesOfSample() {
     std::vector<std::byte> bytes;
     for (const char c : {'S', 'P', 'L', '1'})
         bytes.push_back(std::byte(c));
@@ -72,9 +72,9 @@ std::vector<std::byte> LumpBytes() {
 } // namespace
 
 TEST(PropLight, LumpIsLaidOutAsDescribed) {
-    EXPECT_EQ(EncodePropLight(SampleLight()), LumpBytes());
-    const PropLight read = DecodePropLight(LumpBytes());
-    EXPECT_EQ(EncodePropLight(read), LumpBytes());
+    EXPECT_EQ(EncodePropLight(SampleLight()), BytesOfSample());
+    const PropLight read = DecodePropLight(BytesOfSample());
+    EXPECT_EQ(EncodePropLight(read), BytesOfSample());
     const std::string digits = "123456789";
     EXPECT_EQ(Crc32(std::as_bytes(std::span(digits.data(), digits.size()))), 0xCBF43926u);
 }
@@ -84,11 +84,11 @@ TEST(PropLight, FileRoundTrip) {
     KeptLog listener;
     const Bsp read = ReadBsp(WriteBsp(bsp, {}), "map.bsp", {}, listener.log);
     ASSERT_TRUE(read.propLight) << listener.text;
-    EXPECT_EQ(EncodePropLight(*read.propLight), LumpBytes());
+    EXPECT_EQ(EncodePropLight(*read.propLight), BytesOfSample());
 }
 
 TEST(PropLight, EveryPrefixIsAnErrorAndNoChangedByteIsReadOutside) {
-    const std::vector<std::byte> whole = LumpBytes();
+    const std::vector<std::byte> whole = BytesOfSample();
     for (std::size_t size = 0; size < whole.size(); ++size) {
         const std::vector<std::byte> cut(whole.begin(), whole.begin() + std::ptrdiff_t(size));
         EXPECT_THROW((void)DecodePropLight(cut), Error) << size;
@@ -111,7 +111,7 @@ TEST(PropLight, EveryPrefixIsAnErrorAndNoChangedByteIsReadOutside) {
 
 TEST(PropLight, MessagesNameWhatIsWrong) {
     const auto fault = [](std::size_t at, std::int32_t value) {
-        std::vector<std::byte> bytes = LumpBytes();
+        std::vector<std::byte> bytes = BytesOfSample();
         SetInt(bytes, at, value);
         return ErrorOf([&] { (void)DecodePropLight(bytes); });
     };
@@ -135,7 +135,7 @@ TEST(PropLight, LightOfOtherEntitiesIsDroppedOnReadingAndAnErrorOnWriting) {
         EXPECT_THAT(ErrorOf([&] { (void)WriteBsp(bsp, {}); }), HasSubstr(text));
         Bsp bare = bsp;
         bare.propLight.reset();
-        bare.bspx.push_back({"STATIC_PROP_LIGHX", LumpBytes()});
+        bare.bspx.push_back({"STATIC_PROP_LIGHX", BytesOfSample()});
         file = WriteBsp(bare, {});
         const std::string name = "STATIC_PROP_LIGHX";
         const auto at = std::search(file.begin(), file.end(), name.begin(), name.end(),

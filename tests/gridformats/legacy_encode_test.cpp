@@ -100,10 +100,10 @@ TEST(LegacyGridFromSH, DaemonKeepsTheMeanLight) {
         for (std::size_t i = 0; i < lump.size(); ++i) {
             const Vec3d mean = MeanLight(f.points.light[i]) * 255.0;
             for (std::size_t channel = 0; channel < 3; ++channel) {
-                const double kept = (lump[i].ambient[channel] + k * lump[i].directed[channel]) / (1 + k);
+                const double kept = (lump[i].ambient[0][channel] + k * lump[i].directed[0][channel]) / (1 + k);
                 ASSERT_NEAR(kept * (1 + k), mean[channel], 0.5 + 0.5 * k + 1e-3);
             }
-            ASSERT_GT(std::accumulate(lump[i].ambient.begin(), lump[i].ambient.end(), 0), 0) << "0 is in a wall";
+            ASSERT_GT(std::accumulate(lump[i].ambient[0].begin(), lump[i].ambient[0].end(), 0), 0) << "0 is in a wall";
         }
     }
 }
@@ -158,14 +158,14 @@ TEST(LegacyGridFromSH, PointsInTheOpenAreNeverBlack) {
     const auto stored = SampleGrid({2, 2, 2}, {}, [](const Vec3f &) { return bspGridPointSH_t{}; });
     const auto points = OpenPoints(GridSource(stored, std::vector<bool>(8)), {{}, {64, 64, 128}, {1, 1, 1}});
     for (const LegacyTarget &reader : {kForAll, kForIoquake3})
-        EXPECT_EQ(EncodeLegacyGrid(points, reader, GridTone(), 1)[0].ambient, (std::array<std::uint8_t, 3>{1, 1, 1}));
+        EXPECT_EQ(EncodeLegacyGrid(points, reader, GridTone(), 1)[0].ambient[0], (std::array<std::uint8_t, 3>{1, 1, 1}));
 }
 
 TEST(LegacyGridFromSH, ToneAndAmbientFactor) {
     const auto stored = SampleGrid({2, 2, 2}, {}, [](const Vec3f &) { return ConstantLight({0.25, 0.25, 0.25}); });
     const auto points = OpenPoints(GridSource(stored, std::vector<bool>(8)), {{}, {64, 64, 128}, {1, 1, 1}});
     const auto red = [&](const char *tone, double factor) {
-        return int(EncodeLegacyGrid(points, {}, GridTone(tone), factor)[0].ambient[0]);
+        return int(EncodeLegacyGrid(points, {}, GridTone(tone), factor)[0].ambient[0][0]);
     };
     EXPECT_EQ(red("", 1), 64);
     EXPECT_EQ(red("gamma 2", 1), 128);
@@ -193,7 +193,7 @@ TEST(LegacyGridFromSH, PointsInSolids) {
     EXPECT_EQ(points.use[at(64)], PointUse::Solid);
     EXPECT_EQ(points.use[at(0)], PointUse::Void) << "the cell ends at 64, inside the wall";
     const auto red = [&](const LegacyTarget &reader, int x) {
-        return int(EncodeLegacyGrid(points, reader, GridTone(), 1)[at(x)].ambient[0]);
+        return int(EncodeLegacyGrid(points, reader, GridTone(), 1)[at(x)].ambient[0][0]);
     };
     EXPECT_EQ(red(kForAll, 128), 128);
     EXPECT_EQ(red(kForAll, 64), 128) << "for engines that blend it";
@@ -219,7 +219,7 @@ TEST(LegacyGridFromSH, PointsThatNoneInTheOpenCanReplace) {
     for (const std::int64_t x : {0, 1}) {
         const auto index = std::size_t(points.layout.Index(x, 1, 1));
         EXPECT_EQ(points.use[index], PointUse::SoleSource);
-        EXPECT_GT(EncodeLegacyGrid(points, kForIoquake3, GridTone(), 1)[index].ambient[0], 100);
+        EXPECT_GT(EncodeLegacyGrid(points, kForIoquake3, GridTone(), 1)[index].ambient[0][0], 100);
     }
 }
 

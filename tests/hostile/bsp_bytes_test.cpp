@@ -36,6 +36,26 @@ std::vector<Bytes> AllLayouts() {
     return files;
 }
 
+struct StyledFile {
+    BspFormat format;
+    Bytes bytes;
+};
+/// The sample as RBSP and FBSP, with lumps of this program and of others in the BSPX directory.
+std::vector<StyledFile> StyledFiles() {
+    Bsp bsp = SampleBsp();
+    bsp.drawSurfaces[0].lightmapStyles = bsp.drawSurfaces[0].vertexStyles = {0, 3, 33, kNoStyle};
+    bsp.gridPoints[2].styles = kNoStyles;
+    bsp.gridSH = SampleGridSH();
+    bsp.gridSHContainer = GridSHContainer::Bspx;
+    bsp.bspx = {{"FOREIGN", Bytes(6, std::byte(1))}};
+    std::vector<StyledFile> files;
+    for (const std::string_view ident : {kRbspIdent, kFbspIdent}) {
+        const BspFormat format{.version = 1, .ident = ident};
+        files.push_back({format, WriteBsp(bsp, format)});
+    }
+    return files;
+}
+
 /// True when the file was refused; what is accepted must survive a second pass.
 bool Refused(const Bytes &file, const BspFormat &format) {
     KeptLog listener;
@@ -65,6 +85,17 @@ TEST(Hostile, CutAtEveryLength) {
             const bool needed = i == 0 || i == 2 || length < lumpsEnd - 128;
             EXPECT_TRUE(refused || !needed) << "layout " << i << " cut at " << length;
         }
+}
+
+TEST(Hostile, StyledFilesCutAtEveryLength) {
+    Bsp bsp = SampleBsp();
+    for (const auto &[format, bytes] : StyledFiles()) {
+        const std::size_t lumpsEnd = WriteBsp(bsp, format).size() - 60; // its grid has one record less
+        for (std::size_t length = 0; length < bytes.size(); length++) {
+            const bool refused = Refused({bytes.begin(), bytes.begin() + std::ptrdiff_t(length)}, format);
+            EXPECT_TRUE(refused || length >= lumpsEnd) << format.ident << " cut at " << length;
+        }
+    }
 }
 
 TEST(Hostile, AHeaderOfNothingButEmptyLumps) {
@@ -151,25 +182,55 @@ TEST(Hostile, FilesOfOtherGamesAreNamed) {
     EXPECT_THAT(message(bytes("IBSP", 99), 4000), HasSubstr("BSP version 99, expected 46 or 47"));
 }
 
+namespace {
+
+/// Random numbers below a bound.
+class Below {
+  public:
+    explicit Below(unsigned seed) : random_(seed) {}
+    std::size_t operator()(std::size_t bound) { return std::size_t(random_()) % bound; }
+
+  private:
+    std::mt19937 random_;
+};
+
+/// The file with up to six bits or words changed.
+Bytes Mutant(Bytes file, Below &below) {
+    const std::int32_t words[] = {0, 1, -1, 2, 3, 255, 4096, 65536, INT32_MAX, INT32_MIN, 0x7fc00000, 0x7f800000};
+    for (std::size_t flips = 1 + below(6); flips > 0; flips--) {
+        if (below(2) == 0)
+            file[below(file.size())] ^= std::byte(1 << below(8));
+        else
+            SetInt(file, below(file.size() / 4) * 4, words[below(std::size(words))]);
+    }
+    return file;
+}
+
+} // namespace
+
 TEST(Hostile, RandomBytesAndWords) {
     const std::vector<Bytes> files = AllLayouts();
-    const std::int32_t words[] = {0, 1, -1, 2, 3, 255, 4096, 65536, INT32_MAX, INT32_MIN, 0x7fc00000, 0x7f800000};
-    std::mt19937 random(20240607);
-    const auto below = [&random](std::size_t bound) { return std::size_t(random()) % bound; };
+    Below below(20240607);
     int refused = 0;
     constexpr int kRounds = 20000;
     for (int round = 0; round < kRounds; round++) {
-        Bytes file = files[below(files.size())];
-        for (std::size_t flips = 1 + below(6); flips > 0; flips--) {
-            if (below(2) == 0)
-                file[below(file.size())] ^= std::byte(1 << below(8));
-            else
-                SetInt(file, below(file.size() / 4) * 4, words[below(std::size(words))]);
-        }
+        const Bytes file = Mutant(files[below(files.size())], below);
         refused += Refused(file, below(2) == 0 ? BspFormat{} : kQuakeLive);
     }
     EXPECT_GT(refused, kRounds / 10);
     EXPECT_LT(refused, kRounds);
+}
+
+TEST(Hostile, RandomBytesAndWordsOfStyledFiles) {
+    Below below(41);
+    constexpr int kRounds = 10000;
+    for (const auto &[format, bytes] : StyledFiles()) {
+        int refused = 0;
+        for (int round = 0; round < kRounds; round++)
+            refused += Refused(Mutant(bytes, below), format);
+        EXPECT_GT(refused, kRounds / 10) << format.ident;
+        EXPECT_LT(refused, kRounds) << format.ident;
+    }
 }
 
 TEST(Hostile, ForceNeverCrashesEither) {

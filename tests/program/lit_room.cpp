@@ -217,7 +217,7 @@ LitFace LitRoomTest::FaceOf(const Bsp &bsp, std::string_view shader, const Vec3f
         LitFace &face = found.emplace();
         face.surface = int(i), face.page = surface.lightmapNum[0];
         face.normal = n, face.corner = at(0);
-        const auto texels = [&](int v, std::size_t k) { return verts[v].lightmap[k] * 128; };
+        const auto texels = [&](int v, std::size_t k) { return verts[v].lightmap[0][k] * 128; };
         face.s = GradientOf({at(0), at(1), at(c)}, {texels(0, 0), texels(1, 0), texels(c, 0)});
         face.t = GradientOf({at(0), at(1), at(c)}, {texels(0, 1), texels(1, 1), texels(c, 1)});
         face.origin = {texels(0, 0), texels(0, 1)};

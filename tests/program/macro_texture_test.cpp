@@ -193,8 +193,8 @@ TEST_F(MacroTextureRoomTest, VertexLightIsMultiplied) {
     for (std::size_t v = 0; v < plain.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c)
             EXPECT_NEAR(tinted[v].color[0][c], plain[v].color[0][c] * FactorAt(Vec3f(plain[v].xyz))[c], 1.01) << v;
-    EXPECT_GT(int(plain[0].color[0]), 50);
-    EXPECT_LT(int(plain[0].color[0]), 255);
+    EXPECT_GT(int(plain[0].color[0][0]), 50);
+    EXPECT_LT(int(plain[0].color[0][0]), 255);
 }
 
 TEST_F(MacroTextureRoomTest, AMissingImageAndAnEmptyWorldAreErrors) {

@@ -145,7 +145,7 @@ TEST_F(StaticPropTest, ModelsOfTheMapGetTheBouncedLightOfProps) {
             return Length(Vec3f(v.xyz) - box.verts[i].xyz) < 0.1f && Dot(Vec3f(v.normal), box.verts[i].normal) > 0.9f;
         });
         ASSERT_NE(found, bsp.drawVerts.end());
-        EXPECT_NEAR(float(found->color[0]), prop[i].x, 0.03f * prop[i].x + 1) << i; // bytes are cut off
+        EXPECT_NEAR(float(found->color[0][0]), prop[i].x, 0.03f * prop[i].x + 1) << i; // bytes are cut off
         EXPECT_GT(prop[i].x, 20);
     }
 }

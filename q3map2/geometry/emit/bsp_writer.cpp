@@ -156,9 +156,10 @@ void BspWriter::FixSideShaders(const MapEntity &entity, const Geometry &geometry
 
 int BspWriter::EmitLeaf(const MapEntity &entity, const TreeNode &leaf, const Boundsf &bounds) {
     bspLeaf_t record{};
+    const bool isSolid = leaf.opaque || (bsp.models.size() > 1 && context_.game.solidModelLeafs);
     // The one leaf of a brush entity has no numbers and gets 0.
-    record.cluster = leaf.opaque ? -1 : std::max(leaf.cluster, 0);
-    record.area = leaf.opaque ? -1 : std::max(leaf.area, 0);
+    record.cluster = isSolid ? -1 : std::max(leaf.cluster, 0);
+    record.area = isSolid ? -1 : std::max(leaf.area, 0);
     SetBounds(bounds, record.mins, record.maxs);
     record.firstBSPLeafBrush = std::int32_t(bsp.leafBrushes.size());
     for (const int brush : leaf.brushes)

@@ -20,6 +20,30 @@ TEST_F(PackJsonTest, GivesTheSameBytes) {
     ExpectSame(FullBsp(GridSHContainer::Bspx));
 }
 
+TEST_F(PackJsonTest, FilesWithFourStyles) {
+    for (const std::string_view ident : {kRbspIdent, kFbspIdent}) {
+        Bsp bsp = SmallBsp();
+        bsp.ident = ident;
+        if (ident == kFbspIdent) {
+            bsp.lightmapSide = kFbspLightmapSide;
+            bsp.lightmaps.assign(LightmapPageBytes(kFbspLightmapSide), 3);
+        }
+        bsp.drawSurfaces[0].lightmapStyles = {0, 3, 33, kNoStyle};
+        bsp.drawSurfaces[0].lightmapNum[1] = 0;
+        bsp.drawVerts[1].lightmap[2] = {0.5f, 0.25f};
+        bsp.drawVerts[1].color[3] = {1, 2, 3, 4};
+        bsp.brushSides[0].surfaceNum = 0;
+        bsp.gridPoints[1].styles = kNoStyles;
+        const BspFormat format{.version = 1, .ident = ident};
+        Unpack(bsp);
+        const Bsp packed = Pack();
+        EXPECT_EQ(packed.ident, ident);
+        EXPECT_EQ(WriteBsp(packed, format), WriteBsp(bsp, format));
+    }
+    folder_.Edit("format.json", "FBSP", "XBSP");
+    EXPECT_THAT(ErrorOf([&] { Pack(); }), HasSubstr("format.json: format0: ident: expected RBSP or FBSP"));
+}
+
 TEST_F(PackJsonTest, KeepsFloatsBitByBit) {
     Bsp bsp = SmallBsp();
     bsp.drawVerts[0].st = {-0.0f, std::numeric_limits<float>::denorm_min()};

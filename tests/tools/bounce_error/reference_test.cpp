@@ -82,7 +82,7 @@ TEST_F(PathTest, BakesOfAFurnaceAreRight) {
     options.bounceScale = 0.5f / (187.5f * 3 / 255);
     const VirtualFileSystem &files = Files();
     KeptLog log;
-    const MapFiles map{files, *FindGame("quake3"), WhiteFurnace().Build(), {"test", {}, {}}, log.log};
+    const MeasuredMap map{files, *FindGame("quake3"), WhiteFurnace().Build(), {"test", {}, {}}, log.log};
     const MapSetup setup(map, {{}, options});
     const JobPool jobs(1);
     SurfaceLight surfaces;

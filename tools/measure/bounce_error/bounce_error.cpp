@@ -147,7 +147,7 @@ void PrintWorst(const CauseInputs &inputs, std::span<const ComparedLight> light,
 /// One map: its reference and its bakes.
 class MapMeasure {
   public:
-    MapMeasure(const BounceCommand &command, const MapFiles &map, const JobPool &jobs)
+    MapMeasure(const BounceCommand &command, const MeasuredMap &map, const JobPool &jobs)
         : command_(command), map_(map), jobs_(jobs), setup_(map, SettingsOf("")), in_{setup_.light.bsp,
                                                                                       setup_.light.space,
                                                                                       setup_.light.scene,
@@ -240,7 +240,7 @@ class MapMeasure {
     }
 
     const BounceCommand &command_;
-    const MapFiles &map_;
+    const MeasuredMap &map_;
     const JobPool &jobs_;
     const MapSetup setup_; // for the options of the reference
     const SurfaceInputs in_;
@@ -268,8 +268,8 @@ int Run(const std::vector<std::string> &words) {
     fmt::print("| map | setting | light | CPU s over direct | RMSE | 95 % | 99 % | bias | energy | noise | mean |\n"
                "|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (const std::string &name : command.maps) {
-        const MapFiles map{files, *command.game.game, ReadBspFile(name, command.game.Format(), log),
-                           ReadLightInputs(name, log), log};
+        const MeasuredMap map{files, *command.game.game, ReadBspFile(name, command.game.Format(), log),
+                           ReadLightInputs(FilesOf(name), log), log};
         MapMeasure measure(command, map, jobs);
         if (command.litDirect.empty())
             measure.Run();

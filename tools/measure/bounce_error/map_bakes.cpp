@@ -14,7 +14,7 @@ namespace q3::bounce {
 
 namespace {
 
-std::unique_ptr<ShaderLibrary> LibraryOf(const MapFiles &map, const LightOptions &options) {
+std::unique_ptr<ShaderLibrary> LibraryOf(const MeasuredMap &map, const LightOptions &options) {
     auto library = std::make_unique<ShaderLibrary>(map.files, map.game, options.shader, map.log);
     for (const bspShader_t &shader : map.bsp.shaders)
         library->SetDefaultFlags(FieldName(shader.shader), shader.surfaceFlags, shader.contentFlags);
@@ -32,7 +32,7 @@ const bench::LightmapSettings &Checked(const bench::LightmapSettings &settings) 
 
 } // namespace
 
-MapSetup::MapSetup(const MapFiles &map, const bench::LightmapSettings &given)
+MapSetup::MapSetup(const MeasuredMap &map, const bench::LightmapSettings &given)
     : settings(Checked(given)), library_(LibraryOf(map, given.light)),
       light(map.bsp, map.inputs, given.light, SurfaceDefaultsOf(given.lightmap), *library_, map.log) {
     library_->ReleaseImages(KeptImages::OfReflectors);
@@ -62,7 +62,7 @@ BakedLuxels BakeLuxels(const MapSetup &map, int bounces, const JobPool &jobs, Lo
     return baked;
 }
 
-BakedGrid BakeGrid(const MapFiles &map, bench::LightmapSettings settings, int bounces, const JobPool &jobs) {
+BakedGrid BakeGrid(const MeasuredMap &map, bench::LightmapSettings settings, int bounces, const JobPool &jobs) {
     settings.light.sh = settings.light.noGrid = true;
     settings.lightmap.onlyGrid = settings.lightmap.bounceGrid = true;
     settings.lightmap.bounces = bounces;

@@ -11,7 +11,7 @@
 namespace q3::bounce {
 
 /// A compiled map and the inputs of its lighting.
-struct MapFiles {
+struct MeasuredMap {
     const VirtualFileSystem &files;
     const Game &game;
     Bsp bsp;
@@ -23,7 +23,7 @@ struct MapFiles {
 class MapSetup {
   public:
     /// Errors: as LightWorld; options that the reference does not support.
-    MapSetup(const MapFiles &map, const bench::LightmapSettings &settings);
+    MapSetup(const MeasuredMap &map, const bench::LightmapSettings &settings);
     MapSetup(const MapSetup &) = delete;
     MapSetup &operator=(const MapSetup &) = delete;
 
@@ -55,6 +55,6 @@ struct BakedGrid {
     double cpuSeconds = 0; ///< of the grid alone
 };
 /// Lights the SH grid with bounced light, or with direct light alone for 0 bounces.
-BakedGrid BakeGrid(const MapFiles &map, bench::LightmapSettings settings, int bounces, const JobPool &jobs);
+BakedGrid BakeGrid(const MeasuredMap &map, bench::LightmapSettings settings, int bounces, const JobPool &jobs);
 
 } // namespace q3::bounce

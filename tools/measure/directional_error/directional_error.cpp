@@ -82,7 +82,7 @@ int Run(const std::vector<std::string> &words) {
         throw Error("expected a .bsp");
     for (const std::string &map : arguments.Rest()) {
         const Bsp bsp = ReadBspFile(map, game.Format(), log);
-        const LightInputs inputs = ReadLightInputs(map, log);
+        const LightInputs inputs = ReadLightInputs(FilesOf(map), log);
         LightOptions light;
         ShaderLibrary library(files, *game.game, light.shader, log);
         for (const bspShader_t &shader : bsp.shaders)
