@@ -313,7 +313,7 @@ test('a click tells what a surface is; a link leads back; the picture is saved',
             const { viewer } = window.viewer;
             viewer.camera.position.set(-264, 0, 58);
             [viewer.walk.yaw, viewer.walk.pitch] = [0.5, -1.2]; // at the floor
-            viewer.invalidate();
+            viewer.drawNow(); // a click needs the camera to be there
         });
         await page.mouse.click(300, 400);
         const text = await page.textContent('#surface');
@@ -347,7 +347,7 @@ test('a click in a report with explanations tells why a surface is lit as it is'
                 const { viewer } = window.viewer;
                 viewer.camera.position.set(-264, 0, 58);
                 [viewer.walk.yaw, viewer.walk.pitch] = [0.5, -1.2]; // at the floor
-                viewer.invalidate();
+                viewer.drawNow(); // a click needs the camera to be there
             });
             await page.mouse.click(300, 400);
             await page.waitForFunction(() => document.querySelector('#surface .explanation'));
