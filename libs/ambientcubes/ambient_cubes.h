@@ -22,7 +22,7 @@ extern "C" {
 typedef enum {
     BSPX_OK,
     BSPX_ABSENT,    /* a good map, without that lump */
-    BSPX_NOT_BSP,   /* not an IBSP file of version 46 or 47 */
+    BSPX_NOT_BSP,   /* neither IBSP of version 46 or 47 nor RBSP or FBSP of version 1 */
     BSPX_TRUNCATED, /* shorter than its header or its BSPX directory */
     BSPX_BAD_OFFSET /* a lump outside the file or inside the header */
 } bspx_result;
@@ -37,7 +37,8 @@ typedef struct {
 typedef struct {
     const unsigned char *data;
     size_t size;
-    uint32_t version;
+    uint32_t version;   /* 46 or 47: IBSP; 1: RBSP or FBSP */
+    unsigned slots;     /* of the header, that every file of the format has */
     uint64_t firstLump; /* offset of the first lump that is not empty */
     uint64_t directory; /* where the BSPX directory begins, if there is one */
 } bspx_file;
@@ -46,25 +47,26 @@ static inline uint32_t bspx_u32(const unsigned char *p) {
     return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
 }
 
-/* The lump in a slot of the header: 0 to 16, or 17 and 18 of version 47. `bsp` is what bspx_open gave. An empty lump
-   of slots 0 to 16 is BSPX_OK with size 0. */
+/* The lump in a slot of the header: 0 to 16; of RBSP and FBSP also 17, the light array; of IBSP 47 also 17 and 18,
+   which not every file has. `bsp` is what bspx_open gave. An empty lump of a slot that every file has is BSPX_OK with
+   size 0. */
 static inline bspx_result bspx_slot(const bspx_file *bsp, unsigned slot, bspx_lump *lump) {
-    const uint64_t header = 8 + 8 * (slot < 17 ? 17 : (uint64_t)slot + 1);
+    const uint64_t header = 8 + 8 * (slot < bsp->slots ? bsp->slots : (uint64_t)slot + 1);
     uint64_t offset, length;
     lump->data = NULL;
     lump->size = 0;
-    /* The format does not store its number of slots: 17 and 18 exist only if no lump begins before they end. */
-    if (slot >= 17 && (slot > 18 || bsp->version != 47 || bsp->firstLump < header || bsp->size < header))
+    /* IBSP does not store its number of slots: 17 and 18 exist only if no lump begins before they end. */
+    if (slot >= bsp->slots && (slot > 18 || bsp->version != 47 || bsp->firstLump < header || bsp->size < header))
         return BSPX_ABSENT;
     offset = bspx_u32(bsp->data + 8 + 8 * slot);
     length = bspx_u32(bsp->data + 12 + 8 * slot);
-    if (slot >= 17 && length == 0)
+    if (slot >= bsp->slots && length == 0)
         return BSPX_ABSENT;
     /* Numbers above 2^31 - 1 are negative in the format. */
     if (offset > INT32_MAX || length > INT32_MAX || offset + length > bsp->size || (length > 0 && offset < header))
-        /* Slots 17 and 18 are sure to exist only where the first lump begins right behind the header. Where it begins
-           later, the bytes may be text of another compiler, so bad numbers mean that there is no such slot. */
-        return slot >= 17 && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
+        /* Slots 17 and 18 of IBSP are sure to exist only where the first lump begins right behind the header. Where it
+           begins later, the bytes may be text of another compiler, so bad numbers mean that there is no such slot. */
+        return slot >= bsp->slots && bsp->firstLump != header ? BSPX_ABSENT : BSPX_BAD_OFFSET;
     lump->data = bsp->data + offset;
     lump->size = (size_t)length;
     return BSPX_OK;
@@ -78,16 +80,21 @@ static inline bspx_result bspx_open(const void *data, size_t size, bspx_file *bs
     bsp->data = (const unsigned char *)data;
     bsp->size = size;
     bsp->version = 0;
+    bsp->slots = 0;
     bsp->firstLump = UINT64_MAX;
     bsp->directory = 0;
-    if (size < 8 || memcmp(data, "IBSP", 4) != 0)
+    if (size < 8)
         return BSPX_NOT_BSP;
     bsp->version = bspx_u32(bsp->data + 4);
-    if (bsp->version != 46 && bsp->version != 47)
+    if (memcmp(data, "IBSP", 4) == 0 && (bsp->version == 46 || bsp->version == 47))
+        bsp->slots = 17;
+    else if ((memcmp(data, "RBSP", 4) == 0 || memcmp(data, "FBSP", 4) == 0) && bsp->version == 1)
+        bsp->slots = 18;
+    else
         return BSPX_NOT_BSP;
-    if (size < 8 + 8 * 17)
+    if (size < 8 + 8 * (uint64_t)bsp->slots)
         return BSPX_TRUNCATED;
-    for (slot = 0; slot < 17; slot++) {
+    for (slot = 0; slot < bsp->slots; slot++) {
         const uint64_t offset = bspx_u32(bsp->data + 8 + 8 * slot);
         if (bspx_slot(bsp, slot, &lump) != BSPX_OK)
             return BSPX_BAD_OFFSET;
@@ -97,7 +104,7 @@ static inline bspx_result bspx_open(const void *data, size_t size, bspx_file *bs
             end = offset + lump.size;
     }
     for (; slot < 19; slot++) {
-        /* Advertisements have 128 bytes each, the SH light grid a header of 40. */
+        /* IBSP 47: advertisements have 128 bytes each, the SH light grid a header of 40. */
         if (bspx_slot(bsp, slot, &lump) != BSPX_OK || (slot == 17 ? lump.size % 128 != 0 : lump.size <= 40))
             continue;
         if ((uint64_t)(lump.data - bsp->data) + lump.size > end)
@@ -151,7 +158,7 @@ extern "C" {
 typedef enum {
     AMBIENT_CUBES_OK,
     AMBIENT_CUBES_ABSENT,      /* a good map, without ambient cubes */
-    AMBIENT_CUBES_NOT_BSP,     /* not an IBSP file of version 46 or 47 */
+    AMBIENT_CUBES_NOT_BSP,     /* neither IBSP of version 46 or 47 nor RBSP or FBSP of version 1 */
     AMBIENT_CUBES_TRUNCATED,   /* shorter than its header, or than its samples need */
     AMBIENT_CUBES_BAD_OFFSET,  /* a lump outside the file or inside the header */
     AMBIENT_CUBES_BAD_VERSION, /* not a lump of ambient cubes of version 1 */
@@ -183,7 +190,7 @@ static inline const char *ambient_cubes_message(ambient_cubes_result result) {
     case AMBIENT_CUBES_ABSENT:
         return "the map has no ambient cubes";
     case AMBIENT_CUBES_NOT_BSP:
-        return "not an IBSP file of version 46 or 47";
+        return "neither an IBSP file of version 46 or 47 nor an RBSP or FBSP file of version 1";
     case AMBIENT_CUBES_TRUNCATED:
         return "the data ends early";
     case AMBIENT_CUBES_BAD_OFFSET:

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { kSlotBytes = 8, kHeader = 8 + 17 * kSlotBytes, kLeafs = 4, kSamples = 3 };
+enum { kSlotBytes = 8, kHeader = 8 + 18 * kSlotBytes, kLeafs = 4, kSamples = 3 };
 enum { kLeafsBytes = kLeafs * AMBIENT_CUBES_BSP_LEAF_BYTES };
 enum {
     kLumpBytes = AMBIENT_CUBES_HEADER_BYTES + kLeafs * AMBIENT_CUBES_LEAF_BYTES + kSamples * AMBIENT_CUBES_SAMPLE_BYTES
@@ -139,6 +139,21 @@ static void TestBlend(const unsigned char *file) {
     CHECK(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
 }
 
+static void TestOtherFormats(unsigned char *file) {
+    static const char *const idents[2] = {"RBSP", "FBSP"};
+    int i;
+    for (i = 0; i < 2; i++) {
+        PutFile(file);
+        memcpy(file, idents[i], 4);
+        CHECK(LoadExact(file, kFileBytes) == AMBIENT_CUBES_NOT_BSP);
+        Put32(file + 4, 1);
+        CHECK(LoadExact(file, kFileBytes) == AMBIENT_CUBES_OK);
+        TestBlend(file);
+        CHECK(LoadExact(file, kHeader - 1) == AMBIENT_CUBES_TRUNCATED);
+    }
+    PutFile(file);
+}
+
 static void TestDamage(unsigned char *file) {
     static const uint32_t bad[] = {kLeafs, 1, 3, 0x7fff, 0xffff};
     size_t cut, i, bit;
@@ -186,6 +201,7 @@ int main(void) {
     CHECK(LoadExact(file, kFileBytes) == AMBIENT_CUBES_OK);
     TestColors(file);
     TestBlend(file);
+    TestOtherFormats(file);
     TestDamage(file);
     memmove(file + 1, file, kFileBytes); /* any alignment */
     CHECK(LoadExact(file + 1, kFileBytes) == AMBIENT_CUBES_OK);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 /* Two pages of 128 x 128 texels, three draw vertices, and maps of side 128 of page 1. */
-enum { kSide = 128, kTexels = 2 * kSide * kSide, kVertices = 3, kHeader = 8 + 17 * 8, kEntries = 3 };
+enum { kSide = 128, kTexels = 2 * kSide * kSide, kVertices = 3, kHeader = 8 + 18 * 8, kEntries = 3 };
 enum { kLightmapsAt = kHeader, kDrawVertsAt = kLightmapsAt + 3 * kTexels };
 enum { kDirectoryAt = kDrawVertsAt + 44 * kVertices, kTexelsAt = kDirectoryAt + 8 + 32 * kEntries };
 enum { kVerticesAt = kTexelsAt + 4 * kTexels, kRnmAt = kVerticesAt + 4 * kVertices };
@@ -80,6 +80,27 @@ static void TestGood(unsigned char *file) {
     CHECK(rgb[0] == 511.0f / 512 && rgb[2] == 2.0f / 512);
     CHECK(hdrlight_rnm_map(&light, 0, 0) == NULL && hdrlight_rnm_map(&light, 1, 3) == NULL);
     CHECK(hdrlight_rnm_map(&light, -1, 0) == NULL);
+}
+
+/* Vertices of RBSP and FBSP files have 80 bytes. */
+static void TestOtherFormats(unsigned char *file) {
+    static const char *const idents[2] = {"RBSP", "FBSP"};
+    hdrlight light;
+    float rgb[3];
+    int i;
+    for (i = 0; i < 2; i++) {
+        PutFile(file);
+        memcpy(file, idents[i], 4);
+        Put32(file + 4, 1);
+        CHECK(hdrlight_load(file, kFileBytes, &light) == HDRLIGHT_NO_FIT && light.vertexCount == 0);
+        PutLump(file, 10, kDirectoryAt - 80 * kVertices, 80 * kVertices); /* over the last texels, which nobody reads */
+        CHECK(hdrlight_load(file, kFileBytes, &light) == HDRLIGHT_OK);
+        CHECK(light.texelCount == kTexels && light.vertexCount == kVertices && light.rnmPageCount == 1);
+        hdrlight_vertex(&light, 2, rgb);
+        CHECK(rgb[0] == 0.25f && rgb[1] == 0.5f && rgb[2] == 0.25f);
+        PutLump(file, 17, kFileBytes, 2); /* a light array outside the file */
+        CHECK(hdrlight_load(file, kFileBytes, &light) == HDRLIGHT_BAD_OFFSET);
+    }
 }
 
 static void TestColors(void) {
@@ -165,6 +186,7 @@ int main(void) {
     if (file == NULL)
         return 1;
     TestGood(file);
+    TestOtherFormats(file);
     TestColors();
     TestBad(file);
     TestCut(file);

@@ -10,7 +10,8 @@ enum { kSlotBytes = 8, kNx = 4, kNy = 3, kNz = 2, kPoints = kNx * kNy * kNz };
 enum { kLumpBytes = SHGRID_HEADER_BYTES + SHGRID_POINT_BYTES * kPoints };
 enum { kSparseBytes = SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES + 8 * SHGRID_SPARSE_POINT_BYTES };
 enum { kTwoLevelsBytes = SHGRID_SPARSE_HEADER_BYTES + 2 * SHGRID_SPARSE_NODE_BYTES + 15 * SHGRID_SPARSE_POINT_BYTES };
-enum { kHeader17 = 8 + 17 * kSlotBytes, kHeader19 = 8 + 19 * kSlotBytes, kText = 12 };
+enum { kHeader17 = 8 + 17 * kSlotBytes, kHeader18 = 8 + 18 * kSlotBytes, kHeader19 = 8 + 19 * kSlotBytes, kText = 12 };
+enum { kArray = 6 }; /* a light array of three points */
 
 static int Near(double a, double b, double tolerance) {
     return fabs(a - b) <= tolerance;
@@ -65,13 +66,10 @@ static size_t PutFile19(unsigned char *file) {
     return kHeader19 + kText + kLumpBytes;
 }
 
-/* A version 46 file with 17 slots, 10 bytes of entities, and a BSPX directory of two lumps. */
-static size_t PutFileBspx(unsigned char *file) {
-    const size_t directory = kHeader17 + kText, data = directory + 8 + 2 * 32;
-    memset(file, 0, data + 4);
-    memcpy(file, "IBSP", 4);
-    Put32(file + 4, 46);
-    PutSlot(file, 0, kHeader17, kText - 2);
+/* A BSPX directory of two lumps, and the lumps. Returns where they end. */
+static size_t PutBspx(unsigned char *file, size_t directory) {
+    const size_t data = directory + 8 + 2 * 32;
+    memset(file + directory, 0, data + 4 - directory);
     memcpy(file + directory, "BSPX", 4);
     Put32(file + directory + 4, 2);
     memcpy(file + directory + 8, "LIGHTGRID_SHARED", 16); /* a longer name that begins alike */
@@ -82,6 +80,26 @@ static size_t PutFileBspx(unsigned char *file) {
     Put32(file + directory + 40 + 28, kLumpBytes);
     PutLump(file + data + 4);
     return data + 4 + kLumpBytes;
+}
+
+/* A version 46 file with 17 slots, 10 bytes of entities, and a BSPX directory of two lumps. */
+static size_t PutFileBspx(unsigned char *file) {
+    memset(file, 0, kHeader17 + kText);
+    memcpy(file, "IBSP", 4);
+    Put32(file + 4, 46);
+    PutSlot(file, 0, kHeader17, kText - 2);
+    return PutBspx(file, kHeader17 + kText);
+}
+
+/* An RBSP or FBSP file: entities, then the light array as the last of 18 lumps, which ends at no multiple of 4. */
+static size_t PutFileRbsp(unsigned char *file, const char *ident) {
+    memset(file, 0, kHeader18 + kText + kArray + 2);
+    memcpy(file, ident, 4);
+    Put32(file + 4, 1);
+    PutSlot(file, 0, kHeader18, kText);
+    PutSlot(file, 17, kHeader18 + kText, kArray);
+    memset(file + kHeader18 + kText, 7, kArray);
+    return PutBspx(file, kHeader18 + kText + kArray + 2);
 }
 
 /* Loads a copy in memory of exactly that size, so that a checker of addresses sees every byte too far. */
@@ -106,8 +124,10 @@ static void TestContainers(unsigned char *file) {
     shgrid_grid grid;
     size_t size, shift, cut;
     int kind;
-    for (kind = 0; kind < 2; kind++) {
-        size = kind ? PutFileBspx(file) : PutFile19(file);
+    for (kind = 0; kind < 4; kind++) {
+        size = kind == 0   ? PutFile19(file)
+               : kind == 1 ? PutFileBspx(file)
+                           : PutFileRbsp(file, kind == 2 ? "RBSP" : "FBSP");
         CHECK(shgrid_load(file, size, &grid) == SHGRID_OK);
         CHECK(grid.bounds[0] == kNx && grid.bounds[1] == kNy && grid.bounds[2] == kNz && grid.count == kPoints);
         CHECK(grid.mins[1] == kMins[1] && grid.cell[2] == kCell[2]);
@@ -154,7 +174,9 @@ static void TestHostileOffsets(unsigned char *file) {
     size = PutFile19(file);
     Put32(file + 4, 45);
     CHECK(LoadExact(file, size) == SHGRID_NOT_BSP);
-    memcpy(file, "RBSP", 4);
+    Put32(file + 4, 1);
+    CHECK(LoadExact(file, size) == SHGRID_NOT_BSP);
+    memcpy(file, "VBSP", 4);
     CHECK(LoadExact(file, size) == SHGRID_NOT_BSP);
 }
 
@@ -171,6 +193,39 @@ static void TestOtherLayouts(unsigned char *file) {
     PutSlot(file, 0, kHeader19 + 4, kText - 4);
     memset(file + 8 + 18 * kSlotBytes, 'x', kSlotBytes);
     CHECK(LoadExact(file, size) == SHGRID_ABSENT);
+}
+
+/* RBSP and FBSP: slot 17 is the light array, and no bytes are slot 18, whatever lies behind the header. */
+static void TestLightArray(unsigned char *file) {
+    static const char *const idents[2] = {"RBSP", "FBSP"};
+    bspx_file bsp;
+    bspx_lump lump;
+    shgrid_grid grid;
+    size_t size;
+    int i;
+    for (i = 0; i < 2; i++) {
+        size = PutFileRbsp(file, idents[i]);
+        CHECK(bspx_open(file, size, &bsp) == BSPX_OK);
+        CHECK(bspx_slot(&bsp, 17, &lump) == BSPX_OK && lump.data == file + kHeader18 + kText && lump.size == kArray);
+        CHECK(bspx_slot(&bsp, 16, &lump) == BSPX_OK && lump.size == 0);
+        CHECK(bspx_slot(&bsp, 18, &lump) == BSPX_ABSENT && lump.size == 0);
+        PutSlot(file, 17, kHeader18 + kText, (uint32_t)size);
+        CHECK(LoadExact(file, size) == SHGRID_BAD_OFFSET);
+        PutSlot(file, 17, kHeader17, kArray);
+        CHECK(LoadExact(file, size) == SHGRID_BAD_OFFSET);
+        /* Without a grid: the directory is behind the entities. */
+        PutSlot(file, 17, 0, 0);
+        size = PutBspx(file, kHeader18 + kText);
+        CHECK(shgrid_load(file, size, &grid) == SHGRID_OK && grid.count == kPoints);
+        CHECK(bspx_open(file, size, &bsp) == BSPX_OK && bspx_slot(&bsp, 17, &lump) == BSPX_OK && lump.size == 0);
+        /* Bytes that would be the slot of a good grid in an IBSP file. */
+        size = PutFile19(file);
+        memcpy(file, idents[i], 4);
+        Put32(file + 4, 1);
+        CHECK(LoadExact(file, size) == SHGRID_ABSENT);
+        Put32(file + 4, 46);
+        CHECK(LoadExact(file, size) == SHGRID_NOT_BSP);
+    }
 }
 
 static void TestHostileHeader(unsigned char *lump) {
@@ -570,6 +625,7 @@ int main(void) {
     TestContainers(file);
     TestHostileOffsets(file);
     TestOtherLayouts(file);
+    TestLightArray(file);
     TestHostileHeader(file);
     CHECK(shgrid_load(file, PutFile19(file), &grid) == SHGRID_OK);
     TestSampling(&grid);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { kProps = 2, kMeshes = 3, kColors = 5, kText = 12, kHeader = 8 + 17 * 8, kDirectory = 8 + 2 * 32 };
+enum { kProps = 2, kMeshes = 3, kColors = 5, kText = 12, kHeader = 8 + 18 * 8, kDirectory = 8 + 2 * 32 };
 enum {
     kLumpBytes =
         STATICPROPS_HEADER_BYTES + kProps * STATICPROPS_PROP_BYTES + kMeshes * STATICPROPS_MESH_BYTES + 4 * kColors
@@ -61,6 +61,20 @@ static void TestGood(unsigned char *file) {
     CHECK(staticprops_crc("123456789", 9) == 0xCBF43926u);
 }
 
+static void TestOtherFormats(unsigned char *file) {
+    static const char *const idents[2] = {"RBSP", "FBSP"};
+    staticprops_light light;
+    int i;
+    for (i = 0; i < 2; i++) {
+        PutFile(file);
+        memcpy(file, idents[i], 4);
+        CHECK(staticprops_load(file, kFileBytes, &light) == STATICPROPS_NOT_BSP);
+        Put32(file + 4, 1);
+        CHECK(staticprops_load(file, kFileBytes, &light) == STATICPROPS_OK && light.colorCount == kColors);
+        CHECK(staticprops_load(file, kHeader - 1, &light) == STATICPROPS_TRUNCATED);
+    }
+}
+
 /* Every prefix and every changed byte: a result and no read outside (the sanitizers look). */
 static void TestBad(unsigned char *file) {
     staticprops_light light;
@@ -112,6 +126,7 @@ int main(void) {
     if (file == NULL)
         return 1;
     TestGood(file);
+    TestOtherFormats(file);
     TestBad(file);
     free(file);
     return CheckResult();

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string_view>
+
 namespace q3 {
 namespace {
 
@@ -57,8 +59,18 @@ TEST(ShgridFile, ReadsBspxBehindOtherLumpsAndAdvertisements) {
     ExpectReadable(bsp, {47, true, false});
 }
 
+TEST(ShgridFile, ReadsRbspAndFbsp) {
+    for (const std::string_view ident : {kRbspIdent, kFbspIdent})
+        for (const GridSHContainer container : {GridSHContainer::Lump, GridSHContainer::Bspx})
+            ExpectReadable(LitDemo(container), {.version = 1, .ident = ident});
+}
+
 TEST(ShgridFile, SaysThatAMapHasNone) {
-    for (const BspFormat &format : {BspFormat{46, false, false}, {47, false, false}, {47, true, false}}) {
+    for (const BspFormat &format : {BspFormat{46, false, false},
+                                    {47, false, false},
+                                    {47, true, false},
+                                    {.version = 1, .ident = kRbspIdent},
+                                    {.version = 1, .ident = kFbspIdent}}) {
         const std::vector<std::byte> file = WriteBsp(DemoScene().bsp, format);
         shgrid_grid grid;
         EXPECT_EQ(shgrid_load(file.data(), file.size(), &grid), SHGRID_ABSENT);

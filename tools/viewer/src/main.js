@@ -144,6 +144,7 @@ function start() {
         element('status').hidden = false;
         element('title').textContent = shown;
         document.title = `${shown} – light grid viewer`;
+        panel.showStyles();
         panel.show();
         panel.showMaps(paths, shown);
         panel.showFacts();

@@ -105,7 +105,7 @@ export class Opener {
     /** Shaders of all scripts by name; the first of two with one name. */
     async scripts() {
         const decoder = new TextDecoder('latin1');
-        const paths = this.files.list((path) => /^(scripts\/)?[^/]+\.shader$/.test(path));
+        const paths = this.files.list((path) => /^((scripts|shaders)\/)?[^/]+\.shader$/.test(path));
         const scripts = await Promise.all(
             paths.map(async (path) => splitScript(decoder.decode(await this.files.read(path)))),
         );

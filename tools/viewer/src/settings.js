@@ -1,9 +1,11 @@
 // GPL-2.0-or-later. What a visitor can set, with the initial values.
+import { onlyStyle0 } from './bsp/grid_styled.js';
 
 export function initialSettings() {
     return {
         textured: true,
         brightness: 1, // factor on all light
+        styleLight: onlyStyle0(), // brightness by light style, 0 to 1
         speed: 320, // units a second; that of players
         showPoints: false,
         source: 'uniform', // 'uniform', 'sparse' or 'legacy': the grid that points and the SH figure show

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The scene: a map with its layers, drawn when something has changed.
 import * as THREE from 'three';
-import { lightEntities, startPosition } from './bsp/entities.js';
+import { lightEntities, namesOfStyle, startPosition } from './bsp/entities.js';
+import { onlyStyle0 } from './bsp/grid_styled.js';
 import { readGrids } from './bsp/grids.js';
 import { parseTone } from './bsp/sh.js';
 import { BspTree } from './bsp/tree.js';
@@ -131,6 +132,7 @@ export class Viewer {
         const again = this.map !== null && this.path === path;
         this.close();
         Object.assign(this, { map, path, tree, lightmaps, shaderOf });
+        if (!again) this.settings.styleLight.set(onlyStyle0());
         this.setTone(map.entities[0]?.get('_q3map2_tone'));
         this.mesh = new MapMesh(
             map,
@@ -140,6 +142,7 @@ export class Viewer {
             this.textures,
             this.lightUniforms.brightness,
             kSkyColor,
+            this.settings.styleLight,
         );
         this.scene.add(this.mesh.group);
         if (!again) this.toPlace(placeOf(location.hash, path));
@@ -149,6 +152,7 @@ export class Viewer {
         this.stats.firstPicture = performance.now() - started;
         await nextFrame();
         this.grids = readGrids(map);
+        if (this.grids.legacy) this.grids.legacy.styleLight = this.settings.styleLight;
         this.chooseGrid();
         this.addLights();
         this.changed();
@@ -185,6 +189,14 @@ export class Viewer {
         this.grids = { uniform: null, sparse: null, legacy: null, problems: [] };
         this.map = null;
         this.shownCluster = undefined;
+    }
+
+    /** Light styles that the map has beside style 0, with the names of their lights. */
+    get styles() {
+        const styles = new Set([...(this.map?.styles ?? []), ...(this.grids.legacy?.styles ?? [])]);
+        return [...styles]
+            .sort((a, b) => a - b)
+            .map((style) => ({ style, names: namesOfStyle(this.map.entities, style) }));
     }
 
     setTone(text) {
@@ -314,6 +326,7 @@ export class Viewer {
         for (const name of Object.keys(this.side)) if (this.side[name]) this.side[name].visible = settings[name] ?? true;
         if (!this.mesh) return;
         this.mesh.uniforms.textured.value = settings.textured ? 1 : 0;
+        this.mesh.styleLightChanged();
         this.mesh.uniforms.tint.value = kTints.indexOf(settings.tint);
         this.mesh.cutAt(this.cutHeight);
         this.errorSummary = this.errors.update(settings.errors, {

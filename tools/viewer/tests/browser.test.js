@@ -13,6 +13,7 @@ import { readGrids } from '../src/bsp/grids.js';
 import { readMap } from '../src/bsp/map.js';
 import { BspTree } from '../src/bsp/tree.js';
 import { kPage, openFiles, texturesLoaded, withPage } from './browser.js';
+import { makeBsp, roomLumps, styledLumps } from './readers/make_bsp.js';
 
 const { DEMO, TONED, EXTERNAL, REPORT, REAL, PROBE } = process.env;
 const kDesktop = { viewport: { width: 1024, height: 640 } };
@@ -241,6 +242,67 @@ test('lightmaps in images beside the map look like those inside', { skip: !DEMO 
     colors[0].forEach((c, k) => assert.ok(Math.abs(c - colors[1][k]) < 3));
 });
 
+/** Color of the middle of the picture from below the triangle of roomLumps, with a share of each light style. */
+function colorOfTriangle(page, styleLight) {
+    return page.evaluate((shares) => {
+        const { viewer } = window.viewer;
+        viewer.settings.textured = false;
+        for (const [style, share] of Object.entries(shares)) viewer.settings.styleLight[style] = share;
+        viewer.camera.position.set(20, 20, -30);
+        viewer.walk.pitch = Math.PI / 2;
+        viewer.changed();
+        viewer.drawNow();
+        const gl = viewer.renderer.getContext();
+        const pixel = new Uint8Array(4);
+        const middle = [gl.drawingBufferWidth >> 1, gl.drawingBufferHeight >> 1];
+        gl.readPixels(...middle, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        return [...pixel.slice(0, 3)];
+    }, styleLight);
+}
+
+/** Sets the slider of a light style in the panel. */
+function setStyle(page, index, value) {
+    const slider = page.locator('#panel details', { hasText: 'Light styles' }).locator('input[type=range]').nth(index);
+    return slider.evaluate((input, share) => {
+        input.value = share;
+        input.dispatchEvent(new Event('input'));
+    }, value);
+}
+
+for (const [what, ident, pages, side, world] of [
+    ['lightmaps of RBSP', 'RBSP', [0, 1, -3, -3], 128, ''],
+    ['lightmaps of FBSP', 'FBSP', [0, 1, -3, -3], 512, ''],
+    ['lightmaps of FBSP with pages of a side of its own', 'FBSP', [0, 1, -3, -3], 64, '"_lightmapimagesize" "64"'],
+    ['vertices of RBSP', 'RBSP', [-3, -3, -3, -3], 128, ''],
+])
+    test(`light styles on ${what}`, () =>
+        withPage(kDesktop, async (page, faults) => {
+            await openFiles(page, [write('styled.bsp', makeBsp(1, styledLumps(pages, side, world), [], ident))]);
+            await texturesLoaded(page);
+            const near = (actual, expected) =>
+                assert.ok(actual.every((c, k) => Math.abs(c - expected[k]) <= 2), `${actual} is not ${expected}`);
+            near(await colorOfTriangle(page, {}), [40, 80, 120]); // four times, by the overbright bits
+            near(await colorOfTriangle(page, { 0: 1, 33: 0.5 }), [120, 80, 124]);
+            near(await colorOfTriangle(page, { 0: 0, 33: 1 }), [160, 0, 8]);
+            await page.click('text=Light styles');
+            assert.equal(await page.isVisible('text=33: lamp'), true);
+            await setStyle(page, 0, 1);
+            await setStyle(page, 1, 0.25);
+            const shares = await page.evaluate(() => [...window.viewer.viewer.settings.styleLight]);
+            assert.deepEqual([shares[0], shares[33]], [1, 0.25]);
+            near(await colorOfTriangle(page, {}), [80, 80, 122]);
+            await page.click('text=All on');
+            near(await colorOfTriangle(page, {}), [200, 80, 128]);
+            assert.match(await page.textContent('#panel .facts'), new RegExp(`File${ident} 1,`));
+            await openFiles(page, [write('room.bsp', makeBsp(46, roomLumps()))]);
+            await page.waitForFunction(() => document.getElementById('title').textContent === 'room.bsp');
+            assert.equal(await page.isVisible('text=Light styles'), false);
+            near(await colorOfTriangle(page, {}), [40, 80, 120]);
+            assert.deepEqual(await messages(page), []);
+            assert.deepEqual(faults, []);
+        }),
+    );
+
 test('a click tells what a surface is; a link leads back; the picture is saved', { skip: !DEMO }, () =>
     withPage({ ...kDesktop, acceptDownloads: true }, async (page, faults) => {
         await openFiles(page, [DEMO]);
@@ -251,7 +313,7 @@ test('a click tells what a surface is; a link leads back; the picture is saved',
             const { viewer } = window.viewer;
             viewer.camera.position.set(-264, 0, 58);
             [viewer.walk.yaw, viewer.walk.pitch] = [0.5, -1.2]; // at the floor
-            viewer.invalidate();
+            viewer.drawNow(); // a click needs the camera to be there
         });
         await page.mouse.click(300, 400);
         const text = await page.textContent('#surface');
@@ -285,7 +347,7 @@ test('a click in a report with explanations tells why a surface is lit as it is'
                 const { viewer } = window.viewer;
                 viewer.camera.position.set(-264, 0, 58);
                 [viewer.walk.yaw, viewer.walk.pitch] = [0.5, -1.2]; // at the floor
-                viewer.invalidate();
+                viewer.drawNow(); // a click needs the camera to be there
             });
             await page.mouse.click(300, 400);
             await page.waitForFunction(() => document.querySelector('#surface .explanation'));
@@ -399,6 +461,7 @@ test('damaged and foreign files give a message, and no console error', { skip: !
         const cases = [
             ['text.bsp', Buffer.from('this is no map'), /not a Quake 3 map/],
             ['old.bsp', Buffer.concat([Buffer.from('IBSP&\0\0\0'), Buffer.alloc(200)]), /version 38/],
+            ['raven.bsp', Buffer.concat([Buffer.from('RBSP.\0\0\0'), Buffer.alloc(200)]), /RBSP of version 46/],
             ['cut.bsp', bytes.subarray(0, 5000), /outside the file/],
             ['bad.pk3', Buffer.from('PK'), /not a pk3/],
             ['notes.txt', Buffer.from('x'), /not a file that this page opens/],

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The lumps of IBSP 46 and 47, and those of a BSPX directory. See docs/bsp_format.md.
+// GPL-2.0-or-later. The lumps of IBSP 46 and 47, of RBSP and FBSP, and those of a BSPX directory. See docs/bsp_format.md.
 import { expect, textAt, viewOf } from './bytes.js';
 
 export const Lump = {
@@ -19,11 +19,17 @@ export const Lump = {
     lightmaps: 14,
     lightGrid: 15,
     visibility: 16,
-    advertisements: 17,
-    lightGridSH: 18,
+    advertisements: 17, // IBSP 47
+    lightGridSH: 18, // IBSP 47
+    lightArray: 17, // RBSP and FBSP
 };
 
-const kSlots = 17; // in every file; some of version 47 have slots 17 and 18 too
+/** Slots that every file of a format has; some IBSP files of version 47 have slots 17 and 18 too. */
+const kFormats = {
+    IBSP: { versions: [46, 47], slots: 17 },
+    RBSP: { versions: [1], slots: 18 },
+    FBSP: { versions: [1], slots: 18 },
+};
 const slotEnd = (slots) => 8 + 8 * slots;
 
 /** Offset and length in slot i; null if they lie outside the file. */
@@ -79,25 +85,32 @@ function readBspx(bytes, view, start, problems) {
 /**
  * Reads the table of lumps.
  * @param {Uint8Array} bytes the whole file
- * @returns {{version: number, lumps: Uint8Array[], bspx: Map<string, Uint8Array>, problems: string[]}}
+ * @returns {{ident: string, version: number, lumps: Uint8Array[], bspx: Map<string, Uint8Array>, problems: string[]}}
  *   problems: parts that were left out, each a sentence
- * @throws FormatError if the file is no IBSP 46 or 47, or a lump lies outside of it
+ * @throws FormatError if the file is none of kFormats, or a lump lies outside of it
  */
 export function readContainer(bytes) {
     const view = viewOf(bytes);
     const ident = textAt(bytes, 0, Math.min(4, bytes.length));
-    expect(ident === 'IBSP', `This is not a Quake 3 map: it begins with "${ident.replace(/[^ -~]/g, '?')}", not IBSP.`);
-    expect(bytes.length >= slotEnd(kSlots), `The map ends in its header, after ${bytes.length} bytes.`);
+    expect(
+        Object.hasOwn(kFormats, ident),
+        `This is not a Quake 3 map: it begins with "${ident.replace(/[^ -~]/g, '?')}", not IBSP, RBSP or FBSP.`,
+    );
+    const { versions, slots } = kFormats[ident];
+    expect(bytes.length >= slotEnd(slots), `The map ends in its header, after ${bytes.length} bytes.`);
     const version = view.getInt32(4, true);
-    expect(version === 46 || version === 47, `The map is an IBSP of version ${version}; this page reads 46 and 47.`);
+    expect(
+        versions.includes(version),
+        `The map is an ${ident} of version ${version}; this page reads ${versions.join(' and ')}.`,
+    );
     const lumps = [];
     const problems = [];
     let first = Infinity;
     let end = 0;
-    for (let i = 0; i < kSlots; i++) {
+    for (let i = 0; i < slots; i++) {
         const range = slotAt(view, i);
         expect(
-            range && (range.length === 0 || range.offset >= slotEnd(kSlots)),
+            range && (range.length === 0 || range.offset >= slotEnd(slots)),
             `Lump ${i} lies outside the file: the map is damaged or was not copied completely.`,
         );
         lumps.push(bytes.subarray(range.offset, range.offset + range.length));
@@ -105,5 +118,5 @@ export function readContainer(bytes) {
         end = Math.max(end, range.offset + range.length);
     }
     if (version === 47) end = Math.max(end, addLateSlots(bytes, view, lumps, first, problems));
-    return { version, lumps, bspx: readBspx(bytes, view, (end + 3) & ~3, problems), problems };
+    return { ident, version, lumps, bspx: readBspx(bytes, view, (end + 3) & ~3, problems), problems };
 }

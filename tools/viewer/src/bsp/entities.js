@@ -57,6 +57,14 @@ export function lightEntities(entities) {
         });
 }
 
+/** Names by which the game switches lights of a style. */
+export function namesOfStyle(entities, style) {
+    const lights = entities.filter(
+        (entity) => /^light/.test(entity.get('classname') ?? '') && Number(entity.get('style') ?? NaN) === style,
+    );
+    return [...new Set(lights.map((light) => light.get('targetname') ?? '').filter((name) => name !== ''))];
+}
+
 /** A place to start from: position of the eyes, yaw in degrees. */
 export function startPosition(entities) {
     for (const wanted of [

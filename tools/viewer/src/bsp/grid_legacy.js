@@ -21,44 +21,39 @@ export function modelLight(sample, minimum) {
     return { ...sample, ambient: sample.ambient.map((c) => kAmbientScale * c + minimum) };
 }
 
-export class LegacyGrid extends Lattice {
+/** The direction of two angles in bytes, as ioquake3 reads them: from +z, and around z. */
+export function directionOf(fromUp, around) {
+    const longitude = (fromUp * 2 * Math.PI) / 256;
+    const latitude = (around * 2 * Math.PI) / 256;
+    return [
+        Math.cos(latitude) * Math.sin(longitude),
+        Math.sin(latitude) * Math.sin(longitude),
+        Math.cos(longitude),
+    ];
+}
+
+/** A grid whose lattice is that of the world's bounds. Classes below have `point` and `isInWall`. */
+export class LegacyLattice extends Lattice {
+    /** Light styles other than 0. */
+    styles = [];
+
     /**
-     * @param {Uint8Array} lump
+     * @param {number} points how many the file has
      * @param {{mins: number[], maxs: number[]}} world model 0
      * @param {Map<string, string>} worldspawn
-     * @throws FormatError if the lump has another length than the world needs
+     * @throws FormatError if the world needs another number of points
      */
-    constructor(lump, world, worldspawn) {
+    constructor(points, world, worldspawn) {
         super();
         this.cell = parseVector(worldspawn?.get('gridsize')) ?? [64, 64, 128];
         this.mins = this.cell.map((size, i) => size * Math.ceil(world.mins[i] / size));
         this.bounds = this.cell.map((size, i) => (size * Math.floor(world.maxs[i] / size) - this.mins[i]) / size + 1);
         this.count = this.bounds[0] * this.bounds[1] * this.bounds[2];
-        expect(
-            lump.length === kPointBytes * this.count,
-            `The legacy light grid holds ${lump.length / kPointBytes} points, the world needs ${this.count}.`,
-        );
-        this.bytes = lump;
-    }
-
-    /** Ambient and directed light in bytes, direction to the light. */
-    point(i) {
-        const at = kPointBytes * i;
-        const latitude = (this.bytes[at + 7] * 2 * Math.PI) / 256;
-        const longitude = (this.bytes[at + 6] * 2 * Math.PI) / 256;
-        return {
-            ambient: [...this.bytes.subarray(at, at + 3)],
-            directed: [...this.bytes.subarray(at + 3, at + 6)],
-            direction: [
-                Math.cos(latitude) * Math.sin(longitude),
-                Math.sin(latitude) * Math.sin(longitude),
-                Math.cos(longitude),
-            ],
-        };
+        expect(points === this.count, `The legacy light grid holds ${points} points, the world needs ${this.count}.`);
     }
 
     /**
-     * Ambient and directed light as ioquake3 blends them: black points are left out, and the lower corner alone is
+     * Ambient and directed light as ioquake3 blends them: points in walls are left out, and the lower corner alone is
      * clamped to the grid, so that weights outside of it are those of the unclamped position.
      * @param {number} shift bits of overbright, r_mapOverBrightBits - r_overBrightBits
      */
@@ -72,19 +67,44 @@ export class LegacyGrid extends Lattice {
             const upper = [0, 1, 2].map((axis) => (corner >> axis) & 1);
             const index = low.map((n, axis) => n + upper[axis]);
             if (index.some((n, axis) => n > this.bounds[axis] - 1)) continue;
-            const point = this.point(index[0] + this.bounds[0] * (index[1] + this.bounds[1] * index[2]));
+            const i = index[0] + this.bounds[0] * (index[1] + this.bounds[1] * index[2]);
+            if (this.isInWall(i)) continue;
+            const point = this.point(i);
             const ambient = shiftColor(point.ambient, shift);
-            if (ambient[0] + ambient[1] + ambient[2] === 0) continue; // in a wall
             const directed = shiftColor(point.directed, shift);
             const weight = upper.reduce((product, up, axis) => product * (up ? fraction[axis] : 1 - fraction[axis]), 1);
             total += weight;
-            for (let i = 0; i < 3; i++) {
-                light.ambient[i] += weight * ambient[i];
-                light.directed[i] += weight * directed[i];
-                light.direction[i] += weight * point.direction[i];
+            for (let k = 0; k < 3; k++) {
+                light.ambient[k] += weight * ambient[k];
+                light.directed[k] += weight * directed[k];
+                light.direction[k] += weight * point.direction[k];
             }
         }
         return finish(light, total);
+    }
+}
+
+/** The grid of IBSP: points in the order of the lattice, black ones in walls. */
+export class LegacyGrid extends LegacyLattice {
+    /** The first parameter is lump 15; others and errors as above. */
+    constructor(lump, world, worldspawn) {
+        super(lump.length / kPointBytes, world, worldspawn);
+        this.bytes = lump;
+    }
+
+    isInWall(i) {
+        const at = kPointBytes * i;
+        return this.bytes[at] + this.bytes[at + 1] + this.bytes[at + 2] === 0;
+    }
+
+    /** Ambient and directed light in bytes, direction to the light. */
+    point(i) {
+        const at = kPointBytes * i;
+        return {
+            ambient: [...this.bytes.subarray(at, at + 3)],
+            directed: [...this.bytes.subarray(at + 3, at + 6)],
+            direction: directionOf(this.bytes[at + 6], this.bytes[at + 7]),
+        };
     }
 }
 

@@ -2,6 +2,7 @@
 import { FormatError } from './bytes.js';
 import { Lump } from './container.js';
 import { LegacyGrid } from './grid_legacy.js';
+import { StyledGrid } from './grid_styled.js';
 import { SparseGridSH } from './grid_sparse.js';
 import { UniformGridSH } from './grid_uniform.js';
 import { kConvolution } from './sh.js';
@@ -21,7 +22,8 @@ function convolved(grid) {
 
 /**
  * @param map from readMap
- * @returns {{uniform: UniformGridSH|null, sparse: SparseGridSH|null, legacy: LegacyGrid|null, problems: string[]}}
+ * @returns {{uniform: UniformGridSH|null, sparse: SparseGridSH|null, legacy: LegacyGrid|StyledGrid|null,
+ *   problems: string[]}}
  */
 export function readGrids(map) {
     const problems = [];
@@ -37,11 +39,20 @@ export function readGrids(map) {
             return null;
         }
     };
+    const styled = (array) => {
+        const grid = new StyledGrid(map.lumps[Lump.lightGrid], array, map.models[0], world);
+        if (grid.outside > 0)
+            problems.push(`${grid.outside} of ${grid.count} points of the legacy light grid name no light.`);
+        return grid;
+    };
+    const isIbsp = map.ident === 'IBSP';
     const sh = (Reader) => (lump) => (radiance ? convolved(new Reader(lump)) : new Reader(lump));
     return {
         uniform: attempt(map.lumps[Lump.lightGridSH] ?? map.bspx.get('LIGHTGRID_SH'), sh(UniformGridSH)),
         sparse: attempt(map.bspx.get('LIGHTGRID_SH_SPARSE'), sh(SparseGridSH)),
-        legacy: attempt(map.lumps[Lump.lightGrid], (lump) => new LegacyGrid(lump, map.models[0], world)),
+        legacy: isIbsp
+            ? attempt(map.lumps[Lump.lightGrid], (lump) => new LegacyGrid(lump, map.models[0], world))
+            : attempt(map.lumps[Lump.lightArray], styled),
         problems,
     };
 }

@@ -5,8 +5,23 @@ import { parseEntities } from './entities.js';
 
 export const SurfaceType = { planar: 1, patch: 2, triangles: 3, flare: 4, foliage: 5 };
 
-const kVertexBytes = 44;
-const kSurfaceInts = 26;
+/** Bits of surfaceFlags, those of Quake III. */
+export const SurfaceFlag = { sky: 0x4, noDraw: 0x80 };
+const kRbspSky = 0x2000;
+const kRbspNoDraw = 0x200000;
+
+/** Styles from here on mark a free slot, and end the list of a surface. */
+const kFreeStyle = 254;
+/** Most light styles of a surface. */
+export const kSlots = 4;
+
+/** Sizes of records, and where their fields for the light of each slot are, in words of 32 bits. IBSP has one slot. */
+const kIbspRecords = { slots: 1, vertex: 11, normal: 7, color: 10, surface: 26, pages: 7, patch: 24 };
+const kRbspRecords = { slots: kSlots, vertex: 20, normal: 13, color: 16, surface: 37, styles: 7, pages: 9, patch: 35 };
+
+/** Names of the fields of vertices that hold lightmap coordinates and colors of a slot. */
+export const lightmapField = (slot) => (slot === 0 ? 'lightmap' : `lightmap${slot}`);
+export const colorField = (slot) => (slot === 0 ? 'color' : `color${slot}`);
 
 /** Whole records of a lump as integers or floats, `count` 32-bit words each. */
 function records(bytes, words, name) {
@@ -14,51 +29,70 @@ function records(bytes, words, name) {
     return { ints: int32s(bytes), floats: float32s(bytes), count: bytes.length / (4 * words) };
 }
 
-function readShaders(bytes) {
+/** Flags of a record with the bits of SurfaceFlag. RBSP files have bits of their own. */
+function surfaceFlags(flags, ident) {
+    if (ident !== 'RBSP') return flags;
+    return ((flags & kRbspSky) !== 0 ? SurfaceFlag.sky : 0) | ((flags & kRbspNoDraw) !== 0 ? SurfaceFlag.noDraw : 0);
+}
+
+function readShaders(bytes, ident) {
     expect(bytes.length % 72 === 0, 'The lump of shaders does not hold whole records.');
     const view = viewOf(bytes);
     return Array.from({ length: bytes.length / 72 }, (_, i) => ({
         name: textAt(bytes, 72 * i, 64)
             .toLowerCase()
             .replaceAll('\\', '/'),
-        surfaceFlags: view.getUint32(72 * i + 64, true),
+        surfaceFlags: surfaceFlags(view.getUint32(72 * i + 64, true), ident),
     }));
 }
 
-/** Arrays of positions, texture and lightmap coordinates, normals and colors. */
-function readVertices(bytes) {
-    const { floats, count } = records(bytes, kVertexBytes / 4, 'vertices');
+/** Arrays of positions, texture coordinates and normals, and for each slot of lightmap coordinates and colors. */
+function readVertices(bytes, format) {
+    const { floats, count } = records(bytes, format.vertex, 'vertices');
     const vertices = {
         count,
         position: new Float32Array(3 * count),
         st: new Float32Array(2 * count),
-        lightmap: new Float32Array(2 * count),
         normal: new Float32Array(3 * count),
-        color: new Uint8Array(4 * count),
     };
+    const slots = Array.from({ length: format.slots }, (_, slot) => ({
+        lightmap: (vertices[lightmapField(slot)] = new Float32Array(2 * count)),
+        color: (vertices[colorField(slot)] = new Uint8Array(4 * count)),
+    }));
     for (let i = 0; i < count; i++) {
-        const at = 11 * i;
+        const at = format.vertex * i;
         vertices.position.set(floats.subarray(at, at + 3), 3 * i);
         vertices.st.set(floats.subarray(at + 3, at + 5), 2 * i);
-        vertices.lightmap.set(floats.subarray(at + 5, at + 7), 2 * i);
-        vertices.normal.set(floats.subarray(at + 7, at + 10), 3 * i);
-        vertices.color.set(bytes.subarray(kVertexBytes * i + 40, kVertexBytes * i + 44), 4 * i);
+        vertices.normal.set(floats.subarray(at + format.normal, at + format.normal + 3), 3 * i);
+        slots.forEach(({ lightmap, color }, slot) => {
+            lightmap.set(floats.subarray(at + 5 + 2 * slot, at + 7 + 2 * slot), 2 * i);
+            const colorAt = 4 * (at + format.color + slot);
+            color.set(bytes.subarray(colorAt, colorAt + 4), 4 * i);
+        });
     }
     const finite = (array) => array.every(Number.isFinite);
     expect(
         finite(vertices.position) && finite(vertices.normal),
         'A vertex has a position or normal that is no number.',
     );
-    for (const array of [vertices.st, vertices.lightmap])
+    for (const array of [vertices.st, ...slots.map(({ lightmap }) => lightmap)])
         // may be no numbers where they are not used
         for (let i = 0; i < array.length; i++) if (!Number.isFinite(array[i])) array[i] = 0;
     return vertices;
 }
 
-function readSurfaces(bytes, shaderCount, vertexCount, indexes) {
-    const { ints, count } = records(bytes, kSurfaceInts, 'surfaces');
+/** Styles of the used slots, of four bytes of a surface. */
+function usedStyles(bytes, offset) {
+    const styles = [...bytes.subarray(offset, offset + kSlots)];
+    const free = styles.findIndex((style) => style >= kFreeStyle);
+    return free < 0 ? styles : styles.slice(0, free);
+}
+
+function readSurfaces(bytes, format, shaderCount, vertexCount, indexes) {
+    const { ints, count } = records(bytes, format.surface, 'surfaces');
     return Array.from({ length: count }, (_, i) => {
-        const at = (field) => ints[kSurfaceInts * i + field];
+        const at = (field) => ints[format.surface * i + field];
+        const styles = (field) => (format.styles ? usedStyles(bytes, 4 * (format.surface * i + field)) : [0]);
         const surface = {
             shader: at(0),
             type: at(2),
@@ -66,9 +100,11 @@ function readSurfaces(bytes, shaderCount, vertexCount, indexes) {
             vertexCount: at(4),
             firstIndex: at(5),
             indexCount: at(6),
-            lightmap: at(7),
-            patchWidth: at(24),
-            patchHeight: at(25),
+            pages: Array.from({ length: format.slots }, (_, slot) => at(format.pages + slot)),
+            lightmapStyles: styles(format.styles),
+            vertexStyles: styles(format.styles + 1),
+            patchWidth: at(format.patch),
+            patchHeight: at(format.patch + 1),
         };
         checkSurface(surface, i, shaderCount, vertexCount, indexes);
         return surface;
@@ -141,6 +177,19 @@ function readTree(lumps) {
     };
 }
 
+/** Light styles of surfaces other than 0. */
+function stylesOf(surfaces) {
+    const all = surfaces.flatMap(({ lightmapStyles, vertexStyles }) => [...lightmapStyles, ...vertexStyles]);
+    return [...new Set(all)].filter((style) => style !== 0);
+}
+
+/** Texels along a side of the lightmap pages in the file. */
+function lightmapSide(ident, world) {
+    if (ident !== 'FBSP') return 128;
+    const side = Number(world?.get('_lightmapimagesize'));
+    return Number.isInteger(Math.log2(side)) && side >= 16 && side <= 8192 ? side : 512;
+}
+
 /**
  * Reads a map. Light grids are read apart (grids.js), so that the map shows without them.
  * @param {Uint8Array} bytes the whole file
@@ -150,14 +199,16 @@ export function readMap(bytes) {
     const container = readContainer(bytes);
     const { lumps } = container;
     const entityText = textAt(lumps[Lump.entities], 0, lumps[Lump.entities].length);
-    const shaders = readShaders(lumps[Lump.shaders]);
-    const vertices = readVertices(lumps[Lump.drawVerts]);
+    const entities = parseEntities(entityText);
+    const format = container.ident === 'IBSP' ? kIbspRecords : kRbspRecords;
+    const shaders = readShaders(lumps[Lump.shaders], container.ident);
+    const vertices = readVertices(lumps[Lump.drawVerts], format);
     const indexes = int32s(lumps[Lump.drawIndexes]);
-    const surfaces = readSurfaces(lumps[Lump.surfaces], shaders.length, vertices.count, indexes);
+    const surfaces = readSurfaces(lumps[Lump.surfaces], format, shaders.length, vertices.count, indexes);
     return {
         ...container,
         bytes: bytes.length,
-        entities: parseEntities(entityText),
+        entities,
         shaders,
         vertices,
         indexes,
@@ -165,5 +216,7 @@ export function readMap(bytes) {
         models: readModels(lumps[Lump.models], surfaces.length),
         tree: readTree(lumps),
         lightmaps: lumps[Lump.lightmaps],
+        lightmapSide: lightmapSide(container.ident, entities[0]),
+        styles: stylesOf(surfaces),
     };
 }

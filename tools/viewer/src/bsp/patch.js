@@ -1,13 +1,18 @@
 // GPL-2.0-or-later. Biquadratic Bezier patches as triangles.
+import { kSlots, colorField, lightmapField } from './map.js';
 
-/** Fields of a vertex that are interpolated: name and number of values. */
-export const kFields = [
+const kFields = [
     ['position', 3],
     ['st', 2],
-    ['lightmap', 2],
     ['normal', 3],
-    ['color', 4],
+    ...Array.from({ length: kSlots }, (_, slot) => [
+        [lightmapField(slot), 2],
+        [colorField(slot), 4],
+    ]).flat(),
 ];
+
+/** Fields that these vertices have: name and number of values. */
+export const fieldsOf = (vertices) => kFields.filter(([name]) => vertices[name]);
 
 const kMostSteps = 32; // pieces of a curve
 const kChordError = 0.5; // units between a curve and its pieces
@@ -51,7 +56,7 @@ export function tessellate(vertices, surface) {
     const stepsY = stepsAlong(vertices.position, curves(first, width, height, true));
     const [columns, rows] = [((width - 1) / 2) * stepsX + 1, ((height - 1) / 2) * stepsY + 1];
     const out = { count: columns * rows };
-    for (const [name, size] of kFields) out[name] = new Float32Array(size * out.count);
+    for (const [name, size] of fieldsOf(vertices)) out[name] = new Float32Array(size * out.count);
     for (let row = 0; row < rows; row++)
         for (let column = 0; column < columns; column++)
             blend(
@@ -67,7 +72,7 @@ export function tessellate(vertices, surface) {
 }
 
 function blend(vertices, first, width, along, across, out, target) {
-    for (const [name, size] of kFields)
+    for (const [name, size] of fieldsOf(vertices))
         for (let j = 0; j < 3; j++)
             for (let i = 0; i < 3; i++) {
                 const source = size * (first + along.first + i + width * (across.first + j));

@@ -55,7 +55,7 @@ async function filesBelow(entry) {
 
 /** A path as games know it: what follows the folder of the game, where a known folder tells it. */
 export function gamePath(path) {
-    const known = path.replace(/^\/+/, '').match(/(?:^|\/)((?:maps|textures|scripts|models|env|gfx|sound)\/.*)$/i);
+    const known = path.replace(/^\/+/, '').match(/(?:^|\/)((?:maps|textures|scripts|shaders|models|env|gfx|sound)\/.*)$/i);
     return known ? known[1] : path.replace(/^\/+/, '');
 }
 

@@ -1,8 +1,5 @@
 // GPL-2.0-or-later. Parses of shader scripts what a still picture of a surface needs.
-
-const kSkyFlag = 0x4;
-/** Flag of shader records; engines draw no curve whose record has it, whatever the script says. */
-export const kNoDrawFlag = 0x80;
+import { SurfaceFlag } from '../bsp/map.js';
 
 /** Lines as words; a brace is a line of its own, comments are left out. */
 function* lines(text) {
@@ -149,7 +146,7 @@ export function readShader(name, body, surfaceFlags = 0) {
         hidden: false,
         sky: false,
     };
-    if (!body) return { ...plain, sky: (surfaceFlags & kSkyFlag) !== 0, hidden: (surfaceFlags & kNoDrawFlag) !== 0 };
+    if (!body) return { ...plain, sky: (surfaceFlags & SurfaceFlag.sky) !== 0, hidden: (surfaceFlags & SurfaceFlag.noDraw) !== 0 };
     const { parms, stages, twoSided } = parseBody(body);
     const stage = mainStage(stages);
     const lightmap = stages.find(isLightmap);

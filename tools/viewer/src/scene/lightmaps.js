@@ -3,9 +3,6 @@ import * as THREE from 'three';
 import { findImage, readImage, texelsOf } from '../files/images.js';
 import { kMapShift } from './glsl.js';
 
-const kPageSide = 128;
-const kPageBytes = 3 * kPageSide * kPageSide;
-
 /** Writes one page into a layer, each texel shifted and, if too bright, scaled down to 255. */
 function fillLayer(target, side, page) {
     const { width, height, texels, step, shift } = page;
@@ -38,16 +35,18 @@ export class Lightmaps {
     static async load(map, name, images, files, mostLayers) {
         const lightmaps = new Lightmaps();
         const pages = new Map();
-        for (let i = 0; kPageBytes * (i + 1) <= map.lightmaps.length; i++)
+        const side = map.lightmapSide;
+        const pageBytes = 3 * side * side;
+        for (let i = 0; pageBytes * (i + 1) <= map.lightmaps.length; i++)
             pages.set(i, {
-                width: kPageSide,
-                height: kPageSide,
+                width: side,
+                height: side,
                 step: 3,
                 shift: kMapShift,
-                texels: map.lightmaps.subarray(kPageBytes * i, kPageBytes * (i + 1)),
+                texels: map.lightmaps.subarray(pageBytes * i, pageBytes * (i + 1)),
             });
-        const numbers = new Set(map.surfaces.map((surface) => surface.lightmap).filter((i) => i >= 0 && !pages.has(i)));
-        for (const i of numbers)
+        const named = map.surfaces.flatMap((surface) => surface.lightmapStyles.map((_, slot) => surface.pages[slot]));
+        for (const i of new Set(named.filter((number) => number >= 0 && !pages.has(number))))
             await lightmaps.addImage(pages, i, `maps/${name}/lm_${String(i).padStart(4, '0')}`, kMapShift, files);
         for (const path of images) await lightmaps.addImage(pages, path, path, 0, files);
         lightmaps.makeTexture([...pages].slice(0, mostLayers));
@@ -81,8 +80,12 @@ export class Lightmaps {
         this.count = pages.length;
     }
 
-    /** Where the lightmap of a surface is; undefined if it has none. */
-    placeOf(surface, shader) {
-        return this.places.get(shader.lightmapImage || surface.lightmap);
+    /**
+     * Where the lightmaps of a surface are, by slot; undefined where it has none. An image that its shader names stands
+     * for all of them.
+     */
+    placesOf(surface, shader) {
+        if (shader.lightmapImage) return [this.places.get(shader.lightmapImage)];
+        return surface.lightmapStyles.map((_, slot) => this.places.get(surface.pages[slot]));
     }
 }

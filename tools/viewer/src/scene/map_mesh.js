@@ -1,10 +1,9 @@
 // GPL-2.0-or-later. Surfaces of a map in few meshes: one for each texture and way of drawing.
 import * as THREE from 'three';
-import { SurfaceType } from '../bsp/map.js';
+import { SurfaceFlag, SurfaceType, kSlots, colorField, lightmapField } from '../bsp/map.js';
 import { parseVector } from '../bsp/entities.js';
-import { tessellate } from '../bsp/patch.js';
+import { fieldsOf, tessellate } from '../bsp/patch.js';
 import { shiftColor } from '../bsp/grid_legacy.js';
-import { kNoDrawFlag } from '../files/shader_script.js';
 import { kDisplayGlsl, kMapShift } from './glsl.js';
 
 /** Luxel sizes with a color of their own, units, and the colors; sizes between have a color between. */
@@ -18,6 +17,15 @@ const kVertexShader = `
 in vec2 st;
 in vec3 lightmap; // texture coordinates and layer, or one of the values below 0
 in vec4 color;
+#ifdef STYLED // light of up to four styles in slots, added up
+in vec3 lightmap1, lightmap2, lightmap3;
+in vec4 color1, color2, color3; // black in free slots
+in vec4 styles;
+uniform sampler2D styleLight; // brightness by style
+out vec2 vLightmap1, vLightmap2, vLightmap3;
+flat out vec3 vLayers; // of slots 1 to 3
+flat out vec4 vShares;
+#endif
 in vec3 clusterColor;
 in vec3 luxelColor;
 out vec2 vSt;
@@ -36,6 +44,14 @@ void main() {
     vClusterColor = clusterColor;
     vLuxelColor = luxelColor;
     vHeight = position.z;
+#ifdef STYLED
+    vLightmap1 = lightmap1.xy;
+    vLightmap2 = lightmap2.xy;
+    vLightmap3 = lightmap3.xy;
+    vLayers = vec3(lightmap1.z, lightmap2.z, lightmap3.z);
+    for (int i = 0; i < 4; i++) vShares[i] = texelFetch(styleLight, ivec2(int(styles[i]), 0), 0).r;
+    vColor.rgb = min(mat4x3(color.rgb, color1.rgb, color2.rgb, color3.rgb) * vShares, 1.0);
+#endif
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
@@ -55,8 +71,30 @@ in vec4 vColor;
 in vec3 vClusterColor;
 in vec3 vLuxelColor;
 in float vHeight;
+#ifdef STYLED
+in vec2 vLightmap1, vLightmap2, vLightmap3;
+flat in vec3 vLayers;
+flat in vec4 vShares;
+#endif
 out vec4 result;
 ${kDisplayGlsl}
+vec3 lightmapLight(vec2 at, float layer) {
+    return texture(lightmaps, vec3(at, layer)).rgb;
+}
+
+vec3 mapLight() {
+    if (vLayer < ${(kNoLight + 0.5).toFixed(1)}) return vec3(0.5);
+    if (vLayer < 0.0) return vColor.rgb;
+    vec3 light = lightmapLight(vLightmap, vLayer);
+#ifdef STYLED
+    light *= vShares.x;
+    if (vLayers.x >= 0.0) light += vShares.y * lightmapLight(vLightmap1, vLayers.x);
+    if (vLayers.y >= 0.0) light += vShares.z * lightmapLight(vLightmap2, vLayers.y);
+    if (vLayers.z >= 0.0) light += vShares.w * lightmapLight(vLightmap3, vLayers.z);
+#endif
+    return light;
+}
+
 void main() {
 #ifdef CUT // without it, hidden texels are rejected before they are shaded
     if (vHeight > cutHeight) discard;
@@ -70,8 +108,7 @@ void main() {
     if (alphaTest > 0.0 ? texel.a < alphaTest : alphaTest < 0.0 && texel.a >= -alphaTest) discard;
 #endif
     if (textured == 0.0) texel.rgb = vec3(1.0);
-    vec3 light = vLayer >= 0.0 ? texture(lightmaps, vec3(vLightmap, vLayer)).rgb
-        : vLayer > ${(kNoLight + 0.5).toFixed(1)} ? vColor.rgb : vec3(0.5);
+    vec3 light = mapLight();
     if (tint > 0.0) {
         texel = vec4(tint > 1.0 ? vLuxelColor : vClusterColor, 1.0);
         light = vec3(0.2) + 0.3 * sqrt(light);
@@ -120,7 +157,7 @@ function triangleArea(array, size, corners) {
 }
 
 /** Units along the edge of a luxel, on average over the surface; 0 if it has no lightmap. */
-function luxelSize({ shape, place }) {
+function luxelSize(shape, place) {
     if (!place) return 0;
     const pageSide = 0.5 / place.texel; // of a layer; the scale is the share of it that the page fills
     let [world, luxels] = [0, 0];
@@ -141,17 +178,10 @@ function luxelSize({ shape, place }) {
 function shapeOf(map, surface) {
     if (surface.type === SurfaceType.patch) return tessellate(map.vertices, surface);
     if (surface.type === SurfaceType.flare || surface.indexCount === 0) return null;
-    const part = (array, size) =>
-        array.subarray(size * surface.firstVertex, size * (surface.firstVertex + surface.vertexCount));
-    const { position, st, lightmap, color } = map.vertices;
+    const { firstVertex: first, vertexCount: count } = surface;
+    const part = ([name, size]) => [name, map.vertices[name].subarray(size * first, size * (first + count))];
     return {
-        vertices: {
-            count: surface.vertexCount,
-            position: part(position, 3),
-            st: part(st, 2),
-            lightmap: part(lightmap, 2),
-            color: part(color, 4),
-        },
+        vertices: { count, ...Object.fromEntries(fieldsOf(map.vertices).map(part)) },
         indexes: map.indexes.subarray(surface.firstIndex, surface.firstIndex + surface.indexCount),
     };
 }
@@ -176,21 +206,24 @@ function groupSurfaces(map, shaderOf, lightmaps, clusters) {
             const surface = map.surfaces[i];
             const record = map.shaders[surface.shader];
             const shader = shaderOf(record);
-            const isForCollision = surface.type === SurfaceType.patch && (record.surfaceFlags & kNoDrawFlag) !== 0;
+            const isForCollision = surface.type === SurfaceType.patch && (record.surfaceFlags & SurfaceFlag.noDraw) !== 0;
             const shape = shader.hidden || isForCollision ? null : shapeOf(map, surface);
             if (!shape) continue;
             const key = shader.sky
                 ? 'sky'
                 : [shader.image, shader.clamp, shader.blend, shader.alphaTest, shader.twoSided].join('|');
             if (!groups.has(key)) groups.set(key, { shader, pieces: [] });
-            const place = lightmaps.placeOf(surface, shader);
+            const places = lightmaps.placesOf(surface, shader);
+            const layer = layerOf(shader, places[0]);
             groups.get(key).pieces.push({
                 surface: i,
                 shape,
                 offset,
                 shader,
-                place,
-                luxelSize: luxelSize({ shape, place }),
+                places,
+                layer,
+                styles: layer >= 0 ? surface.lightmapStyles : surface.vertexStyles,
+                luxelSize: luxelSize(shape, places[0]),
                 cluster: clusters[i][0] ?? -1,
             });
         }
@@ -199,78 +232,97 @@ function groupSurfaces(map, shaderOf, lightmaps, clusters) {
 }
 
 /** Layer of the lightmap, or where else the light of a surface comes from. */
-function layerOf({ shader, place }) {
+function layerOf(shader, place) {
     if (shader.blend === 'filter') return kNoLight; // it only dims what is behind
     if (shader.light !== 'vertex' && shader.light !== 'none' && place) return place.layer;
     return shader.light === 'none' ? kNoLight : kVertexLight;
 }
 
-function fillVertices(arrays, base, piece) {
+/** Lightmap coordinates and colors of a slot. */
+function fillSlot(arrays, base, { shape, places, layer }, slot) {
+    const { vertices } = shape;
+    const place = places[slot];
+    const source = { lightmap: vertices[lightmapField(slot)], color: vertices[colorField(slot)] };
+    const target = { lightmap: arrays[lightmapField(slot)], color: arrays[colorField(slot)] };
+    for (let i = 0; i < vertices.count; i++) {
+        const to = base + i;
+        if (place)
+            for (let k = 0; k < 2; k++) {
+                const inPage = Math.min(Math.max(source.lightmap[2 * i + k], 0), 1) * place.scale[k];
+                target.lightmap[3 * to + k] = Math.min(Math.max(inPage, place.texel), place.scale[k] - place.texel);
+            }
+        target.lightmap[3 * to + 2] = slot === 0 ? layer : (place?.layer ?? kNoLight);
+        const color = shiftColor([...source.color.subarray(4 * i, 4 * i + 3)].map(Math.round), kMapShift);
+        target.color.set([...color, source.color[4 * i + 3]], 4 * to);
+    }
+}
+
+function fillVertices(arrays, base, piece, slots) {
     const { vertices } = piece.shape;
-    const { offset, shader, place } = piece;
-    const layer = layerOf(piece);
+    const { offset, shader, layer, styles } = piece;
+    for (let slot = 0; slot < slots; slot++)
+        if (slot === 0 || slot < styles.length) fillSlot(arrays, base, piece, slot);
+        else arrays[lightmapField(slot)].fill(kNoLight, 3 * base, 3 * (base + vertices.count));
     const tint = clusterColor(piece.cluster);
     const luxels = luxelColor(layer >= 0 ? piece.luxelSize : 0);
     for (let i = 0; i < vertices.count; i++) {
         const to = base + i;
         for (let k = 0; k < 3; k++) arrays.position[3 * to + k] = vertices.position[3 * i + k] + offset[k];
         for (let k = 0; k < 2; k++) arrays.st[2 * to + k] = vertices.st[2 * i + k] * shader.scale[k];
-        if (place)
-            for (let k = 0; k < 2; k++) {
-                const inPage = Math.min(Math.max(vertices.lightmap[2 * i + k], 0), 1) * place.scale[k];
-                arrays.lightmap[3 * to + k] = Math.min(Math.max(inPage, place.texel), place.scale[k] - place.texel);
-            }
-        arrays.lightmap[3 * to + 2] = layer;
-        const color = shiftColor([...vertices.color.subarray(4 * i, 4 * i + 3)].map(Math.round), kMapShift);
-        arrays.color.set([...color, vertices.color[4 * i + 3]], 4 * to);
+        arrays.styles?.set(styles, kSlots * to);
         for (let k = 0; k < 3; k++) arrays.clusterColor[3 * to + k] = 255 * tint[k];
         for (let k = 0; k < 3; k++) arrays.luxelColor[3 * to + k] = 255 * luxels[k];
     }
 }
 
-/** Geometry of the pieces; `ranges` tells which indexes belong to which surface. */
-function joinPieces(pieces) {
+/** Name, values for a vertex, type, and whether they are divided by their largest value. */
+function attributesOf(slots) {
+    const ofSlot = (slot) => [
+        [lightmapField(slot), 3, Float32Array, false],
+        [colorField(slot), 4, Uint8Array, true],
+    ];
+    return [
+        ['position', 3, Float32Array, false],
+        ['st', 2, Float32Array, false],
+        ['clusterColor', 3, Uint8Array, true],
+        ['luxelColor', 3, Uint8Array, true],
+        ...Array.from({ length: slots }, (_, slot) => ofSlot(slot)).flat(),
+        ...(slots > 1 ? [['styles', kSlots, Uint8Array, false]] : []),
+    ];
+}
+
+/** Geometry of the pieces, with light of so many slots; `ranges` tells which indexes belong to which surface. */
+function joinPieces(pieces, slots) {
     const vertexCount = pieces.reduce((sum, piece) => sum + piece.shape.vertices.count, 0);
     const indexCount = pieces.reduce((sum, piece) => sum + piece.shape.indexes.length, 0);
-    const arrays = {
-        position: new Float32Array(3 * vertexCount),
-        st: new Float32Array(2 * vertexCount),
-        lightmap: new Float32Array(3 * vertexCount),
-        color: new Uint8Array(4 * vertexCount),
-        clusterColor: new Uint8Array(3 * vertexCount),
-        luxelColor: new Uint8Array(3 * vertexCount),
-    };
+    const attributes = attributesOf(slots);
+    const arrays = Object.fromEntries(
+        attributes.map(([name, size, Type]) => [name, new Type(size * vertexCount)]),
+    );
     const indexes = new Uint32Array(indexCount);
     const ranges = [];
     let [vertex, index] = [0, 0];
     for (const piece of pieces) {
-        fillVertices(arrays, vertex, piece);
+        fillVertices(arrays, vertex, piece, slots);
         for (let i = 0; i < piece.shape.indexes.length; i++) indexes[index + i] = vertex + piece.shape.indexes[i];
         ranges.push({
             surface: piece.surface,
             first: index,
             count: piece.shape.indexes.length,
-            layer: layerOf(piece),
+            layer: piece.layer,
             luxelSize: piece.luxelSize,
         });
         vertex += piece.shape.vertices.count;
         index += piece.shape.indexes.length;
     }
     const geometry = new THREE.BufferGeometry();
-    for (const [name, size, normalized] of [
-        ['position', 3, false],
-        ['st', 2, false],
-        ['lightmap', 3, false],
-        ['color', 4, true],
-        ['clusterColor', 3, true],
-        ['luxelColor', 3, true],
-    ])
+    for (const [name, size, , normalized] of attributes)
         geometry.setAttribute(name, new THREE.BufferAttribute(arrays[name], size, normalized));
     geometry.setIndex(new THREE.BufferAttribute(indexes.slice(), 1));
     return { geometry, indexes, ranges };
 }
 
-function materialOf(shader, shared, placeholder) {
+function materialOf(shader, shared, placeholder, slots) {
     const blend = shader.sky ? null : shader.blend;
     return new THREE.ShaderMaterial({
         glslVersion: THREE.GLSL3,
@@ -282,7 +334,10 @@ function materialOf(shader, shared, placeholder) {
             alphaTest: { value: shader.alphaTest },
             plainColor: { value: new THREE.Color(-1, -1, -1) },
         },
-        defines: shader.alphaTest !== 0 ? { ALPHA_TEST: '' } : {},
+        defines: {
+            ...(shader.alphaTest !== 0 ? { ALPHA_TEST: '' } : {}),
+            ...(slots > 1 ? { STYLED: '' } : {}),
+        },
         side: shader.twoSided ? THREE.DoubleSide : THREE.BackSide, // front faces of the game turn clockwise
         transparent: blend !== null,
         depthWrite: blend === null,
@@ -303,8 +358,9 @@ export class MapMesh {
      * @param {import('./textures.js').Textures} textures
      * @param {{value: number}} brightness shared uniform
      * @param {THREE.Color} skyColor
+     * @param {Float32Array} styleLight brightness of each of 256 light styles
      */
-    constructor(map, shaderOf, lightmaps, clusters, textures, brightness, skyColor) {
+    constructor(map, shaderOf, lightmaps, clusters, textures, brightness, skyColor, styleLight) {
         this.clusters = clusters;
         this.uniforms = {
             lightmaps: { value: lightmaps.texture },
@@ -312,14 +368,18 @@ export class MapMesh {
             tint: { value: 0 },
             cutHeight: { value: 0 },
             brightness,
+            styleLight: { value: new THREE.DataTexture(styleLight, 256, 1, THREE.RedFormat, THREE.FloatType) },
         };
+        this.styleLightChanged();
+        const slots = map.styles.length > 0 ? kSlots : 1;
         this.triangles = 0;
         for (const [key, { shader, pieces }] of groupSurfaces(map, shaderOf, lightmaps, clusters)) {
-            const joined = joinPieces(pieces);
+            const joined = joinPieces(pieces, slots);
             const material = materialOf(
                 shader,
                 this.uniforms,
                 shader.image === '$whiteimage' ? textures.white : textures.missing,
+                slots,
             );
             if (key === 'sky') material.uniforms.plainColor.value = skyColor;
             const mesh = new THREE.Mesh(joined.geometry, material);
@@ -336,6 +396,11 @@ export class MapMesh {
                 shown: joined.ranges,
             });
         }
+    }
+
+    /** Takes over the brightness of light styles. */
+    styleLightChanged() {
+        this.uniforms.styleLight.value.needsUpdate = true;
     }
 
     /** Hides what is above a height; null: nothing. */
@@ -397,5 +462,6 @@ export class MapMesh {
             material.dispose();
         }
         this.uniforms.lightmaps.value.dispose();
+        this.uniforms.styleLight.value.dispose();
     }
 }

@@ -15,6 +15,7 @@ export class Panel {
         this.element = element;
         this.actions = actions;
         this.controls = [];
+        this.styleControls = [];
         this.facts = make('dl', { class: 'facts' });
         this.absent = make('details', { class: 'absent', hidden: true });
         this.mapList = make('select', {
@@ -28,6 +29,7 @@ export class Panel {
         element.append(
             this.mapSection(),
             this.viewSection(),
+            this.styleSection(),
             this.pointSection(),
             this.figureSection(),
             this.sliceSection(),
@@ -105,6 +107,38 @@ export class Panel {
             ),
             this.add(slider('speed', 'Speed', { min: 40, max: 1600, step: 20, unit: ' units/s' }, this.change)),
         );
+    }
+
+    /** A slider for each light style; hidden if the map has style 0 only. */
+    styleSection() {
+        const all = (value) => () => {
+            for (const { style } of this.viewer.styles) this.viewer.settings.styleLight[style] = value;
+            this.viewer.changed();
+            this.show();
+        };
+        this.styleRows = make('div');
+        const buttons = make('div', { class: 'buttons' }, button('All on', all(1)), button('All off', all(0)));
+        this.styles = section('Light styles', false, this.styleRows, buttons);
+        this.styles.hidden = true;
+        return this.styles;
+    }
+
+    /** Makes the sliders of a map's styles. */
+    showStyles() {
+        const { settings, styles } = this.viewer;
+        this.styles.hidden = styles.length === 0;
+        this.styleControls = [{ style: 0, names: ['always on'] }, ...styles].map(({ style, names }) => {
+            const label = names.length > 0 ? `${style}: ${names.join(', ')}` : `${style}`;
+            const change = (key, value) => {
+                settings.styleLight[style] = value;
+                this.viewer.changed();
+                this.show();
+            };
+            const control = slider('light', label, { min: 0, max: 1, step: 0.05, digits: 2 }, change);
+            return { row: control.row, show: () => control.show({ light: settings.styleLight[style] }) };
+        });
+        this.styleRows.replaceChildren(...this.styleControls.map(({ row }) => row));
+        this.styleControls.forEach((control) => control.show());
     }
 
     pointSection() {
@@ -223,7 +257,7 @@ export class Panel {
     /** Brings all controls up to date; those without data are off. */
     show() {
         const { settings, grids, side, map, tree, errors } = this.viewer;
-        for (const control of this.controls) control.show(settings);
+        for (const control of [...this.controls, ...this.styleControls]) control.show(settings);
         const any = Boolean(grids.uniform || grids.sparse || grids.legacy);
         for (const name of ['showPoints', 'where', 'size', 'inWalls', 'radius', 'color']) this[name].enable(any);
         for (const name of ['uniform', 'sparse', 'legacy']) this.source.enableValue(name, Boolean(grids[name]));
@@ -253,7 +287,7 @@ export class Panel {
         const { map, grids, lightmaps, lightList, mesh, stats, textures } = this.viewer;
         const grid = (g) => (g ? `${number(g.count)} · ${vector(g.cell, 0)}` : 'none');
         const rows = [
-            ['File', `IBSP ${map.version}, ${(map.bytes / 1e6).toFixed(1)} MB`],
+            ['File', `${map.ident} ${map.version}, ${(map.bytes / 1e6).toFixed(1)} MB`],
             ['Surfaces', number(map.surfaces.length)],
             ['Triangles', number(mesh.triangles)],
             ['Lightmaps', String(lightmaps.count)],

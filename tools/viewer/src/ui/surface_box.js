@@ -8,11 +8,17 @@ const kTypes = new Map([
     [SurfaceType.triangles, 'triangles'],
 ]);
 
+/** The page of a surface's lightmap; if it has several light styles, the page of each. */
+function pagesOf({ pages, lightmapStyles }) {
+    if (lightmapStyles.every((style) => style === 0)) return `page ${pages[0]}`;
+    return lightmapStyles.map((style, slot) => `page ${pages[slot]} (style ${style})`).join(', ');
+}
+
 /** Where the light of a surface comes from. `layer` and `luxelSize` are those of MapMesh.surfaceOn. */
 function lightOf(surface, shader, { layer, luxelSize }) {
     if (layer < 0) return [['Light', shader.light === 'none' || shader.blend === 'filter' ? 'none' : 'of its vertices']];
     return [
-        ['Lightmap', shader.lightmapImage || `page ${surface.lightmap}`],
+        ['Lightmap', shader.lightmapImage || pagesOf(surface)],
         ['Luxel size', `${luxelSize.toFixed(luxelSize < 10 ? 1 : 0)} units`],
     ];
 }

@@ -2,18 +2,19 @@
 // PROGRAM names q3map2, PROBE the compiled probe.c.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { cpSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { appendFileSync, cpSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { readGrids } from '../../src/bsp/grids.js';
-import { readMap } from '../../src/bsp/map.js';
+import { colorField, lightmapField, readMap } from '../../src/bsp/map.js';
 
 const { PROGRAM, PROBE } = process.env;
 const kArena = join(import.meta.dirname, '../../../demo_data/demo_arena');
 const skip = PROGRAM && PROBE ? false : 'PROGRAM and PROBE are not set';
 let folder;
 let bsp;
+let styled; // the same arena for a game with RBSP files, with a lamp of another style
 
 before(() => {
     if (skip) return;
@@ -25,16 +26,26 @@ before(() => {
     run('-vis', bsp);
     run('-light', '-fast', '-shbspx', '-shadaptive', bsp);
     run('-json', '-unpack', bsp);
+    cpSync(kArena, join(folder, 'ja'), { recursive: true });
+    cpSync(join(kArena, 'scripts'), join(folder, 'ja/shaders'), { recursive: true });
+    const map = join(folder, 'ja/maps/demo.map');
+    appendFileSync(map, '{ "classname" "light" "origin" "-264 0 100" "light" "300" "targetname" "lamp" }\n');
+    const runStyled = (...options) =>
+        execFileSync(PROGRAM, ['-game', 'ja', '-fs_basepath', folder, '-fs_basegame', 'ja', ...options]);
+    styled = join(folder, 'ja/maps/demo.bsp');
+    runStyled('-meta', map);
+    runStyled('-light', '-fast', '-shbspx', styled);
+    runStyled('-json', '-unpack', styled);
 });
 
 after(() => folder && rmSync(folder, { recursive: true }));
 
-const grids = () => readGrids(readMap(new Uint8Array(readFileSync(bsp))));
+const grids = (path = bsp) => readGrids(readMap(new Uint8Array(readFileSync(path))));
 
 /** Coefficients by the reader for engines. */
-function probe(form, positions) {
+function probe(form, positions, path = bsp) {
     const input = positions.map((p) => `${p.map((c) => Math.fround(c)).join(' ')} 0 0 1`).join('\n');
-    const output = execFileSync(PROBE, [bsp, form], { input, maxBuffer: 1 << 28 });
+    const output = execFileSync(PROBE, [path, form], { input, maxBuffer: 1 << 28 });
     return output
         .toString()
         .trim()
@@ -88,4 +99,49 @@ test('stored points of the sparse grid have the values of the reader for engines
         const actual = sparse.coeffs(i);
         for (let k = 0; k < 27; k++) assert.ok(Math.abs(actual[k] - expected[k]) < 1e-5 * (1 + Math.abs(expected[0])));
     });
+});
+
+test('an RBSP map: light of all styles equals the JSON', { skip }, () => {
+    const records = (name) => Object.values(JSON.parse(readFileSync(styled.replace('.bsp', `/${name}.json`), 'utf8')));
+    const map = readMap(new Uint8Array(readFileSync(styled)));
+    assert.equal(map.ident, 'RBSP');
+    assert.deepEqual(map.styles, [32]);
+    const used = (styles) => styles.filter((style) => style < 254);
+    records('DrawSurfaces').forEach((record, i) => {
+        const { lightmapStyles, vertexStyles, pages } = map.surfaces[i];
+        assert.deepEqual(
+            [lightmapStyles, vertexStyles, pages],
+            [used(record.lightmapStyles), used(record.vertexStyles), record.lightmapNum],
+        );
+    });
+    records('DrawVert').forEach((record, i) =>
+        [0, 1, 2, 3].forEach((slot) => {
+            const of = (field, size) => [...map.vertices[field].subarray(size * i, size * (i + 1))];
+            assert.deepEqual(of(lightmapField(slot), 2), record.lightmap[slot].map(Math.fround));
+            assert.deepEqual(of(colorField(slot), 4), record.color[slot]);
+        }),
+    );
+    const { legacy, problems } = grids(styled);
+    assert.deepEqual([legacy.styles, problems], [[32], []]);
+    const points = records('GridPoints');
+    assert.equal(legacy.count, points.length);
+    for (const style of [0, 32]) {
+        legacy.styleLight.fill(0);
+        legacy.styleLight[style] = 1;
+        points.forEach(({ ambient, directed, styles }, i) => {
+            const slot = styles.indexOf(style);
+            const expected = slot < 0 ? [[0, 0, 0], [0, 0, 0]] : [ambient[slot], directed[slot]];
+            if (styles[0] !== 255) assert.deepEqual([legacy.point(i).ambient, legacy.point(i).directed], expected);
+        });
+    }
+});
+
+test('an RBSP map: the SH grid is that of the reader for engines', { skip }, () => {
+    const { uniform } = grids(styled);
+    const positions = Array.from({ length: uniform.count }, (_, i) => uniform.position(i));
+    probe('uniform', positions, styled).forEach((expected, i) => {
+        const actual = uniform.coeffs(i);
+        for (let k = 0; k < 27; k++) assert.ok(Math.abs(actual[k] - expected[k]) < 1e-4 * (1 + Math.abs(expected[0])));
+    });
+    assert.ok(positions.some((_, i) => uniform.coeffs(i)[0] > 0.1));
 });

@@ -7,7 +7,7 @@ import { UniformGridSH } from '../../src/bsp/grid_uniform.js';
 import { readGrids } from '../../src/bsp/grids.js';
 import { readMap } from '../../src/bsp/map.js';
 import { parseTone, shEvaluate } from '../../src/bsp/sh.js';
-import { bytesOf, makeBsp, roomLumps, sparseLump, uniformLump } from './make_bsp.js';
+import { bytesOf, gridRecord, makeBsp, roomLumps, sparseLump, styledLumps, u16, uniformLump } from './make_bsp.js';
 
 const near = (actual, expected, tolerance = 1e-5) =>
     assert.ok(Math.abs(actual - expected) <= tolerance, `${actual} is not ${expected}`);
@@ -89,6 +89,38 @@ test('the legacy grid: light of one point, black points left out, bright ones ke
     near(light.direction[0], 1);
     assert.deepEqual(grid.sample([-32, 0, 0], 0).ambient, [10, 20, 200]); // one side is black
     assert.throws(() => new LegacyGrid(new Uint8Array(8), world, new Map()), /holds 1 points, the world needs 27/);
+});
+
+test('the legacy grid with light styles: their light is added up, points without a style are left out', () => {
+    const lumps = styledLumps([0, 1, -3, -3], 2, '"gridsize" "64 64 128"');
+    const lit = (style, ambient, directed) => ({ style, ambient, directed });
+    lumps[15] = bytesOf(
+        gridRecord(lit(0, [10, 20, 200], [100, 50, 0]), lit(33, [40, 0, 0], [0, 60, 0])),
+        gridRecord(), // in a wall
+        gridRecord(lit(5, [80, 0, 0], [0, 0, 0])),
+    );
+    const numbers = Array.from({ length: 75 }, (_, i) => (i % 5 === 0 ? 1 : 0)); // 5 x 5 x 3 points
+    numbers[74] = 3; // past the records
+    lumps[17] = u16(...numbers);
+    const read = () => readGrids(readMap(makeBsp(1, lumps, [], 'RBSP')));
+    const { legacy, problems } = read();
+    assert.deepEqual([legacy.bounds, legacy.outside], [[5, 5, 3], 1]);
+    assert.match(problems[0], /^1 of 75 points of the legacy light grid name no light\.$/);
+    assert.deepEqual(legacy.styles, [33, 5]);
+    const { ambient, directed, direction } = legacy.sample([0, 0, 0], 0);
+    assert.deepEqual([ambient, directed], [[10, 20, 200], [100, 50, 0]]);
+    near(direction[0], 1);
+    legacy.styleLight[33] = 0.5;
+    assert.deepEqual(legacy.point(1).ambient, [30, 20, 200]);
+    assert.deepEqual(legacy.point(1).directed, [100, 80, 0]);
+    legacy.styleLight[0] = 0;
+    assert.deepEqual(legacy.sample([-96, 0, 0], 0).ambient, [20, 0, 0]); // half of the weight is in a wall
+    assert.deepEqual([legacy.point(74).ambient, legacy.point(74).directed], [[0, 0, 0], [0, 0, 0]]);
+    lumps[17] = u16(...numbers.slice(1));
+    assert.match(read().problems[0], /holds 74 points, the world needs 75/);
+    lumps[17] = u16(...numbers);
+    lumps[15] = lumps[15].subarray(1);
+    assert.match(read().problems[0], /whole records/);
 });
 
 test('models get ambient light times 0.6, and the minimum', () => {

@@ -48,8 +48,40 @@ export function roomLumps() {
     return lumps;
 }
 
+/**
+ * The lumps of roomLumps as RBSP and FBSP files have them. Light of style 0 is 10 20 30, that of style 33 40 0 2, on the
+ * vertices and on two lightmap pages with that many texels along a side; `pages` says which of them the triangle has.
+ */
+export function styledLumps(pages, side, world = '') {
+    const free = [new Uint8Array(4), new Uint8Array(4)];
+    const colors = [Uint8Array.of(10, 20, 30, 255), Uint8Array.of(40, 0, 2, 255), ...free];
+    const vertex = (x, y, z) => bytesOf(f(x, y, z, 0, 0, 0.5, 0.5, 0.25, 0.75, NaN, 0, 0, 0, 0, 0, 1), ...colors);
+    const styles = Uint8Array.of(0, 33, 255, 255);
+    const numbers = f(...new Array(12).fill(0)); // origin and vectors
+    const page = (color) => Uint8Array.from({ length: 3 * side * side }, (_, i) => color[i % 3]);
+    const lumps = [...roomLumps(), new Uint8Array()];
+    const lamp = '{ "classname" "light" "targetname" "lamp" "style" "33" "origin" "0 0 0" }';
+    lumps[0] = bytesOf(`{ "classname" "worldspawn" ${world} }\n${lamp}\0`);
+    lumps[9] = u(0, 0, -1);
+    lumps[10] = bytesOf(vertex(0, 0, 0), vertex(64, 0, 0), vertex(0, 64, 0));
+    const surface = u(0, -1, 1, 0, 3, 0, 3);
+    lumps[13] = bytesOf(surface, styles, styles, u(...pages, ...new Array(10).fill(0)), numbers, u(0, 0));
+    lumps[14] = bytesOf(page(colors[0]), page(colors[1]));
+    return lumps;
+}
+
+/** A record of the light grid of RBSP and FBSP: for each slot its style, ambient and directed light; it is from +x. */
+export function gridRecord(...slots) {
+    const values = (of) => [0, 1, 2, 3].flatMap((slot) => (slots[slot] ? of(slots[slot]) : [0, 0, 0]));
+    const styles = [0, 1, 2, 3].map((slot) => slots[slot]?.style ?? 255);
+    return Uint8Array.of(...values(({ ambient }) => ambient), ...values(({ directed }) => directed), ...styles, 64, 0);
+}
+
+/** A light array. */
+export const u16 = (...values) => Uint8Array.from(values.flatMap((value) => [value & 255, value >> 8]));
+
 /** A file of these lumps, and of BSPX lumps [name, bytes]. */
-export function makeBsp(version, lumps, bspx = []) {
+export function makeBsp(version, lumps, bspx = [], ident = 'IBSP') {
     const table = 8 + 8 * lumps.length;
     const parts = [];
     const entries = [];
@@ -69,7 +101,7 @@ export function makeBsp(version, lumps, bspx = []) {
         return entry;
     });
     const tail = bspx.length > 0 ? [bytesOf('BSPX', u(bspx.length)), ...names, ...bspx.map(([, bytes]) => bytes)] : [];
-    return bytesOf('IBSP', u(version), ...entries, ...parts, ...tail);
+    return bytesOf(ident, u(version), ...entries, ...parts, ...tail);
 }
 
 /** A uniform grid: coefficients of point i are value(i, k), k from 0 to 26. */
