@@ -74,11 +74,11 @@ enum class GridSHContainer {
 /// The first four bytes of a file of each format.
 inline constexpr std::string_view kIbspIdent = "IBSP", kRbspIdent = "RBSP", kFbspIdent = "FBSP";
 
-/// All lumps of a file as records, in whatever format it is. A value: copy, compare, edit. ReadBsp returns only validated
-/// data.
+/// All lumps of a file as records, in whatever format it is. A value: copy, compare, edit. ReadBsp returns only
+/// validated data.
 struct Bsp {
     std::string_view ident = kIbspIdent; ///< of the file that it was read from; WriteBsp goes by its BspFormat
-    std::string entities; ///< text of the lump without the final NUL
+    std::string entities;                ///< text of the lump without the final NUL
     std::vector<bspShader_t> shaders;
     std::vector<bspPlane_t> planes;
     std::vector<bspNode_t> nodes;
@@ -110,8 +110,8 @@ struct Bsp {
     std::size_t LightmapPages() const { return lightmaps.size() / LightmapPageBytes(lightmapSide); }
 };
 
-/// Which format a file gets. IBSP without an SH lump: version 46 has 17 slots, version 47 has 17 (Wolfenstein family) or
-/// 18 with the advertisement lump (Quake Live). RBSP and FBSP: version 1, with four light styles in their records.
+/// Which format a file gets. IBSP without an SH lump: version 46 has 17 slots, version 47 has 17 (Wolfenstein family)
+/// or 18 with the advertisement lump (Quake Live). RBSP and FBSP: version 1, with four light styles in their records.
 struct BspFormat {
     int version = 46;
     bool advertisements = false; ///< slot 17 belongs to the format

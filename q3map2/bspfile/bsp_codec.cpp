@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. What the .bsp formats share: parts and bytes of files, lumps by slot, and the decoder and encoder of a
-// format.
+// GPL-2.0-or-later. What the .bsp formats share: parts and bytes of files, lumps by slot, and the decoder and encoder
+// of a format.
 #include "q3map2/bspfile/bsp_codec.h"
 
 #include "common/error.h"

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Records of compiled maps: little endian, no padding, as they lie in RBSP and FBSP files. Four of them
-// are smaller in IBSP files, where they hold one light style: bspfile_ibsp.cpp. See docs/bsp_format.md.
+// GPL-2.0-or-later. Records of compiled maps: little endian, no padding, as they lie in RBSP and FBSP files. Four of
+// them are smaller in IBSP files, where they hold one light style: bspfile_ibsp.cpp. See docs/bsp_format.md.
 #pragma once
 
 #include "libs/math/packed_color.h"
@@ -44,6 +44,8 @@ inline constexpr std::uint8_t kNoStyle = 255;
 inline constexpr Styles kOnlyStyle0{0, kNoStyle, kNoStyle, kNoStyle};
 /// A grid point in a wall: engines of RBSP leave it out of their interpolation.
 inline constexpr Styles kNoStyles{kNoStyle, kNoStyle, kNoStyle, kNoStyle};
+/// RBSP and FBSP: styles from this one on belong to switchable lights, a style for each group of them.
+inline constexpr int kFirstSwitchStyle = 32, kSwitchStyles = 32;
 /// A value for each light style.
 template <typename T> using PerStyle = std::array<T, kStyles>;
 

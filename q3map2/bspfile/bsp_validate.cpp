@@ -21,8 +21,8 @@ constexpr std::int64_t kMaxAreas = 256; ///< an engine's area mask has 32 bytes
 constexpr int kMaxTreeDepth = 4096;     ///< limit of this program, chosen, for code that walks the tree by recursion
 constexpr int kMinPatchSide = 3, kMaxPatchSide = 31; ///< control points, odd; MAX_PATCH_SIZE of engines is 32
 constexpr std::size_t kBoxSides = 6;
-constexpr double kLengthTolerance = 0.01;   ///< of normals of planes, which should have length 1
-constexpr float kBoxTolerance = 0.001f;     ///< of the component of a box side's normal, which should be 1 or -1
+constexpr double kLengthTolerance = 0.01; ///< of normals of planes, which should have length 1
+constexpr float kBoxTolerance = 0.001f;   ///< of the component of a box side's normal, which should be 1 or -1
 /// Head of the visibility lump: the number of clusters and the bytes of a row, 4 bytes each.
 constexpr std::size_t kVisHeadBytes = 8;
 // Records may share ranges, as index runs do in valid files. These limits on the sum of all ranges keep a small file

@@ -14,7 +14,7 @@ namespace q3 {
 
 namespace {
 
-constexpr double kMaxGridPoints = 4611686018427387904.0; ///< 2^62: the product of the counts fits an int64
+constexpr double kMaxLayoutPoints = 4611686018427387904.0; ///< 2^62: the product of the counts fits an int64
 
 } // namespace
 
@@ -36,7 +36,7 @@ GridLayout LayoutGrid(const Float3 &worldMins, const Float3 &worldMaxs, const Fl
         grid.bounds[i] = std::int32_t(std::max(count, 1.0f));
         points *= grid.bounds[i];
     }
-    if (points > kMaxGridPoints)
+    if (points > kMaxLayoutPoints)
         throw Error("light grid: {} x {} x {} points are too many", grid.bounds[0], grid.bounds[1], grid.bounds[2]);
     return grid;
 }

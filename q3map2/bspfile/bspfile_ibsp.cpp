@@ -70,10 +70,10 @@ bspDrawSurface_t InMemory(const IbspDrawSurface &from) {
     return surface;
 }
 IbspDrawSurface InFile(const bspDrawSurface_t &surface) {
-    return {surface.shaderNum,      surface.fogNum,         surface.surfaceType,  surface.firstVert,
-            surface.numVerts,       surface.firstIndex,     surface.numIndexes,   surface.lightmapNum[0],
-            surface.lightmapX[0],   surface.lightmapY[0],   surface.lightmapWidth, surface.lightmapHeight,
-            surface.lightmapOrigin, surface.lightmapVecs,   surface.patchWidth,   surface.patchHeight};
+    return {surface.shaderNum,      surface.fogNum,       surface.surfaceType,   surface.firstVert,
+            surface.numVerts,       surface.firstIndex,   surface.numIndexes,    surface.lightmapNum[0],
+            surface.lightmapX[0],   surface.lightmapY[0], surface.lightmapWidth, surface.lightmapHeight,
+            surface.lightmapOrigin, surface.lightmapVecs, surface.patchWidth,    surface.patchHeight};
 }
 
 bspGridPoint_t InMemory(const IbspGridPoint &point) {

@@ -34,10 +34,11 @@ void AddGrid(const Bsp &bsp, LumpBytes &lumps, Log &log) {
     GridTableLoss loss;
     GridTable table = MakeGridTable(bsp.gridPoints, loss);
     if (loss.changed > 0)
-        log.Warn("light grid joined",
-                 "the light grid has {} different points, but the file holds {}: the nearest were joined, which changes "
-                 "{} points by {:.2f} of 255 in the mean over all and by {} at most; a larger gridsize avoids it",
-                 loss.distinct, kMaxGridRecords, loss.changed, loss.mean, loss.worst);
+        log.Warn(
+            "light grid joined",
+            "the light grid has {} different points, but the file holds {}: the nearest were joined, which changes "
+            "{} points by {:.2f} of 255 in the mean over all and by {} at most; a larger gridsize avoids it",
+            loss.distinct, kMaxGridRecords, loss.changed, loss.mean, loss.worst);
     const auto add = [&lumps](int slot, const auto &records) {
         const auto bytes = std::as_bytes(std::span(records));
         lumps[std::size_t(slot)].AddOwned({bytes.begin(), bytes.end()});
@@ -80,10 +81,12 @@ std::vector<bspGridPoint_t> ReadGrid(const LumpReader &lumps) {
     }
     std::vector<bspGridPoint_t> points;
     points.reserve(numbers.size());
+    bspGridPoint_t wall{};
+    wall.styles = kNoStyles;
     std::size_t outside = 0;
     for (const std::uint16_t number : numbers) {
         outside += number >= records.size();
-        points.push_back(number < records.size() ? records[number] : bspGridPoint_t{.styles = kNoStyles});
+        points.push_back(number < records.size() ? records[number] : wall);
     }
     if (outside > 0)
         log.Warn("light grid numbers",

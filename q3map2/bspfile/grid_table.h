@@ -28,9 +28,10 @@ struct GridTableLoss {
     double mean = 0;          ///< mean change of color bytes over the styles and channels of all points
 };
 
-/// The table of a grid, in order of first use. Over `most` different points, those nearest to each other are joined: sets
-/// of points with the same styles are split where the squared error of colors and directions, weighted by the number of
-/// points, is largest, until there are `most`; the record of a set has its mean color and its middle direction.
+/// The table of a grid, in order of first use. Over `most` different points, those nearest to each other are joined:
+/// sets of points with the same styles are split where the squared error of colors and directions, weighted by the
+/// number of points, is largest, until there are `most`; the record of a set has its mean color and its middle
+/// direction.
 GridTable MakeGridTable(std::span<const bspGridPoint_t> points, GridTableLoss &loss,
                         std::size_t most = kMaxGridRecords);
 

@@ -317,7 +317,8 @@ class InfoTable {
     }
 
     void PrintHdrLightmaps(const Entity &) const { // LightmapPageBytes has 3 bytes a texel, HDR pages a code each
-        Line(bsp_.lightmapsE5bgr9.size() * 3 / LightmapPageBytes(bsp_.lightmapSide), "HDR lightmaps", 4 * bsp_.lightmapsE5bgr9.size());
+        Line(bsp_.lightmapsE5bgr9.size() * 3 / LightmapPageBytes(bsp_.lightmapSide), "HDR lightmaps",
+             4 * bsp_.lightmapsE5bgr9.size());
     }
 
     void PrintHdrVertices(const Entity &) const { Line(bsp_.vertexE5bgr9, "HDR vertices"); }

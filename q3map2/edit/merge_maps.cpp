@@ -144,6 +144,7 @@ class Merger {
     int ExtendWorld(std::vector<Record> &records, int count, std::vector<std::int32_t> &numbers,
                     std::int32_t bspModel_t::*first, std::int32_t bspModel_t::*num);
     void ListWorldInLeafs();
+    int SurfaceOf(const bspBrushSide_t &side) const;
     bspDrawSurface_t Renumbered(bspDrawSurface_t surface);
     Boundsf BoxOfBrush(const bspBrush_t &brush) const;
     Boundsf BoxOfSurface(const bspDrawSurface_t &surface) const;
@@ -156,6 +157,7 @@ class Merger {
     int planeBase_ = 0, fogBase_ = 0, lightmapBase_ = 0;
     /// Numbers in the merged map, or kNotTaken, by number in the added one.
     std::vector<int> shaders_, surfaces_, brushes_;
+    std::map<int, int> styles_;                ///< of switchable lights: in the merged map, by that in the added one
     int worldSurfaces_ = 0, worldBrushes_ = 0; ///< records of the added world that join the main one
     /// First number in the merged map of runs of vertices and indexes of the added one, by first number and count.
     std::map<std::pair<int, int>, int> vertRuns_, indexRuns_;
@@ -189,6 +191,46 @@ void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added)
         }
 }
 
+/// Number of the switchable light's style; 0: it is none, or none with a style.
+int SwitchStyle(const Entity &entity) {
+    const int style = IntegerFromText(entity.Value("style"));
+    const bool isSwitchable = StartsWithNoCase(entity.ClassName(), "light") && !entity.Value("targetname").empty();
+    return isSwitchable && style >= kFirstSwitchStyle && style < kFirstSwitchStyle + kSwitchStyles ? style : 0;
+}
+
+/// Gives the switchable lights of the added map styles that the main map has not, or that of its lights with the same
+/// name. Returns the new styles by the old ones. Errors: too many.
+std::map<int, int> GiveOtherStyles(const std::vector<Entity> &main, std::vector<Entity> &added) {
+    const auto groupOf = [](const Entity &light) {
+        return std::pair(LowerCase(light.Value("targetname")), std::string(light.Value("switch_style")));
+    };
+    std::map<std::pair<std::string, std::string>, int> styleOf; // of a group, in the merged map
+    std::set<int> taken;
+    for (const Entity &light : main)
+        if (const int style = SwitchStyle(light); style != 0) {
+            styleOf.emplace(groupOf(light), style);
+            taken.insert(style);
+        }
+    std::map<int, int> changed;
+    for (Entity &light : added) {
+        const int old = SwitchStyle(light);
+        if (old == 0)
+            continue;
+        int &style = styleOf[groupOf(light)];
+        for (int free = kFirstSwitchStyle; style == 0; ++free) {
+            if (free == kFirstSwitchStyle + kSwitchStyles)
+                throw Error("the maps have more than {} groups of switchable lights, engines of these games have no "
+                            "more styles for them",
+                            kSwitchStyles);
+            if (taken.insert(free).second)
+                style = free;
+        }
+        changed[old] = style;
+        light.Set("style", fmt::format("{}", style));
+    }
+    return changed;
+}
+
 void Merger::MergeEntities() {
     std::vector<Entity> all = StoredEntities(main_.entities, mainName_),
                         added = StoredEntities(added_.entities, addedName_);
@@ -198,6 +240,8 @@ void Merger::MergeEntities() {
             entity.Set("model", fmt::format("*{}", IntegerFromText(model.substr(1)) + int(main_.models.size()) - 1));
     if (options_.fixNames)
         GiveOtherNames(all, added);
+    if (main_.ident != kIbspIdent)
+        styles_ = GiveOtherStyles(all, added);
     all.insert(all.end(), added.begin(), added.end());
     bsp_.entities = FormatEntities(all);
 }
@@ -341,9 +385,16 @@ void Merger::MergeBrushes() {
         brush.firstSide = int(bsp_.brushSides.size());
         brush.shaderNum = shaders_[std::size_t(brush.shaderNum)];
         for (const bspBrushSide_t &side : sides)
-            bsp_.brushSides.push_back({side.planeNum + planeBase_, shaders_[std::size_t(side.shaderNum)]});
+            bsp_.brushSides.push_back(
+                {side.planeNum + planeBase_, shaders_[std::size_t(side.shaderNum)], SurfaceOf(side)});
         PutAt(bsp_.brushes, brushes_[i], brush);
     }
+}
+
+/// The draw surface of a side of the added map, by its number in the merged one.
+int Merger::SurfaceOf(const bspBrushSide_t &side) const {
+    const bool known = side.surfaceNum >= 0 && std::size_t(side.surfaceNum) < surfaces_.size();
+    return known ? surfaces_[std::size_t(side.surfaceNum)] : kNotTaken; // both -1 where there is none
 }
 
 void Merger::MergeFogs() {
@@ -368,6 +419,10 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
     surface.fogNum += surface.fogNum >= 0 ? fogBase_ : 0;
     for (std::int32_t &page : surface.lightmapNum)
         page += page >= 0 ? lightmapBase_ : 0;
+    for (Styles *styles : {&surface.lightmapStyles, &surface.vertexStyles})
+        for (std::uint8_t &style : *styles)
+            if (const auto changed = styles_.find(style); changed != styles_.end())
+                style = std::uint8_t(changed->second);
     if (!vertRuns_.contains({surface.firstVert, surface.numVerts}))
         copiedVerts_.emplace_back(surface.firstVert, surface.numVerts);
     surface.firstVert = copied(vertRuns_, bsp_.drawVerts, added_.drawVerts, surface.firstVert, surface.numVerts);
@@ -377,8 +432,10 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
 }
 
 void Merger::MergeSurfaces() {
-    ExtendWorld(bsp_.drawSurfaces, worldSurfaces_, bsp_.leafSurfaces, &bspModel_t::firstBSPSurface,
-                &bspModel_t::numBSPSurfaces);
+    const int at = ExtendWorld(bsp_.drawSurfaces, worldSurfaces_, bsp_.leafSurfaces, &bspModel_t::firstBSPSurface,
+                               &bspModel_t::numBSPSurfaces);
+    for (bspBrushSide_t &side : std::span(bsp_.brushSides).first(main_.brushSides.size()))
+        side.surfaceNum += side.surfaceNum >= at ? worldSurfaces_ : 0;
     for (std::size_t i = 0; i < added_.drawSurfaces.size(); ++i)
         if (surfaces_[i] != kNotTaken)
             PutAt(bsp_.drawSurfaces, surfaces_[i], Renumbered(added_.drawSurfaces[i]));
@@ -441,6 +498,13 @@ void Merger::ListWorldInLeafs() {
 } // namespace
 
 Bsp MergeMaps(const NamedBsp &main, const NamedBsp &added, const MergeOptions &options, Log &log) {
+    if (main.bsp.ident != added.bsp.ident)
+        throw Error("{} is {}, but {} is {}: maps of two formats cannot be merged", main.name, main.bsp.ident,
+                    added.name, added.bsp.ident);
+    if (main.bsp.lightmapSide != added.bsp.lightmapSide)
+        throw Error("{} has lightmap pages of {} texels, but {} of {}: light one of them with the key "
+                    "_lightmapimagesize of the other",
+                    main.name, main.bsp.lightmapSide, added.name, added.bsp.lightmapSide);
     return Merger(main, added, options, log).Run();
 }
 

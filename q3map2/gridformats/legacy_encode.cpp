@@ -17,7 +17,9 @@ namespace q3 {
 
 namespace {
 
-constexpr std::int32_t kContentsSolid = 1, kContentsTranslucent = 0x20000000;
+/// Content flags. The games of RBSP have their own.
+constexpr std::int32_t kContentsSolid = 1, kContentsTranslucent = 0x20000000,
+                       kRbspContentsTranslucent = std::int32_t(0x80000000);
 /// The epsilon of BspSpace::AnyOpen: opaque brushes count as 0.125 game units smaller on each side.
 constexpr float kBrushMargin = -0.125f;
 
@@ -149,9 +151,10 @@ LegacyPoints SampleLegacyPoints(const GridSource &source, const BspSpace &space,
 std::vector<bool> SolidBrushes(const Bsp &bsp) {
     std::vector<bool> solid;
     solid.reserve(bsp.brushes.size());
+    const std::int32_t translucent = bsp.ident == kRbspIdent ? kRbspContentsTranslucent : kContentsTranslucent;
     for (const bspBrush_t &brush : bsp.brushes) {
         const std::int32_t contents = bsp.shaders[std::size_t(brush.shaderNum)].contentFlags;
-        solid.push_back((contents & kContentsSolid) != 0 && (contents & kContentsTranslucent) == 0);
+        solid.push_back((contents & kContentsSolid) != 0 && (contents & translucent) == 0);
     }
     return solid;
 }

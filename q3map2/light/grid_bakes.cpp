@@ -47,8 +47,13 @@ std::vector<Light> LightsForSH(const LightSetup &setup, Log &log) {
     int culled = 0;
     auto lights =
         SetupEnvelopes(setup.lights, LightPass::GridSH, setup.options, setup.space, setup.skySeenFrom, culled);
-    if (const auto styled = std::erase_if(lights, [](const Light &light) { return light.style != 0; }); styled > 0)
+    if (const auto styled = std::erase_if(lights, [](const Light &light) { return light.style != 0; }); styled > 0) {
         log.Count(styled, "lights of other styles than 0 left out: they change while the game runs");
+        if (lights.empty())
+            log.Warn(
+                "SH light without lights",
+                "all lights have other styles than 0: the SH grid, which has light that never changes, stays dark");
+    }
     log.Count(lights.size(), "lights");
     log.Count(culled, "lights culled");
     return lights;

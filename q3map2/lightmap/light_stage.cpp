@@ -30,7 +30,7 @@ bool HasStyledLights(const LightSetup &setup) {
 
 SurfaceInputs InputsOf(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log) {
     const bool gamePagesOnly = setup.options.styleSlots && !lightmap.external && HasStyledLights(setup);
-    return {setup.bsp, setup.space,   setup.scene, setup.table, setup.options,
+    return {setup.bsp, setup.space, setup.scene, setup.table, setup.options,
             lightmap,  setup.world, jobs,        log,         gamePagesOnly};
 }
 

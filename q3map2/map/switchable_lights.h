@@ -1,15 +1,13 @@
 // GPL-2.0-or-later. Switchable lights of games whose engines switch light styles: their numbers in a .bsp.
 #pragma once
 
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/map/map.h"
 
 #include <span>
 
 namespace q3 {
-
-/// Styles 0 to kFirstSwitchStyle - 1 have patterns of the engine; each of the others is a group of switchable lights.
-inline constexpr int kFirstSwitchStyle = 32, kSwitchStyles = 32;
 
 /// Whether the game can switch the entity: its class begins with "light", and it has a targetname.
 bool IsSwitchableLight(const Entity &entity);

@@ -145,6 +145,7 @@ Game Raven(std::string_view name, std::string_view homeDir, std::string_view mag
     game.bspIdent = "RBSP";
     game.bspVersion = 1;
     game.styleSlots = game.flares = game.refusesFoliage = true;
+    game.maxLightmaps = 256;
     game.bevelSurfaceFlags = 0x144C000; // slick, metalsteps, nodamage, nosteps and nomiscents, which have other bits
     game.flareShader = flareShader;
     game.originShader = "system/origin";
@@ -157,6 +158,8 @@ Game QFusion() {
     game.bspIdent = "FBSP";
     game.bspVersion = 1;
     game.styleSlots = game.solidModelLeafs = true;
+    game.maxStyleSets = 128;
+    game.maxLightmaps = 256;
     game.sRgbLightmap = game.sRgbTexture = game.sRgbColor = true;
     game.halfLambert = game.keepLights = game.patchShadows = true;
     game.lightmapSize = 512;

@@ -26,6 +26,8 @@ struct Game {
     /// Records hold four light styles (RBSP, FBSP), and engines read which of them shine. The bsp stage numbers
     /// switchable lights, and shaders need no stages for styles.
     bool styleSlots = false;
+    int maxStyleSets = 0; ///< different sets of light styles on surfaces that engines draw; 0: any
+    int maxLightmaps = 0; ///< lightmap pages that engines draw, those of light directions too; 0: not known
     /// The leafs of brush entities are solid: the engine takes the surfaces that others list for those of the world.
     bool solidModelLeafs = false;
     bool wolfLighting = false; ///< linear falloff without angle attenuation by default

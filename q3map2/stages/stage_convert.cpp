@@ -53,7 +53,7 @@ int JsonStage(const StageContext &context, Arguments arguments) {
     const Bsp bsp = PackJson(folder, game,
                              {.useFlagNames = options.useFlagNames, .dropUnknownFlags = options.dropUnknownFlags}, log);
     WriteBspFile(packed, bsp, FormatOfMap(bsp, folder, context.options), log);
-    WarnOfEngineMemory(packed, bsp, game, log);
+    WarnOfEngineLimits(packed, bsp, game, log);
     return 0;
 }
 
@@ -164,7 +164,7 @@ void WriteForGame(const ConvertJob &job) {
     const BspFormat format{
         .version = game.bspVersion, .advertisements = game.hasAdvertisements, .ident = game.bspIdent};
     WriteBspFile(output, bsp, format, job.context.log);
-    WarnOfEngineMemory(output, bsp, game, job.context.log);
+    WarnOfEngineLimits(output, bsp, game, job.context.log);
 }
 
 /// A value of -format.
@@ -335,7 +335,7 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
     WriteGridFiles(WithExtension(output, ""), files, log);
     const BotCheck bots(output, log);
     WriteBspFile(output, bsp, format, log);
-    WarnOfEngineMemory(output, bsp, *context.options.game, log);
+    WarnOfEngineLimits(output, bsp, *context.options.game, log);
     bots.Report(BotCheck::SameGeometry, options.fixBotFiles ? BotCheck::FixFiles : BotCheck::OnlyWarn);
     return 0;
 }

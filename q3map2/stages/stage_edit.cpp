@@ -44,7 +44,7 @@ void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp 
     RecordCommand(bsp, context.stage.word, source.string(), recorded);
     const BotCheck bots(path, context.log);
     WriteBspFile(path, bsp, FormatOfMap(bsp, source, context.options), context.log);
-    WarnOfEngineMemory(path, bsp, *context.options.game, context.log);
+    WarnOfEngineLimits(path, bsp, *context.options.game, context.log);
     bots.Report(BotCheck::OtherGeometry, BotCheck::OnlyWarn);
 }
 

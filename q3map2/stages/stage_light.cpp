@@ -156,7 +156,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     WriteBspFile(bspPath, bsp, format, log);
     bots.Report(BotCheck::SameGeometry, options.fixBotFiles ? BotCheck::FixFiles : BotCheck::OnlyWarn);
     PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), log);
-    WarnOfEngineMemory(bspPath, bsp, *context.options.game, log);
+    WarnOfEngineLimits(bspPath, bsp, *context.options.game, log);
     if (lightmap.exportPages && !lightmap.external)
         ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);
     if (!options.previewFile.empty())

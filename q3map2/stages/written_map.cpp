@@ -9,6 +9,8 @@
 #include "q3map2/shader/games.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 namespace q3 {
 
@@ -39,8 +41,8 @@ BspFormat FormatOfMap(const Bsp &bsp, const std::filesystem::path &path, const G
 void RequireFormatOfGame(const Bsp &bsp, const std::filesystem::path &path, const GlobalOptions &options) {
     const Game &game = *options.game;
     if (bsp.ident != game.bspIdent)
-        throw Error("{}: a map of the format {}, but those of -game {} are {}: give -game with one of {}", path.string(),
-                    bsp.ident, game.name, game.bspIdent, GamesWith(bsp.ident));
+        throw Error("{}: a map of the format {}, but those of -game {} are {}: give -game with one of {}",
+                    path.string(), bsp.ident, game.name, game.bspIdent, GamesWith(bsp.ident));
 }
 
 // ---- Whether bot files still fit a map after it was written ----
@@ -132,6 +134,35 @@ std::string AdviceFor(const Bsp &bsp, std::uint64_t fileBytes) {
 std::uint64_t EngineMemoryFor(const Bsp &bsp, std::uint64_t fileBytes) {
     const std::uint64_t extensions = std::min(BytesOfBspx(bsp), fileBytes);
     return fileBytes + (fileBytes - extensions) + kGameBytes;
+}
+
+namespace {
+
+/// Warns of lightmaps and of light styles that are more than engines draw.
+void WarnOfLightmapLimits(const std::filesystem::path &bspPath, const Bsp &bsp, const Game &game, Log &log) {
+    std::set<std::pair<Styles, Styles>> sets;
+    int pages = 0;
+    for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
+        sets.emplace(surface.lightmapStyles, surface.vertexStyles);
+        pages = std::max(pages, std::ranges::max(surface.lightmapNum) + 1);
+    }
+    if (game.maxStyleSets > 0 && sets.size() > std::size_t(game.maxStyleSets))
+        log.Warn(
+            "too many sets of light styles",
+            "{}: surfaces have {} different sets of light styles, engines of {} load at most {}: use fewer styles, "
+            "or let those that shine on the same surfaces share one",
+            bspPath.string(), sets.size(), game.name, game.maxStyleSets);
+    if (game.maxLightmaps > 0 && pages > game.maxLightmaps)
+        log.Warn("too many lightmaps",
+                 "{}: surfaces use {} lightmap pages, engines of {} have room for {}: use larger luxels (-samplesize)",
+                 bspPath.string(), pages, game.name, game.maxLightmaps);
+}
+
+} // namespace
+
+void WarnOfEngineLimits(const std::filesystem::path &bspPath, const Bsp &bsp, const Game &game, Log &log) {
+    WarnOfLightmapLimits(bspPath, bsp, game, log);
+    WarnOfEngineMemory(bspPath, bsp, game, log);
 }
 
 void WarnOfEngineMemory(const std::filesystem::path &bspPath, const Bsp &bsp, const Game &game, Log &log) {

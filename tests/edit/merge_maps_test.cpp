@@ -62,6 +62,51 @@ TEST(Merge, AddsEntitiesAndTheirModels) {
               added.planes[std::size_t(added.brushSides[6].planeNum)].normal);
 }
 
+/// WithDoor as RBSP, with two switchable lights, of styles 32 and 33, on its door.
+Bsp WithLamps(std::string_view first, std::string_view second) {
+    Bsp bsp = WithDoor("textures/b");
+    bsp.ident = kRbspIdent;
+    int style = 32;
+    for (const std::string_view name : {first, second})
+        bsp.entities +=
+            fmt::format("{{\n\"classname\" \"light\"\n\"targetname\" \"{}\"\n\"style\" \"{}\"\n}}\n", name, style++);
+    bsp.drawSurfaces[1].lightmapStyles = bsp.drawSurfaces[1].vertexStyles = {0, 32, 33, kNoStyle};
+    bsp.brushSides[0].surfaceNum = 0;
+    bsp.brushSides[8].surfaceNum = 1;
+    return bsp;
+}
+
+TEST(Merge, SwitchableLightsKeepApart) {
+    const Bsp bsp = Merged(WithLamps("hall", "yard"), WithLamps("cellar", "Yard"));
+    const bspDrawSurface_t &door = bsp.drawSurfaces[std::size_t(bsp.models[2].firstBSPSurface)];
+    EXPECT_EQ(door.lightmapStyles, (Styles{0, 34, 33, kNoStyle})) << "the cellar's are new, the yard's are the yard's";
+    EXPECT_EQ(door.vertexStyles, door.lightmapStyles);
+    EXPECT_EQ(bsp.drawSurfaces[1].lightmapStyles, (Styles{0, 32, 33, kNoStyle}));
+    const auto entities = ParseEntities(bsp.entities, "merged");
+    EXPECT_EQ(entities[entities.size() - 2].Value("style"), "34");
+    EXPECT_EQ(entities.back().Value("style"), "33");
+}
+
+TEST(Merge, SidesKeepTheirSurfaces) {
+    const Bsp main = WithLamps("a", "b"), bsp = Merged(main, WithLamps("c", "d"));
+    EXPECT_EQ(bsp.brushSides[8].surfaceNum, 1);
+    const bspBrush_t &door = bsp.brushes[std::size_t(bsp.models[2].firstBSPBrush)];
+    EXPECT_EQ(bsp.brushSides[std::size_t(door.firstSide + 2)].surfaceNum, bsp.models[2].firstBSPSurface);
+    EXPECT_EQ(bsp.brushSides[std::size_t(door.firstSide)].surfaceNum, -1);
+    const Bsp withWorld = Merged(main, WithLamps("c", "d"), {.world = true});
+    EXPECT_EQ(withWorld.brushSides[0].surfaceNum, 0);
+    EXPECT_EQ(withWorld.brushSides[8].surfaceNum, withWorld.models[1].firstBSPSurface) << "moved by the added world";
+}
+
+TEST(Merge, FormatsAreNotMixed) {
+    try {
+        Merged(WithDoor("textures/a"), WithLamps("a", "b"));
+        ADD_FAILURE();
+    } catch (const Error &error) {
+        EXPECT_STREQ(error.what(), "main is IBSP, but added is RBSP: maps of two formats cannot be merged");
+    }
+}
+
 TEST(Merge, FogsFollowTheirBrushesAndSurfaces) {
     Bsp added = WithDoor("textures/b");
     added.drawSurfaces[1].fogNum = 0;

@@ -134,7 +134,7 @@ TEST(RawGridFromSH, BrightLightIsNotLimited) {
     EXPECT_NEAR(rgb[0], 4 * 255, 0.01);
     EXPECT_NEAR(rgb[2], 255, 0.01);
     const auto lump = EncodeLegacyGrid(points, {}, GridTone(), 1);
-    EXPECT_EQ(lump[0].ambient, (std::array<std::uint8_t, 3>{255, 128, 64}));
+    EXPECT_EQ(lump[0].ambient[0], (std::array<std::uint8_t, 3>{255, 128, 64}));
 }
 
 TEST(LegacyGridFromSH, LengthsFitTheBoundsOfTheWorld) {

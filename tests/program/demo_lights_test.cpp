@@ -65,7 +65,7 @@ std::optional<Vec3f> LightAt(const Bsp &bsp, const Vec3f &p) {
             std::array<float, 2> st{};
             for (std::size_t k = 0; k < 3; ++k)
                 for (std::size_t axis = 0; axis < 2; ++axis)
-                    st[axis] += 128 * weight[k] * v[k]->lightmap[axis];
+                    st[axis] += 128 * weight[k] * v[k]->lightmap[0][axis];
             const auto texel =
                 std::size_t(surface.lightmapNum[0]) * 128 * 128 + std::size_t(st[1]) * 128 + std::size_t(st[0]);
             const std::uint8_t *rgb = &bsp.lightmaps.at(3 * texel);

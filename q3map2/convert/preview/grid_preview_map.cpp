@@ -168,7 +168,7 @@ LegacySample LegacyPreview::At(const Vec3f &position) const {
 
 namespace {
 
-constexpr std::uint32_t kContentsSolid = 1, kSurfSky = 4; ///< CONTENTS_SOLID, SURF_SKY
+constexpr std::uint32_t kContentsSolid = 1, kSurfSky = 4, kRbspSurfSky = 0x2000; ///< CONTENTS_SOLID, SURF_SKY
 constexpr std::int32_t kTopSide = 5;                      ///< number of the brush side that faces up
 constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested per position, so that damaged brush lists stay cheap
 constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< coordinates that engines allow
@@ -319,7 +319,7 @@ bool PreviewMap::IsOverFloor(const Vec3f &position) const {
         if (!brush)
             return true;
         const auto top = std::size_t(bsp_.brushSides[std::size_t(brush->firstSide + kTopSide)].shaderNum);
-        return !(bsp_.shaders[top].surfaceFlags & kSurfSky);
+        return !(bsp_.shaders[top].surfaceFlags & (bsp_.ident == kRbspIdent ? kRbspSurfSky : kSurfSky));
     }
     return false;
 }

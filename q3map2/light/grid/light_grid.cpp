@@ -292,8 +292,7 @@ void AddIndirect(const IndirectLight &indirect, int style, const ReceiverBatch &
     indirect.Gather(receivers.rayOrigin[lane], receivers.index[lane], rays);
     counts.rays += rays.size();
     for (const IndirectRay &ray : rays)
-        records.Add(block, lane, style, ray.direction, ray.light, {},
-                    Vec3d(ray.direction) * double(Length(ray.light)));
+        records.Add(block, lane, style, ray.direction, ray.light, {}, Vec3d(ray.direction) * double(Length(ray.light)));
 }
 
 /// A direction as polar angle and azimuth, in 255ths of a full turn, truncated. Straight down is half of 256.
@@ -311,7 +310,8 @@ struct StoredColors {
     int style = 0;
     std::array<std::uint8_t, 3> ambient{}, directed{};
     int Sum() const {
-        return std::accumulate(ambient.begin(), ambient.end(), 0) + std::accumulate(directed.begin(), directed.end(), 0);
+        return std::accumulate(ambient.begin(), ambient.end(), 0) +
+               std::accumulate(directed.begin(), directed.end(), 0);
     }
 };
 
@@ -340,7 +340,8 @@ bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::PartsByStyle 
     std::vector<StoredColors> others;
     for (const auto &[style, light] : parts)
         if (style != 0)
-            if (const StoredColors one = StoreColors(in, style, light.ambient[lane], light.directed[lane]); one.Sum() > 0)
+            if (const StoredColors one = StoreColors(in, style, light.ambient[lane], light.directed[lane]);
+                one.Sum() > 0)
                 others.push_back(one);
     if (others.size() >= kStyles) {
         std::ranges::stable_sort(others, std::greater(), &StoredColors::Sum);
@@ -465,7 +466,8 @@ bspGridPoint_t MeanOf(std::span<const bspGridPoint_t *const> points) {
         for (std::size_t channel = 0; channel < 3; ++channel) {
             int ambient = 0, directed = 0;
             for (const bspGridPoint_t *point : points) {
-                const auto from = std::size_t(std::ranges::find(point->styles, mean.styles[slot]) - point->styles.begin());
+                const auto from =
+                    std::size_t(std::ranges::find(point->styles, mean.styles[slot]) - point->styles.begin());
                 ambient += from < kStyles ? point->ambient[from][channel] : 0;
                 directed += from < kStyles ? point->directed[from][channel] : 0;
             }

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The legacy light grid.
 #pragma once
 
+#include "q3map2/bspfile/grid_table.h"
 #include "q3map2/light/grid/grid_bricks.h"
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 namespace q3 {
 
 /// Most points of a legacy grid: limit of the established program.
-inline constexpr std::int64_t kMaxLegacyPoints = 0x100000;
+inline constexpr std::int64_t kMaxLegacyPoints = kMaxGridPoints;
 
 /// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until there are at most
 /// kMaxLegacyPoints. Writes a changed size back to `world`.

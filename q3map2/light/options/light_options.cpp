@@ -109,47 +109,49 @@ Group GridSH() {
         o.gridSizeSH = Vec3f{kSmallCellSH, kSmallCellSH, kSmallCellSH};
         o.shFit = kDefaultFit;
     };
-    return {"SH light grid",
-            "",
-            {{{.name = "-sh",
-               .help = "Bake the SH light grid into lump 18 of a version 47 file",
-               .details = "Without it a relight drops an SH grid that the file had, with a warning."},
-              &LightOptions::sh},
-             {{.name = "-shbspx",
-               .help = "Bake it into a BSPX lump of a version 46 file, which unmodified engines load; includes -sh"},
-              &LightOptions::shBspx},
-             {{.name = "-shradiance",
-               .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh",
-               .details = "Where `-shadaptive`, or `sh`, `shbspx` or `sparse` in `-gridformats`, name the grids to "
-                          "store, it adds none."},
-              &LightOptions::shRadiance},
-             {{.name = "-gridformats",
-               .values = "LIST",
-               .initial = "none",
-               .help = "Make other light grids of the SH grid, for other engines: LIST of formats",
-               .details = "As the stage `-convertgrid` does with a lit map, where the words are explained. The SH grid "
-                          "is baked but stays in the map only with `sh` or `shbspx` in LIST or with an option that "
-                          "includes `-sh`. A legacy grid made of it is not traced."},
-              &LightOptions::gridFormats},
-             {{.name = "-shsmall",
-               .help = "A grid of about a quarter of the bytes: -gridsh 64 64 64 -shfit; includes -sh",
-               .details = "[ship_sh.md](ship_sh.md) compares sizes and errors. `-gridsh` and `-shfit N` override it."},
-              Do<LightOptions>(small)},
-             {{.name = "-gridscalesh",
-               .values = "F",
-               .range = {.low = 0, .aboveLow = true},
-               .help = "Points per axis relative to the legacy grid: 2 halves the cell of gridsize"},
-              &LightOptions::gridScaleSH},
-             {{.name = "-gridsh",
-               .values = "X Y Z",
-               .kind = SettingKind::Number,
-               .unit = "game units",
-               .initial = "gridsize divided by -gridscalesh",
-               .range = {.low = 0, .aboveLow = true},
-               .floor = double(kMinCell),
-               .help = "Size of a cell",
-               .details = "The smallest cell is 8; a smaller value becomes 8, with a warning."},
-              Do<LightOptions>(cell)}}};
+    return {
+        "SH light grid",
+        "",
+        {{{.name = "-sh",
+           .help = "Bake the SH light grid into lump 18 of a version 47 file",
+           .details = "Without it a relight drops an SH grid that the file had, with a warning. RBSP and FBSP files "
+                      "have it in a BSPX lump, as with `-shbspx`."},
+          &LightOptions::sh},
+         {{.name = "-shbspx",
+           .help = "Bake it into a BSPX lump, so that unmodified engines load the file; includes -sh"},
+          &LightOptions::shBspx},
+         {{.name = "-shradiance",
+           .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh",
+           .details = "Where `-shadaptive`, or `sh`, `shbspx` or `sparse` in `-gridformats`, name the grids to "
+                      "store, it adds none."},
+          &LightOptions::shRadiance},
+         {{.name = "-gridformats",
+           .values = "LIST",
+           .initial = "none",
+           .help = "Make other light grids of the SH grid, for other engines: LIST of formats",
+           .details = "As the stage `-convertgrid` does with a lit map, where the words are explained. The SH grid "
+                      "is baked but stays in the map only with `sh` or `shbspx` in LIST or with an option that "
+                      "includes `-sh`. A legacy grid made of it is not traced."},
+          &LightOptions::gridFormats},
+         {{.name = "-shsmall",
+           .help = "A grid of about a quarter of the bytes: -gridsh 64 64 64 -shfit; includes -sh",
+           .details = "[ship_sh.md](ship_sh.md) compares sizes and errors. `-gridsh` and `-shfit N` override it."},
+          Do<LightOptions>(small)},
+         {{.name = "-gridscalesh",
+           .values = "F",
+           .range = {.low = 0, .aboveLow = true},
+           .help = "Points per axis relative to the legacy grid: 2 halves the cell of gridsize"},
+          &LightOptions::gridScaleSH},
+         {{.name = "-gridsh",
+           .values = "X Y Z",
+           .kind = SettingKind::Number,
+           .unit = "game units",
+           .initial = "gridsize divided by -gridscalesh",
+           .range = {.low = 0, .aboveLow = true},
+           .floor = double(kMinCell),
+           .help = "Size of a cell",
+           .details = "The smallest cell is 8; a smaller value becomes 8, with a warning."},
+          Do<LightOptions>(cell)}}};
 }
 
 Group SparseGridSH() {
@@ -524,7 +526,8 @@ Group Rays() {
           &LightOptions::floodlight},
          {{.name = "-lowquality", .help = "Floodlight with 32 rays a hemisphere instead of 64"},
           &LightOptions::lowQuality},
-         {{.name = "-custinfoparms", .help = "Read more surfaceparms from custinfoparms.txt, beside the shader scripts"},
+         {{.name = "-custinfoparms",
+           .help = "Read more surfaceparms from custinfoparms.txt, beside the shader scripts"},
           customInfoParms}}};
 }
 

@@ -354,7 +354,8 @@ class Storer {
             const std::size_t from = style == kNoStyle ? kStyles : FindStyleSlot(surfaces_.vertex.styles[i], style);
             const bool known = from < kStyles && !surfaces_.vertex.sum[from].empty();
             for (std::size_t v = first; v < end; ++v)
-                put(known ? StyledVertexBytes(in_, shader, surfaces_.vertex.sum[from][v], tone_) : ByteColor{}, v, slot);
+                put(known ? StyledVertexBytes(in_, shader, surfaces_.vertex.sum[from][v], tone_) : ByteColor{}, v,
+                    slot);
         }
     }
 

@@ -93,7 +93,7 @@ class ToneTest : public LightTest {
 /// Calls f(position, red green blue bytes) for the luxels inside the rectangle that the surface is.
 template <typename F> void ForLuxels(const Bsp &bsp, const bspDrawSurface_t &surface, const F &f) {
     const auto vert = [&](int k) -> const bspDrawVert_t & { return bsp.drawVerts[std::size_t(surface.firstVert + k)]; };
-    const auto at = [&](int k) { return std::array{vert(k).lightmap[0] * 128, vert(k).lightmap[1] * 128}; };
+    const auto at = [&](int k) { return std::array{vert(k).lightmap[0][0] * 128, vert(k).lightmap[0][1] * 128}; };
     const auto a = at(0), b = at(1), c = at(2);
     const float u1 = b[0] - a[0], v1 = b[1] - a[1], u2 = c[0] - a[0], v2 = c[1] - a[1], d = u1 * v2 - v1 * u2;
     const auto point = [&](int k) { return Vec3f{vert(k).xyz[0], vert(k).xyz[1], vert(k).xyz[2]}; };

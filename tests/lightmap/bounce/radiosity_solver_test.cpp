@@ -50,7 +50,7 @@ class RadiosityTest : public LightTest {
                         float s = 0, q = 0;
                         for (int i = 0; i < 3; ++i) {
                             p += Vec3f(t[i]->xyz) * w[i];
-                            s += t[i]->lightmap[0] * w[i], q += t[i]->lightmap[1] * w[i];
+                            s += t[i]->lightmap[0][0] * w[i], q += t[i]->lightmap[0][1] * w[i];
                         }
                         if (const double d = double(Length(p - place)); d < best)
                             best = d,

@@ -9,7 +9,7 @@ _q3map2() {
         -threads|-connect|-subdivisions|-maxmapdrawsurfs|-fs_forbiddenpath|-samplesize|-minsamplesize|-mv|-mi|-np|-metaadequatescore|-metagoodscore|-celshader|-ne|-de|-snap|-clipdepth|-gridscalesh|-gridsh|-sherrortarget|-shbudget|-shsamples|-cubesperleaf|-cubetolerance|-scale|-point|-pointscale|-spherical|-sphericalscale|-spot|-spotscale|-area|-areascale|-sky|-skyscale|-gridscale|-gridambientscale|-backsplash|-backsplasharea|-griddirectionality|-gridambientdirectionality|-extradist|-contrast|-gamma|-exposure|-saturation|-compensate|-explain|-super|-supersample|-samplessearchboxsize|-thresh|-samplescale|-rawlightmapsizelimit|-shadeangle|-dirtdepth|-dirtscale|-dirtgain|-bouncetime|-bouncerays|-bouncescale|-bouncecolorratio|-vertexscale|-lightmapsize|-extlmhacksize|-brightness|-approx|-shadowmap|-lightmapsearchblocksize|-lightmapsearchpower|-smooth|-reflectivityscale|-chop|-maxchop|-dispchop|-maxdispchop|-choptexlights|-softsun|-extrasky|-extrapasses|-luxeldensity|-ambient|-maxlight|-dlight|-mpi_pw|-vproject|-insert_search_path|-page|-size|-border|-minmax|-samples|-random|-boost|-sharpen|-texturesize|-places|-bumpscale|-rays|-filter|-complevel|-basepak|-spawn_ref) return ;;
         -lightanglehl|-dirtmode|-deluxemode) values="0 1" ;;
         -help|--help|-h) values="all game keys shader vrad bsp vis light convertgrid info json convert export import tonemap exportents minimap analyze shpreview shreport ssbump pk3 repack scale shift mergebsp fixaas editorfiles" ;;
-        -format) values="ase obj map map_bp map_220 quake3 quakelive nexuiz xonotic tremulous unvanquished tenebrae wolf et etut ef reaction darkplaces dq prophecy" ;;
+        -format) values="ase obj map map_bp map_220 quake3 quakelive nexuiz xonotic tremulous unvanquished tenebrae wolf et etut ef reaction darkplaces dq prophecy sof2 jk2 ja qfusion" ;;
         -preset) values="draft normal final" ;;
         -hdrformat) values="exr pfm hdr exp32 rend2 ioquake3" ;;
         -operator) values="filmic clamp" ;;
@@ -17,7 +17,7 @@ _q3map2() {
         -reflectivity) values="legacy linear" ;;
         -ambientcubesfrom) values="light sh" ;;
         -globalflag) values="lightgrid antiportal skip origin areaportal trans detail structural hint nodraw alphashadow lightfilter nolightmap pointlight nonsolid trigger water slime lava playerclip monsterclip nodrop clusterportal donotenter botclip fog sky slick noimpact nomarks ladder nodamage metalsteps flesh nosteps nodlight dust noob ob" ;;
-        -game) values="quake3 quakelive nexuiz xonotic tremulous unvanquished tenebrae wolf et etut ef reaction darkplaces dq prophecy" ;;
+        -game) values="quake3 quakelive nexuiz xonotic tremulous unvanquished tenebrae wolf et etut ef reaction darkplaces dq prophecy sof2 jk2 ja qfusion" ;;
         -rnmstorage) values="raw rescaled" ;;
         -hdrfiles) values="rend2 ioquake3 exr pfm" ;;
         -gridformats) values="sh shbspx sparse legacy legacy-ioq3 legacy-daemon raw-ioq3 raw-rend2 octree grids" list=1 ;;
