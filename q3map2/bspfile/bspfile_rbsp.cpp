@@ -51,6 +51,8 @@ void AddGrid(const Bsp &bsp, LumpBytes &lumps, Log &log) {
 
 ByteRanges EncodeRbsp(const Bsp &bsp, const BspFormat &format, Log &log) {
     CheckBspxLumps(bsp, "writing");
+    if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump)
+        throw Error("{} has no lump 18 for the SH light grid: -shbspx stores it in a BSPX lump", format.ident);
     LumpBytes lumps = CommonLumps(bsp);
     lumps[LUMP_BRUSHSIDES].Add(bsp.brushSides);
     lumps[LUMP_DRAWVERTS].Add(bsp.drawVerts);

@@ -291,7 +291,8 @@ Group GamePaths() {
         "and `-fs_nobasepath` that too; with `-fs_nohomepath` besides, nothing is searched but what `-fs_basepath` "
         "and `-fs_pakpath` name. The bsp and light stages need the game's files "
         "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
-        "archive or one of the folders `scripts`, `textures` and `models`; an unknown `-game` is an error in all "
+        "archive or one of the folders of shader scripts, `textures` and `models`; an unknown `-game` is an error in "
+        "all "
         "stages. With `-force` these are warnings; the light stage then knows of a shader what the shader records "
         "of the `.bsp` say.",
         {{{.name = "-game",

@@ -143,7 +143,7 @@ void StoreUniform(const GridConversion &from, Bsp &bsp, GridSHContainer containe
 }
 
 void StoreSH(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
-    StoreUniform(from, bsp, GridSHContainer::Lump);
+    StoreUniform(from, bsp, bsp.ident == kIbspIdent ? GridSHContainer::Lump : GridSHContainer::Bspx);
 }
 
 void StoreSHBspx(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {

@@ -351,9 +351,9 @@ constexpr std::array kExtra = std::to_array<ShaderDirective>({
       .values = "MODEL SCALE DENSITY ODDS ALPHA",
       .kind = SettingKind::Text,
       .initial = "none",
-      .help = "Scatters foliage of Enemy Territory over the surface; engines of Quake III do not draw it, those of "
-              "sof2, jk2 and ja would not load it, so these games get none",
-      .details = "Pieces are cut as for `q3map_surfaceModel`, and count if they slope by less than 60 degrees and "
+      .help = "Scatters foliage of Enemy Territory over the surface; engines of Quake III do not draw it",
+      .details = "Engines of sof2, jk2 and ja would not load it, so these games get none. Pieces are cut as for "
+                 "`q3map_surfaceModel`, and count if they slope by less than 60 degrees and "
                  "their alpha is at least 0.75. ALPHA 1 inverts alpha, 2 takes 1."},
      "bsp",
      Foliage},

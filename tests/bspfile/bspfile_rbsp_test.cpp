@@ -108,6 +108,8 @@ TEST(Rbsp, GridsOfOwnLumpsFollowTheLastLump) {
     EXPECT_EQ(GridLump(*back.gridSH), GridLump(*bsp.gridSH));
     EXPECT_EQ(back.gridSHContainer, GridSHContainer::Bspx);
     EXPECT_EQ(IntAt(file, 4), 1);
+    bsp.gridSHContainer = GridSHContainer::Lump;
+    EXPECT_THAT(ErrorOf([&] { WriteBsp(bsp, kRbsp); }), HasSubstr("RBSP has no lump 18 for the SH light grid"));
 }
 
 TEST(Rbsp, ASecondPageFollowsTheOnlyOne) {

@@ -88,9 +88,10 @@ def room():
 def make_game_folder(folder):
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "maps").mkdir(parents=True)
-    (folder / "scripts").mkdir()
+    for scripts in ("scripts", "shaders"):  # the second is that of Jedi Academy
+        (folder / scripts).mkdir()
+        (folder / scripts / "t.shader").write_text(SHADERS)
     (folder / "maps/mymap.map").write_text(room())
-    (folder / "scripts/t.shader").write_text(SHADERS)
     (folder / "scripts/custinfoparms.txt").write_text(f"{{\n}}\n{{\nnowalljump {NO_WALL_JUMP:x}\n}}\n")
 
 

@@ -117,10 +117,11 @@ class Reader:
     def prepare(self):
         """The game folder that each page finds, with a mod folder beside it that holds the same map."""
         base = self.ready / "baseq3"
-        for folder in (base / "maps", base / "scripts", self.home):
+        for folder in (base / "maps", base / "scripts", base / "shaders", self.home):
             folder.mkdir(parents=True)
         (base / "maps/mymap.map").write_text(room())
-        (base / "scripts/t.shader").write_text(SHADERS)
+        for scripts in ("scripts", "shaders"):  # the second is that of Jedi Academy
+            (base / scripts / "t.shader").write_text(SHADERS)
         for words in (["-meta"], ["-vis", "-saveprt"], ["-light"]):
             done = self.call(["-fs_basepath", str(self.ready), *words, "maps/mymap.map"], base)
             if done.returncode:

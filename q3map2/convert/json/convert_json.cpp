@@ -200,6 +200,7 @@ class Packer {
     void ReadFormat() {
         const auto setFormat = [this](std::string_view ident) {
             bsp_.ident = ident;
+            bsp_.gridSHContainer = ident == kIbspIdent ? GridSHContainer::Lump : GridSHContainer::Bspx;
             bsp_.lightmapSide = ident == kFbspIdent ? FbspLightmapSide(StoredWorld(bsp_.entities)) : kLightmapSide;
         };
         setFormat(rules_.game.bspIdent);

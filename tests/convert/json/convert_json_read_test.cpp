@@ -41,7 +41,7 @@ TEST_F(PackJsonTest, FilesWithFourStyles) {
         EXPECT_EQ(WriteBsp(packed, format), WriteBsp(bsp, format));
     }
     folder_.Edit("format.json", "FBSP", "XBSP");
-    EXPECT_THAT(PackError(), HasSubstr("format.json: format0: ident: expected RBSP or FBSP"));
+    EXPECT_THAT(PackError(), HasSubstr("format.json: format#0: ident: expected RBSP or FBSP"));
 }
 
 TEST_F(PackJsonTest, KeepsFloatsBitByBit) {
