@@ -105,8 +105,10 @@ class Layout:
     surface: int = 104
     lightmap_number: int = 28
     page: int = 128
+    least_pages: int = 1  # in a file that has any
 
 
+RBSP = Layout(1, b"RBSP", surface=148, lightmap_number=36, least_pages=2)
 FBSP = Layout(1, b"FBSP", surface=148, lightmap_number=36, page=512)
 
 
@@ -159,6 +161,7 @@ GAMES = {
     "nexuiz": Game(minimap="../gfx/{}_mini.tga", keeps_lights=True),
     "xonotic": Game(minimap="../gfx/{}_mini.tga", keeps_lights=True),
     "unvanquished": Game(minimap="../minimaps/{}.tga", keeps_lights=True),
+    "ja": Game(RBSP),
     "qfusion": Game(FBSP, "../minimaps/{}.tga", keeps_lights=True, deluxe=True),
 }
 
@@ -229,9 +232,10 @@ def faults_of_light(line):
     size = int(line.value("-lightmapsize", line.game.layout.page))
     is_external = "-external" in line.words or size != line.game.layout.page
     pages = len(images) if is_external else bsp.pages
+    least = 0 if is_external else line.game.layout.least_pages
     step = 2 if "-deluxe" in line.words or line.game.deluxe else 1
     return [(used, "no surface has a lightmap"),
-            (pages == step * (max(used, default=0) // step + 1), f"{pages} pages, lightmaps {sorted(used)}"),
+            (pages == max(least, step * (max(used, default=0) // step + 1)), f"{pages} pages, lightmaps {sorted(used)}"),
             (all(number % step == 0 for number in used), f"-deluxe: lightmaps {sorted(used)}"),
             (bool(images) == is_external, f"{len(images)} images"),
             (not is_external or not bsp.lump(Bsp.LIGHTMAPS), "lightmaps in the file besides images"),
