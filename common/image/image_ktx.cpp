@@ -20,6 +20,7 @@ constexpr std::size_t kKtx1Header = 64, kKtx2Header = 80, kKtx2LevelBytes = 24;
 struct KtxLayout {
     std::optional<TextureBlocks> blocks;
     TexelMasks masks{};
+    bool isPacked = false; ///< masks of 16-bit words, in the byte order of the file
 };
 
 constexpr std::array<unsigned, 4> kRgbaMasks = {0xFF, 0xFF00, 0xFF0000, 0xFF000000};
@@ -206,6 +207,8 @@ class KtxDecoder {
         const auto size = Size();
         const unsigned type = Word(16), format = Word(24), internalFormat = Word(28), keyBytes = Word(60);
         KtxLayout layout{FindBlocks(kGlBlocks, internalFormat)};
+        constexpr unsigned kUnsignedBytes = 0x1401; // GL_UNSIGNED_BYTE
+        layout.isPacked = type != kUnsignedBytes;
         if (const auto masks = MasksOfGl(type, format); masks && !layout.blocks)
             layout.masks = *masks;
         else if (!layout.blocks)
@@ -247,7 +250,8 @@ class KtxDecoder {
         const std::size_t used = std::size_t(image.width) * (layout.masks.bits / 8);
         const std::size_t rowBytes = (used + rowAlignment - 1) / rowAlignment * rowAlignment;
         Need(at, rowBytes * std::size_t(image.height), "texels");
-        image.rgba = DecodeMasked(layout.masks, file_.subspan(at), image.width, image.height, rowBytes, order_);
+        image.rgba = DecodeMasked(layout.masks, file_.subspan(at), image.width, image.height, rowBytes,
+                                  layout.isPacked ? order_ : TexelByteOrder::Little);
         return image;
     }
 

@@ -1,9 +1,19 @@
 // GPL-2.0-or-later. A compiled map in memory, and point queries on its BSP tree.
 #include "q3map2/bspfile/bsp.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace q3 {
+
+std::int64_t Bsp::NamedPages() const {
+    std::int64_t count = 0;
+    for (const bspDrawSurface_t &surface : drawSurfaces)
+        for (std::size_t slot = 0; slot < kStyles; ++slot)
+            if (slot == 0 || surface.lightmapStyles[slot] != kNoStyle) // free slots may hold anything
+                count = std::max(count, std::int64_t(surface.lightmapNum[slot]) + 1);
+    return count;
+}
 
 namespace {
 

@@ -77,7 +77,7 @@ inline constexpr std::string_view kIbspIdent = "IBSP", kRbspIdent = "RBSP", kFbs
 /// All lumps of a file as records, in whatever format it is. A value: copy, compare, edit. ReadBsp returns only
 /// validated data.
 struct Bsp {
-    std::string_view ident = kIbspIdent; ///< of the file that it was read from; WriteBsp goes by its BspFormat
+    std::string_view ident = kIbspIdent; ///< of the records; WriteBsp goes by its BspFormat
     std::string entities;                ///< text of the lump without the final NUL
     std::vector<bspShader_t> shaders;
     std::vector<bspPlane_t> planes;
@@ -107,7 +107,10 @@ struct Bsp {
     std::optional<PropLight> propLight;
     std::vector<BspxLump> bspx; ///< without those that members above hold (bspx_lumps.h)
 
+    /// Lightmap pages in the file.
     std::size_t LightmapPages() const { return lightmaps.size() / LightmapPageBytes(lightmapSide); }
+    /// One past the last page that a surface names: more than the file has where pages are images beside it.
+    std::int64_t NamedPages() const;
 };
 
 /// Which format a file gets. IBSP without an SH lump: version 46 has 17 slots, version 47 has 17 (Wolfenstein family)

@@ -127,7 +127,7 @@ bool LumpReader::Inside(const FilePart &part, std::size_t header) const {
 FilePart LumpReader::CheckedSlot(std::size_t slot, std::size_t slots) const {
     const FilePart part = Slot(slot);
     const auto fail = [&](const std::string &text) {
-        throw Error("{}: lump {} ({}): {}", name_, slot, kLumpNames[slot], text);
+        throw Error("{}: lump {} ({}): {}", name_, slot, LumpName(slot), text);
     };
     if (part.offset < 0)
         fail(fmt::format("offset {} is negative", part.offset));
@@ -141,6 +141,10 @@ FilePart LumpReader::CheckedSlot(std::size_t slot, std::size_t slots) const {
     return part;
 }
 
+std::string_view LumpReader::LumpName(std::size_t slot) const {
+    return slot == LUMP_LIGHTARRAY && !HasIdent(kIbspIdent) ? "light grid numbers" : kLumpNames[slot];
+}
+
 void LumpReader::WarnOverlap() const {
     std::vector<std::size_t> order;
     for (std::size_t slot = 0; slot < lumps_.size(); slot++)
@@ -150,7 +154,7 @@ void LumpReader::WarnOverlap() const {
     for (std::size_t i = 1; i < order.size(); i++)
         if (lumps_[order[i]].offset < lumps_[order[i - 1]].End())
             log_.Warn("overlapping lumps", "{}: lump {} ({}) overlaps lump {} ({})", name_, order[i - 1],
-                      kLumpNames[order[i - 1]], order[i], kLumpNames[order[i]]);
+                      LumpName(order[i - 1]), order[i], LumpName(order[i]));
 }
 
 void LumpReader::ReadCommonLumps(Bsp &bsp) const {
@@ -163,7 +167,7 @@ void LumpReader::ReadCommonLumps(Bsp &bsp) const {
 
 void LumpReader::RefuseRagged(int slot, std::size_t record) const {
     const auto text = fmt::format("{}: lump {} ({}): length {} is not a multiple of the record size {}", name_, slot,
-                                  kLumpNames[std::size_t(slot)], Lump(slot).length, record);
+                                  LumpName(std::size_t(slot)), Lump(slot).length, record);
     if (!format_.force)
         throw Error(text);
     log_.Warn("ragged lump", "{}: the lump is dropped", text);

@@ -182,7 +182,7 @@ ByteRanges ConvertedRecords(const std::vector<Record> &records, const Convert &c
 
 // ---- Reading ----
 
-/// Reads the header and the lumps of a file that the formats have in common.
+/// Reads the header of a file, and those of its lumps that are the same in all formats.
 class LumpReader {
   public:
     LumpReader(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);
@@ -195,7 +195,7 @@ class LumpReader {
     void Mismatch(const std::string &text) const;
     /// An entry of the header as it is.
     FilePart Slot(std::size_t slot) const;
-    /// Whether a part is not empty and lies behind a header of this size.
+    /// Whether a part is not empty and lies in the file, behind a header of this size.
     bool Inside(const FilePart &part, std::size_t header) const;
     const FilePart &Lump(int slot) const { return lumps_[std::size_t(slot)]; }
     void SetLump(int slot, const FilePart &part) { lumps_[std::size_t(slot)] = part; }
@@ -205,6 +205,7 @@ class LumpReader {
     std::string_view Name() const { return name_; }
     Log &Messages() const { return log_; }
 
+    /// Warns of lumps that share bytes.
     void WarnOverlap() const;
     /// The entities, the arrays of ForEachCommonArray.
     void ReadCommonLumps(Bsp &bsp) const;
@@ -232,6 +233,7 @@ class LumpReader {
 
   private:
     FilePart CheckedSlot(std::size_t slot, std::size_t slots) const;
+    std::string_view LumpName(std::size_t slot) const;
 
     const ByteSource &file_;
     std::string_view name_;

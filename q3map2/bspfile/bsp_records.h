@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Records of compiled maps: little endian, no padding, as they lie in RBSP and FBSP files. Four of
-// them are smaller in IBSP files, where they hold one light style: bspfile_ibsp.cpp. See docs/bsp_format.md.
+// GPL-2.0-or-later. Records of compiled maps: little endian, no padding, as they lie in RBSP and FBSP files. Brush
+// sides, vertices, surfaces and grid points are smaller in IBSP files: bspfile_ibsp.cpp. See docs/bsp_format.md.
 #pragma once
 
 #include "libs/math/packed_color.h"
@@ -37,15 +37,17 @@ enum BspLump {
 
 /// Light styles that a record can hold. IBSP files have slot 0 only.
 inline constexpr std::size_t kStyles = 4;
-/// Style by slot. Slot 0 of surfaces holds style 0, and free slots come last.
+/// Style by slot. Slot 0 of surfaces but flares holds style 0, and free slots come last.
 using Styles = std::array<std::uint8_t, kStyles>;
 /// Marks a free slot.
 inline constexpr std::uint8_t kNoStyle = 255;
 inline constexpr Styles kOnlyStyle0{0, kNoStyle, kNoStyle, kNoStyle};
 /// A grid point in a wall: engines of RBSP leave it out of their interpolation.
 inline constexpr Styles kNoStyles{kNoStyle, kNoStyle, kNoStyle, kNoStyle};
-/// RBSP and FBSP: styles from this one on belong to switchable lights, a style for each group of them.
-inline constexpr int kFirstSwitchStyle = 32, kSwitchStyles = 32;
+/// RBSP and FBSP: styles from kFirstSwitchStyle to kLastStyle belong to switchable lights, a style for each group of
+/// them. Engines of RBSP have no styles above.
+inline constexpr int kFirstSwitchStyle = 32, kSwitchStyleCount = 32;
+inline constexpr int kLastStyle = kFirstSwitchStyle + kSwitchStyleCount - 1;
 /// A value for each light style.
 template <typename T> using PerStyle = std::array<T, kStyles>;
 

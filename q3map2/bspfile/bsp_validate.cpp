@@ -237,6 +237,7 @@ class Validator {
             const RecordRef at{"brush side", i};
             CheckIndex(at, "planeNum", bsp_.brushSides[i].planeNum, 0, bsp_.planes.size(), "planes");
             CheckIndex(at, "shaderNum", bsp_.brushSides[i].shaderNum, 0, bsp_.shaders.size(), "shaders");
+            CheckIndex(at, "surfaceNum", bsp_.brushSides[i].surfaceNum, -1, bsp_.drawSurfaces.size(), "surfaces");
         }
         std::uint64_t sides = 0;
         for (std::size_t i = 0; i < bsp_.brushes.size(); i++) {

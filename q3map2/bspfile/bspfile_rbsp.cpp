@@ -13,7 +13,7 @@
 namespace q3 {
 
 int FbspLightmapSide(const Entity &world) {
-    constexpr unsigned kLeastSide = 16, kMostSide = 8192; // a lump ends at 2^31 bytes
+    constexpr unsigned kLeastSide = kLightmapSide, kMostSide = 8192;
     const double given = NumberFromText(world.Value(kLightmapImageSizeKey));
     const bool isSide = given >= kLeastSide && given <= kMostSide && std::has_single_bit(unsigned(given));
     return isSide ? int(given) : kFbspLightmapSide;
@@ -49,7 +49,31 @@ void AddGrid(const Bsp &bsp, LumpBytes &lumps, Log &log) {
 
 } // namespace
 
+namespace {
+
+/// Raven's engine reads two pages of a file with one. The second one is empty, which tells engines that guess from the
+/// number of pages that it has no light directions.
+bool NeedsSecondPage(const Bsp &bsp, const BspFormat &format) {
+    return format.ident == kRbspIdent && bsp.LightmapPages() == 1;
+}
+
+/// Texels of HDR light in the file for each page.
+std::size_t PageTexels(const Bsp &bsp) {
+    return LightmapPageBytes(bsp.lightmapSide) / 3;
+}
+
+} // namespace
+
 ByteRanges EncodeRbsp(const Bsp &bsp, const BspFormat &format, Log &log) {
+    if (NeedsSecondPage(bsp, format)) {
+        Bsp padded = bsp;
+        padded.lightmaps.resize(2 * bsp.lightmaps.size());
+        if (!bsp.lightmapsE5bgr9.empty())
+            padded.lightmapsE5bgr9.resize(2 * PageTexels(bsp));
+        ByteRanges file;
+        file.AddOwned(EncodeRbsp(padded, format, log).Bytes());
+        return file;
+    }
     CheckBspxLumps(bsp, "writing");
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump)
         throw Error("{} has no lump 18 for the SH light grid: -shbspx stores it in a BSPX lump", format.ident);
@@ -58,9 +82,6 @@ ByteRanges EncodeRbsp(const Bsp &bsp, const BspFormat &format, Log &log) {
     lumps[LUMP_DRAWVERTS].Add(bsp.drawVerts);
     lumps[LUMP_SURFACES].Add(bsp.drawSurfaces);
     AddGrid(bsp, lumps, log);
-    // The engine of Raven's games takes one page for two. An empty one means no light directions to those that guess.
-    if (format.ident == kRbspIdent && bsp.LightmapPages() == 1)
-        lumps[LUMP_LIGHTMAPS].AddOwned(std::vector<std::byte>(LightmapPageBytes(bsp.lightmapSide)));
     return AssembleFile({.ident = format.ident, .version = kRbspVersion, .slots = kRbspSlots, .order = kRbspDiskOrder},
                         std::move(lumps), bsp);
 }
@@ -104,6 +125,25 @@ void ClearFogsOfFlares(Bsp &bsp) {
             surface.fogNum = -1;
 }
 
+/// Takes off what EncodeRbsp adds to a single page.
+void DropEmptySecondPage(Bsp &bsp) {
+    const std::size_t page = LightmapPageBytes(bsp.lightmapSide);
+    const auto isBlack = [](std::uint8_t byte) { return byte == 0; };
+    if (bsp.ident != kRbspIdent || bsp.LightmapPages() != 2 || bsp.NamedPages() > 1 ||
+        !std::all_of(bsp.lightmaps.begin() + std::ptrdiff_t(page), bsp.lightmaps.end(), isBlack))
+        return;
+    bsp.lightmaps.resize(page);
+    if (!bsp.lightmapsE5bgr9.empty())
+        bsp.lightmapsE5bgr9.resize(PageTexels(bsp));
+}
+
+/// Numbers of surfaces that are not there become -1. No engine reads them.
+void ClearBadSurfaceNumbers(Bsp &bsp) {
+    for (bspBrushSide_t &side : bsp.brushSides)
+        if (side.surfaceNum < 0 || side.surfaceNum >= std::int64_t(bsp.drawSurfaces.size()))
+            side.surfaceNum = -1;
+}
+
 } // namespace
 
 Bsp DecodeRbsp(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log) {
@@ -129,6 +169,8 @@ Bsp DecodeRbsp(const ByteSource &file, std::string_view name, const BspFormat &f
         bsp.lightmaps.clear();
     }
     lumps.ReadBspx(bsp);
+    DropEmptySecondPage(bsp);
+    ClearBadSurfaceNumbers(bsp);
     return bsp;
 }
 

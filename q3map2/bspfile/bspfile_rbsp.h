@@ -21,9 +21,10 @@ inline constexpr std::string_view kLightmapImageSizeKey = "_lightmapimagesize";
 /// The side of the lightmap pages of an FBSP file whose worldspawn this is.
 int FbspLightmapSide(const Entity &world);
 
-/// The two functions of BspCodec, for both formats: the records are the same. A number of the light grid's table that
-/// is outside becomes a black point in a wall, with a warning. Errors of encoding: over kMaxGridPoints grid points. A
-/// grid with too many different points for its table is joined with a warning that says what is lost (MakeGridTable).
+/// The two functions of BspCodec, for both formats: the records are the same. A grid point that
+/// names no record becomes a black point in a wall, with a warning. Errors of encoding: over kMaxGridPoints grid
+/// points. A grid with too many different points for its table is joined with a warning that says what is lost
+/// (MakeGridTable).
 Bsp DecodeRbsp(const ByteSource &file, std::string_view name, const BspFormat &format, Log &log);
 ByteRanges EncodeRbsp(const Bsp &bsp, const BspFormat &format, Log &log);
 

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. The light grid of RBSP and FBSP files: distinct points, and the number of one for each point.
 #include "q3map2/bspfile/grid_table.h"
 
+#include "common/error.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -71,7 +73,7 @@ Coordinates CoordinatesOf(const bspGridPoint_t &point) {
     return at;
 }
 
-/// A set of points that share a record: a range of the order of all points.
+/// A set of points that share a record: a range of Joiner's order_.
 struct PointSet {
     std::size_t first = 0, end = 0;
     std::size_t widest = 0; ///< coordinate with the largest error
@@ -93,6 +95,8 @@ class Joiner {
         std::priority_queue<PointSet> sets;
         for (const PointSet &set : SetsByStyles())
             sets.push(set);
+        if (sets.size() > most)
+            throw Error("the light grid has {} different sets of light styles, expected at most {}", sets.size(), most);
         while (sets.size() < most && sets.top().error > 0) {
             const PointSet set = sets.top();
             sets.pop();
@@ -188,13 +192,19 @@ class Joiner {
     std::vector<std::uint32_t> order_;     ///< numbers of records, those of a set together
 };
 
+/// Slots that engines show; slot 0 of a point in a wall.
+std::size_t ShownSlots(const bspGridPoint_t &point) {
+    const auto used = std::size_t(std::ranges::find(point.styles, kNoStyle) - point.styles.begin());
+    return std::max<std::size_t>(used, 1);
+}
+
 /// Adds the change from `before` to `after` at `count` points. `sum`: of the changes of color bytes.
 void AddLoss(const bspGridPoint_t &before, const bspGridPoint_t &after, std::size_t count, GridTableLoss &loss,
              double &sum) {
     if (before == after)
         return;
     loss.changed += count;
-    for (std::size_t slot = 0; slot < kStyles; ++slot)
+    for (std::size_t slot = 0; slot < ShownSlots(before); ++slot)
         for (std::size_t channel = 0; channel < 3; ++channel)
             for (const int change : {int(before.ambient[slot][channel]) - after.ambient[slot][channel],
                                      int(before.directed[slot][channel]) - after.directed[slot][channel]}) {
@@ -225,8 +235,7 @@ DistinctPoints Joined(const DistinctPoints &points, std::size_t most, GridTableL
     for (std::size_t i = 0; i < points.records.size(); ++i) {
         const bspGridPoint_t &before = points.records[i];
         AddLoss(before, joined.records[numberOf[setOf[i]]], points.counts[i], loss, sum);
-        const auto used = kStyles - std::size_t(std::ranges::count(before.styles, kNoStyle));
-        values += double(points.counts[i]) * double(std::max<std::size_t>(used, 1)) * 6; // channels of both colors
+        values += double(points.counts[i]) * double(ShownSlots(before)) * 6; // channels of both colors
     }
     loss.mean = sum / values;
     return joined;

@@ -22,16 +22,16 @@ struct GridTable {
 
 /// What is lost where a grid has more different points than a table holds records.
 struct GridTableLoss {
-    std::size_t distinct = 0; ///< different points before
-    std::size_t changed = 0;  ///< points whose record is not what they were
+    std::size_t distinct = 0; ///< number of different points in the grid
+    std::size_t changed = 0;  ///< number of points whose record differs from them
     int worst = 0;            ///< largest change of a color byte, over points, styles and channels
     double mean = 0;          ///< mean change of color bytes over the styles and channels of all points
 };
 
 /// The table of a grid, in order of first use. Over `most` different points, those nearest to each other are joined:
 /// sets of points with the same styles are split where the squared error of colors and directions, weighted by the
-/// number of points, is largest, until there are `most`; the record of a set has its mean color and its middle
-/// direction.
+/// number of points, is largest, until there are `most`; the record of a set has its mean color and the direction
+/// of its point nearest to the mean. Errors: more than `most` different sets of styles.
 GridTable MakeGridTable(std::span<const bspGridPoint_t> points, GridTableLoss &loss,
                         std::size_t most = kMaxGridRecords);
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <vector>
 
@@ -249,8 +250,9 @@ MapFiles FilesOfBsp(const std::string &word, const FilePlaces &places, std::span
 }
 
 void RequireDistinct(std::span<const fs::path> files) {
+    std::set<fs::path> known;
     for (const fs::path &file : files)
-        if (std::ranges::count(files, file) > 1)
+        if (!known.insert(fs::weakly_canonical(file)).second)
             throw Error("{}: two files of this run would have this name", file.string());
 }
 

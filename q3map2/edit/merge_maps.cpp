@@ -191,21 +191,29 @@ void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added)
         }
 }
 
-/// Number of the switchable light's style; 0: it is none, or none with a style.
+/// The style that the bsp stage gave a switchable light; 0: the entity is no such light.
 int SwitchStyle(const Entity &entity) {
     const int style = IntegerFromText(entity.Value("style"));
     const bool isSwitchable = StartsWithNoCase(entity.ClassName(), "light") && !entity.Value("targetname").empty();
-    return isSwitchable && style >= kFirstSwitchStyle && style < kFirstSwitchStyle + kSwitchStyles ? style : 0;
+    return isSwitchable && style >= kFirstSwitchStyle && style < kFirstSwitchStyle + kSwitchStyleCount ? style : 0;
 }
 
-/// Gives the switchable lights of the added map styles that the main map has not, or that of its lights with the same
-/// name. Returns the new styles by the old ones. Errors: too many.
-std::map<int, int> GiveOtherStyles(const std::vector<Entity> &main, std::vector<Entity> &added) {
+/// Styles of the surfaces of a map.
+std::set<int> StylesOf(const Bsp &bsp) {
+    std::set<int> styles;
+    for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
+        for (const Styles *some : {&surface.lightmapStyles, &surface.vertexStyles})
+            styles.insert(some->begin(), some->end());
+    return styles;
+}
+
+/// Gives the switchable lights of the added map the style that lights of their name have in the main map, or else one
+/// that is not in `taken`. Returns the new styles by the old ones. Errors: too many.
+std::map<int, int> GiveOtherStyles(const std::vector<Entity> &main, std::set<int> taken, std::vector<Entity> &added) {
     const auto groupOf = [](const Entity &light) {
         return std::pair(LowerCase(light.Value("targetname")), std::string(light.Value("switch_style")));
     };
     std::map<std::pair<std::string, std::string>, int> styleOf; // of a group, in the merged map
-    std::set<int> taken;
     for (const Entity &light : main)
         if (const int style = SwitchStyle(light); style != 0) {
             styleOf.emplace(groupOf(light), style);
@@ -218,10 +226,10 @@ std::map<int, int> GiveOtherStyles(const std::vector<Entity> &main, std::vector<
             continue;
         int &style = styleOf[groupOf(light)];
         for (int free = kFirstSwitchStyle; style == 0; ++free) {
-            if (free == kFirstSwitchStyle + kSwitchStyles)
+            if (free == kFirstSwitchStyle + kSwitchStyleCount)
                 throw Error("the maps have more than {} groups of switchable lights, engines of these games have no "
                             "more styles for them",
-                            kSwitchStyles);
+                            kSwitchStyleCount);
             if (taken.insert(free).second)
                 style = free;
         }
@@ -241,7 +249,7 @@ void Merger::MergeEntities() {
     if (options_.fixNames)
         GiveOtherNames(all, added);
     if (main_.ident != kIbspIdent)
-        styles_ = GiveOtherStyles(all, added);
+        styles_ = GiveOtherStyles(all, StylesOf(main_), added);
     all.insert(all.end(), added.begin(), added.end());
     bsp_.entities = FormatEntities(all);
 }
@@ -268,13 +276,7 @@ void Merger::MergeLightmaps() {
         return int(hdrOnly ? bsp.lightmapsE5bgr9.size() * kTexelBytes / LightmapPageBytes(bsp.lightmapSide)
                            : bsp.LightmapPages());
     };
-    // Pages that surfaces refer to: more than the file has if pages are images beside it.
-    const auto used = [](const Bsp &bsp) {
-        int count = 0;
-        for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
-            count = std::max(count, std::ranges::max(surface.lightmapNum) + 1);
-        return count;
-    };
+    const auto used = [](const Bsp &bsp) { return int(std::min<std::int64_t>(bsp.NamedPages(), INT32_MAX / 2)); };
     const bool mainIsExternal = used(main_) > pages(main_), addedIsExternal = used(added_) > pages(added_);
     lightmapBase_ = mainIsExternal ? used(main_) : pages(main_);
     bsp_.lightmaps.insert(bsp_.lightmaps.end(), added_.lightmaps.begin(), added_.lightmaps.end());
@@ -418,7 +420,7 @@ bspDrawSurface_t Merger::Renumbered(bspDrawSurface_t surface) {
     surface.shaderNum = shaders_[std::size_t(surface.shaderNum)];
     surface.fogNum += surface.fogNum >= 0 ? fogBase_ : 0;
     for (std::int32_t &page : surface.lightmapNum)
-        page += page >= 0 ? lightmapBase_ : 0;
+        page = page < 0 ? page : int(std::min<std::int64_t>(std::int64_t(page) + lightmapBase_, INT32_MAX));
     for (Styles *styles : {&surface.lightmapStyles, &surface.vertexStyles})
         for (std::uint8_t &style : *styles)
             if (const auto changed = styles_.find(style); changed != styles_.end())

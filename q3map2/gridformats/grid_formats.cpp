@@ -89,8 +89,12 @@ class GridConversion {
     bool HasLump15() const { return hasLump15_; }
     bool IsDeluxe() const { return isDeluxe_; }
 
-    std::vector<bspGridPoint_t> Legacy(const LegacyTarget &target) const {
-        return EncodeLegacyGrid(*legacy_, target, tone_, storing_.ambientFactor);
+    /// Sets lump 15. Where points have light styles, those in walls have none.
+    void SetLegacy(const LegacyTarget &target, Bsp &bsp) const {
+        bsp.gridPoints = EncodeLegacyGrid(*legacy_, target, tone_, storing_.ambientFactor);
+        for (std::size_t i = 0; bsp.ident != kIbspIdent && i < bsp.gridPoints.size(); ++i)
+            if (legacy_->use[i] == PointUse::Solid || legacy_->use[i] == PointUse::Void)
+                bsp.gridPoints[i].styles = kNoStyles;
     }
     std::vector<std::byte> Raw(const LegacyTarget &target, double scale) const {
         return EncodeRawGrid(*legacy_, target, tone_, storing_.ambientFactor, scale);
@@ -155,23 +159,23 @@ void StoreSparse(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) 
 }
 
 void StoreLegacy(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
-    bsp.gridPoints = from.Legacy(kPlainReader);
+    from.SetLegacy(kPlainReader, bsp);
 }
 
 void StoreLegacyIoquake3(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
-    bsp.gridPoints = from.Legacy(kIoquake3);
+    from.SetLegacy(kIoquake3, bsp);
 }
 
 void StoreLegacyDaemon(const GridConversion &from, Bsp &bsp, std::vector<GridFile> &) {
     const LegacyTarget target{.skipsSolid = true,
                               .directedWeight = from.IsDeluxe() ? kDaemonDeluxeDirected : kDaemonDirected};
-    bsp.gridPoints = from.Legacy(target);
+    from.SetLegacy(target, bsp);
 }
 
 void StoreRaw(const GridConversion &from, const LegacyTarget &lump, const LegacyTarget &raw, double scale, Bsp &bsp,
               std::vector<GridFile> &files) {
     if (!from.HasLump15())
-        bsp.gridPoints = from.Legacy(lump);
+        from.SetLegacy(lump, bsp);
     files.push_back({std::string(kRawGridFile), from.Raw(raw, scale)});
 }
 

@@ -8,6 +8,8 @@
 #include "q3map2/light/sparse/sparse_bake.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 namespace q3 {
 
@@ -64,10 +66,14 @@ namespace {
 /// Warns of lights whose style found no slot at some points.
 void WarnOfDroppedStyles(const std::vector<Light> &lights, const GridStats &stats, Log &log) {
     DroppedLightCounts dropped;
-    for (const auto &[style, points] : stats.dropped)
+    for (const auto &[style, points] : stats.dropped) {
+        std::set<std::string> names; // an area light is many lights of one name
         for (const Light &light : lights)
-            if (light.style == style)
+            if (light.style == style && names.insert(StyledLightName(light)).second)
                 dropped.Add(StyledLightName(light), points);
+        if (names.empty())
+            dropped.Add(fmt::format("bounced light of style {}", style), points);
+    }
     dropped.Warn("light", "grid points", log);
 }
 

@@ -21,14 +21,19 @@ bool IsLight(const Entity &entity) {
     return StartsWithNoCase(entity.ClassName(), "light");
 }
 
+/// Whether the bsp stage has given the light a style, by its targetname.
+bool IsNumberedSwitch(const Entity &light, const LightOptions &options) {
+    return options.styleSlots && !light.Value("targetname").empty();
+}
+
 struct NumberedEntities {
     std::vector<Entity> entities;
     std::vector<std::size_t> numbers; ///< by entity: its number in the .bsp or .map that it is from
 };
 
 /// The entities of the .bsp, with the lights of the .map source if there is one, since compilers strip lights from the
-/// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp. So are those that the bsp stage gave a
-/// style.
+/// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp. Switchable lights that the bsp stage
+/// has numbered are always those of the .bsp.
 NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const LightInputs &inputs,
                                     const LightOptions &options, Log &log) {
     const bool keepsLights = keys::kKeepLights.Flag(entities.front());
@@ -43,18 +48,16 @@ NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const L
             WarnOfForeignKeys(sources[i], i, KeyOwner::Light, log);
         }
     const bool replaced = inputs.mapEntities && !keepsLights;
-    const auto hasStyle = [&](const Entity &light) {
-        return options.styleSlots && !light.Value("targetname").empty();
-    };
+    const auto isNumbered = [&](const Entity &light) { return IsNumberedSwitch(light, options); };
     NumberedEntities result;
     const auto take = [&](const std::vector<Entity> &from, const auto &wanted) {
         for (std::size_t i = 0; i < from.size(); ++i)
             if (wanted(from[i]))
                 result.entities.push_back(from[i]), result.numbers.push_back(i);
     };
-    take(entities, [&](const Entity &entity) { return !replaced || !IsLight(entity) || hasStyle(entity); });
+    take(entities, [&](const Entity &entity) { return !replaced || !IsLight(entity) || isNumbered(entity); });
     if (replaced)
-        take(sources, [&](const Entity &entity) { return IsLight(entity) && !hasStyle(entity); });
+        take(sources, [&](const Entity &entity) { return IsLight(entity) && !isNumbered(entity); });
     if (std::none_of(result.entities.begin(), result.entities.end(), IsLight))
         log.Warn("no light entities", "{}: no light entities, {}; surface, sun and sky lights still count", inputs.name,
                  inputs.mapEntities ? "neither in the .map nor in the .bsp" : "there is no .map beside the .bsp");
@@ -139,18 +142,18 @@ LightStyles NumberStyles(const LightOptions &options, const SurfaceTable &table,
     if (options.noStyles)
         return {};
     std::vector<Entity> lights;
-    std::copy_if(entities.begin(), entities.end(), std::back_inserter(lights), IsLight);
+    const auto needsStyle = [&](const Entity &entity) { return IsLight(entity) && !IsNumberedSwitch(entity, options); };
+    std::ranges::copy_if(entities, std::back_inserter(lights), needsStyle);
     const bool switchable = options.switchable || keys::kSwitchable.Flag(entities.front());
     LightStyles styles(lights, entities.front(), switchable, StylesOfShaders(table), log);
     for (Entity &entity : entities)
-        if (IsLight(entity))
+        if (needsStyle(entity))
             styles.Set(entity);
     return styles;
 }
 
 /// Errors: a style that the file cannot hold. Engines look up the color of a style in a table.
 void CheckStyles(const std::vector<Light> &lights) {
-    constexpr int kLastStyle = 63;
     for (const Light &light : lights)
         if (light.style < 0 || light.style > kLastStyle)
             throw Error("{}: light style {}, but the engine has styles 0 to {}",

@@ -19,7 +19,7 @@ namespace q3 {
 
 namespace {
 
-constexpr int kEngineStyles = kFirstSwitchStyle + kSwitchStyles;
+constexpr int kEngineStyles = kFirstSwitchStyle + kSwitchStyleCount;
 constexpr std::string_view kSwitchedStyle = "switch_style"; ///< key: style of the light while it is on
 
 /// Targetname and own style.
@@ -74,14 +74,14 @@ void NumberSwitchableLights(Map &map) {
         if (group.second != 0)
             entity.pairs.Set(kSwitchedStyle, fmt::format("{}", group.second));
     }
-    if (groups.size() <= std::size_t(kSwitchStyles))
+    if (groups.size() <= std::size_t(kSwitchStyleCount))
         return;
     std::vector<std::string> names;
     for (const SwitchGroup &group : groups)
         names.push_back(NameOf(group));
     throw Error("{}: {} groups of switchable lights, engines of this game have {} styles for them; lights of one "
                 "targetname and style are one group: {}",
-                map.name, groups.size(), kSwitchStyles, fmt::join(names, ", "));
+                map.name, groups.size(), kSwitchStyleCount, fmt::join(names, ", "));
 }
 
 void RestoreLightStyle(Entity &entity) {

@@ -205,18 +205,16 @@ class NeedsOfMap {
     void AddSurfaces(const Game &game) {
         const std::string why = fmt::format("surfaces of {}", name_);
         const std::uint32_t noDraw = game.NoDrawSurfaceFlags();
-        int pages = 0;
         for (const bspDrawSurface_t &surface : bsp_.drawSurfaces) {
             const bspShader_t &shader = bsp_.shaders[std::size_t(surface.shaderNum)];
             if ((shader.surfaceFlags & noDraw) == 0)
                 needs_.shaders.Add(FieldName(shader.shader), why);
-            pages = std::max(pages, std::ranges::max(surface.lightmapNum) + 1);
         }
         for (const bspFog_t &fog : bsp_.fogs)
             needs_.shaders.Add(FieldName(fog.shader), fmt::format("a fog of {}", name_));
         if (!bsp_.lightmaps.empty() || !bsp_.lightmapsE5bgr9.empty())
             return;
-        for (int page = 0; page < pages; ++page)
+        for (std::int64_t page = 0; page < bsp_.NamedPages(); ++page)
             needs_.externalPages.Add(fmt::format("maps/{}/lm_{:04}.tga", name_, page),
                                      fmt::format("lightmaps of {}", name_));
     }

@@ -356,7 +356,7 @@ int ExportEntitiesStage(const StageContext &context, Arguments arguments) {
         log.Warn("no entities", "{}: the map has no entities to write", bspPath.string());
         return 0;
     }
-    if (context.options.game->styleSlots) {
+    if (bsp.ident != kIbspIdent) {
         std::vector<Entity> entities = ParseEntities(text, bspPath.string());
         std::ranges::for_each(entities, RestoreLightStyle);
         text = FormatEntities(entities);

@@ -141,17 +141,15 @@ namespace {
 /// Warns of lightmaps and of light styles that are more than engines draw.
 void WarnOfLightmapLimits(const std::filesystem::path &bspPath, const Bsp &bsp, const Game &game, Log &log) {
     std::set<std::pair<Styles, Styles>> sets;
-    int pages = 0;
-    for (const bspDrawSurface_t &surface : bsp.drawSurfaces) {
+    for (const bspDrawSurface_t &surface : bsp.drawSurfaces)
         sets.emplace(surface.lightmapStyles, surface.vertexStyles);
-        pages = std::max(pages, std::ranges::max(surface.lightmapNum) + 1);
-    }
+    const std::int64_t pages = bsp.NamedPages();
     if (game.maxStyleSets > 0 && sets.size() > std::size_t(game.maxStyleSets))
-        log.Warn(
-            "too many sets of light styles",
-            "{}: surfaces have {} different sets of light styles, engines of {} load at most {}: use fewer styles, "
-            "or let those that shine on the same surfaces share one",
-            bspPath.string(), sets.size(), game.name, game.maxStyleSets);
+        log.Warn("too many sets of light styles",
+                 "{}: surfaces have {} different sets of light styles, engines of {} load no map with over {}: use "
+                 "fewer styles, "
+                 "or let those that shine on the same surfaces share one",
+                 bspPath.string(), sets.size(), game.name, game.maxStyleSets);
     if (game.maxLightmaps > 0 && pages > game.maxLightmaps)
         log.Warn("too many lightmaps",
                  "{}: surfaces use {} lightmap pages, engines of {} have room for {}: use larger luxels (-samplesize)",

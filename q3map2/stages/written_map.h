@@ -52,8 +52,8 @@ void WarnOfPackedBotFile(const std::filesystem::path &bspPath, std::span<const s
 /// hunk and copies the lumps that it knows, which excludes BSPX lumps. docs/troubleshooting.md has the measurement.
 std::uint64_t EngineMemoryFor(const Bsp &bsp, std::uint64_t fileBytes);
 
-/// Warns if the file that was just written has more lightmaps, or sets of light styles, than engines of the game draw,
-/// and of what WarnOfEngineMemory does.
+/// Warns if the file that was just written has more lightmaps, or sets of light styles on surfaces, than engines of the
+/// game take. Calls WarnOfEngineMemory.
 void WarnOfEngineLimits(const std::filesystem::path &bspPath, const Bsp &bsp, const Game &game, Log &log);
 
 /// Warns if the file that was just written needs more than engines of the game have by default, and says how to make it

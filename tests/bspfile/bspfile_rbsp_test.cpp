@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <map>
 
@@ -117,10 +118,14 @@ TEST(Rbsp, ASecondPageFollowsTheOnlyOne) {
     bsp.lightmaps.resize(kLightmapPageBytes);
     bsp.drawSurfaces[0].lightmapNum = {0, kLightmapByVertex, kLightmapByVertex, kLightmapByVertex};
     bsp.drawSurfaces[0].lightmapStyles = kOnlyStyle0;
-    const Bsp back = Read(WriteBsp(bsp, kRbsp));
-    ASSERT_EQ(back.LightmapPages(), 2u) << "the engine reads two pages of a file with one";
-    EXPECT_EQ(back.lightmaps.back(), 0) << "no page of light directions, to engines that guess";
-    EXPECT_EQ(Read(WriteBsp(back, kRbsp)).LightmapPages(), 2u);
+    bsp.lightmapsE5bgr9.assign(128 * 128, 5);
+    const Bytes file = WriteBsp(bsp, kRbsp);
+    EXPECT_EQ(LengthOf(file, LUMP_LIGHTMAPS), int(2 * kLightmapPageBytes)) << "the engine reads two pages";
+    const Bsp back = Read(file);
+    EXPECT_EQ(back.lightmaps, bsp.lightmaps);
+    EXPECT_EQ(back.lightmapsE5bgr9, bsp.lightmapsE5bgr9) << "HDR light has a code for each texel of the file";
+    EXPECT_EQ(WriteBsp(back, kRbsp), file);
+    bsp.lightmapsE5bgr9.clear();
     bsp.lightmapSide = kFbspLightmapSide;
     bsp.lightmaps.assign(LightmapPageBytes(kFbspLightmapSide), 7);
     EXPECT_EQ(Read(WriteBsp(bsp, kFbsp)).LightmapPages(), 1u);

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Light grids as distinct records and numbers.
 #include "q3map2/bspfile/grid_table.h"
 
+#include "common/error.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,6 +63,21 @@ TEST(GridTable, PointsOfOtherStylesAreNeverJoined) {
     for (std::size_t i = 0; i < points.size(); ++i)
         EXPECT_EQ(table.records[table.numbers[i]].styles, points[i].styles) << i;
     EXPECT_EQ(table.numbers[0], table.numbers[1]) << "they differ least";
+}
+
+TEST(GridTable, MoreSetsOfStylesThanRecordsAreAnError) {
+    GridTableLoss loss;
+    const std::vector<bspGridPoint_t> points{Point(1), Point(1, 0, kNoStyles), Point(1, 0, {0, 3, kNoStyle, kNoStyle})};
+    EXPECT_THROW(MakeGridTable(points, loss, 2), Error);
+}
+
+TEST(GridTable, BytesOfFreeSlotsAreNoLoss) {
+    GridTableLoss loss;
+    std::vector<bspGridPoint_t> points{Point(10), Point(10)};
+    points[1].ambient[3] = {200, 200, 200};
+    MakeGridTable(points, loss, 1);
+    EXPECT_EQ(loss.worst, 0);
+    EXPECT_EQ(loss.mean, 0);
 }
 
 TEST(GridTable, NumbersStayInsideAFullTable) {

@@ -6,6 +6,7 @@
 #include "q3map2/bspfile/entities.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace q3 {
 
@@ -18,19 +19,30 @@ bool IsInWall(const bspGridPoint_t &point, std::string_view ident) {
     return ident == kIbspIdent ? point.ambient[0] == kBlack : point.styles == kNoStyles;
 }
 
-/// Keeps style 0 of a record; returns whether it had others.
-bool KeepFirst(Styles &styles) {
-    const bool hadOthers = std::ranges::any_of(styles.begin() + 1, styles.end(), [](int s) { return s != kNoStyle; });
-    styles = kOnlyStyle0;
-    return hadOthers;
+/// The slot of style 0; slot 0 if no slot has it.
+std::size_t SteadySlot(const Styles &styles) {
+    const auto slot = std::size_t(std::ranges::find(styles, 0) - styles.begin());
+    return slot < kStyles ? slot : 0;
 }
 
-/// Drops the light of other styles than that of slot 0.
+/// Whether a record has light of other styles than 0.
+bool HasOtherStyles(const Styles &styles) {
+    return std::ranges::any_of(styles, [](int style) { return style != 0 && style != kNoStyle; });
+}
+
+/// Drops the light of other styles than 0. A surface that has no other keeps that of its first slot.
 void DropStyles(Bsp &bsp, Log &log) {
     std::size_t surfaces = 0;
     for (bspDrawSurface_t &surface : bsp.drawSurfaces) {
-        const bool ofLightmap = KeepFirst(surface.lightmapStyles), ofVertices = KeepFirst(surface.vertexStyles);
-        surfaces += ofLightmap || ofVertices;
+        surfaces += HasOtherStyles(surface.lightmapStyles) || HasOtherStyles(surface.vertexStyles);
+        const std::size_t page = SteadySlot(surface.lightmapStyles), color = SteadySlot(surface.vertexStyles);
+        std::swap(surface.lightmapNum[0], surface.lightmapNum[page]);
+        for (int v = surface.firstVert; v < surface.firstVert + surface.numVerts; ++v) {
+            bspDrawVert_t &vert = bsp.drawVerts[std::size_t(v)];
+            std::swap(vert.lightmap[0], vert.lightmap[page]);
+            std::swap(vert.color[0], vert.color[color]);
+        }
+        surface.lightmapStyles = surface.vertexStyles = kOnlyStyle0;
         std::fill(surface.lightmapNum.begin() + 1, surface.lightmapNum.end(), kLightmapByVertex);
         std::fill(surface.lightmapX.begin() + 1, surface.lightmapX.end(), 0);
         std::fill(surface.lightmapY.begin() + 1, surface.lightmapY.end(), 0);
@@ -40,7 +52,28 @@ void DropStyles(Bsp &bsp, Log &log) {
         std::fill(vert.color.begin() + 1, vert.color.end(), std::array<std::uint8_t, 4>{});
     }
     if (surfaces > 0)
-        log.Warn("light styles dropped", "{} surfaces have light of several styles: only style 0 is kept", surfaces);
+        log.Warn("light styles dropped",
+                 "surfaces with light of other styles than 0: {}; one style is kept, 0 if they have it", surfaces);
+}
+
+/// RBSP: engines look up the color of a style in a table that ends at kLastStyle.
+void DropHighStyles(Bsp &bsp, Log &log) {
+    std::size_t surfaces = 0;
+    for (bspDrawSurface_t &surface : bsp.drawSurfaces) {
+        const auto isHigh = [](int style) { return style > kLastStyle && style != kNoStyle; };
+        for (std::size_t slot = 0; slot < kStyles; ++slot)
+            if (isHigh(surface.lightmapStyles[slot]) || isHigh(surface.vertexStyles[slot])) {
+                std::fill(surface.lightmapStyles.begin() + std::ptrdiff_t(slot), surface.lightmapStyles.end(),
+                          kNoStyle);
+                std::fill(surface.vertexStyles.begin() + std::ptrdiff_t(slot), surface.vertexStyles.end(), kNoStyle);
+                ++surfaces;
+            }
+    }
+    if (surfaces > 0)
+        log.Warn("light styles dropped",
+                 "surfaces with light styles above {}, which RBSP engines do not have: {}; they "
+                 "lose that light and that of the slots behind it",
+                 kLastStyle, surfaces);
 }
 
 void ConvertGrid(Bsp &bsp, std::string_view ident) {
@@ -51,11 +84,12 @@ void ConvertGrid(Bsp &bsp, std::string_view ident) {
                 point.styles = inWall ? kNoStyles : kOnlyStyle0;
             continue;
         }
-        const bool isSteady = point.styles[0] == 0;
-        point = {{point.ambient[0]}, {point.directed[0]}, kOnlyStyle0, point.latLong};
+        const std::size_t slot = SteadySlot(point.styles);
+        const bool isSteady = point.styles[slot] == 0;
+        point = {{point.ambient[slot]}, {point.directed[slot]}, kOnlyStyle0, point.latLong};
         if (inWall || !isSteady)
             point.ambient[0] = point.directed[0] = kBlack;
-        else if (point.ambient[0] == kBlack && point.directed[0] != kBlack)
+        if (!inWall && point.ambient[0] == kBlack)
             point.ambient[0] = {1, 1, 1}; // black ambient light would mean a wall
     }
 }
@@ -70,7 +104,7 @@ void FitPages(Bsp &bsp, std::string_view ident, Log &log) {
     }
     if (bsp.lightmapSide == kLightmapSide)
         return;
-    if (!bsp.lightmaps.empty()) {
+    if (!bsp.lightmaps.empty() || !bsp.lightmapsE5bgr9.empty() || bsp.rnm) {
         log.Warn("lightmaps dropped",
                  "lightmap pages of {} texels are dropped, {} has pages of {}: surfaces show the light of their "
                  "vertices until the map is lit again",
@@ -93,7 +127,9 @@ void ChangeFormat(Bsp &bsp, std::string_view ident, Log &log) {
     FitPages(bsp, ident, log);
     if (ident == kIbspIdent)
         DropStyles(bsp, log);
-    else if (!bsp.advertisements.empty()) {
+    if (ident == kRbspIdent)
+        DropHighStyles(bsp, log);
+    if (ident != kIbspIdent && !bsp.advertisements.empty()) {
         log.Warn("advertisements dropped", "{} advertisements are dropped: {} has no place for them",
                  bsp.advertisements.size(), ident);
         bsp.advertisements.clear();

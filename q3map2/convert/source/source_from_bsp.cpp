@@ -268,7 +268,7 @@ class Decompiler {
 
 std::string Decompiler::Write() {
     std::vector<Entity> entities = ParseEntities(bsp_.entities, name_);
-    if (context_.game.styleSlots)
+    if (bsp_.ident != kIbspIdent)
         std::ranges::for_each(entities, RestoreLightStyle);
     for (std::size_t i = 0; i < entities.size(); ++i)
         WriteEntity(entities[i], i);

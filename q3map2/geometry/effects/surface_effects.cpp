@@ -2,6 +2,8 @@
 // portals.
 #include "q3map2/geometry/effects/surface_effects.h"
 
+#include "common/error.h"
+#include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/geometry/faces/draw_surface.h"
 #include "q3map2/geometry/models/models.h"
@@ -136,8 +138,11 @@ void MakeShaderFlare(std::size_t surface, const Vec3f &origin, Geometry &geometr
         FlareAt(position, direction, source.shader->color, context.shaders.Get(source.shader->geometry.flareShader));
     flare.fogNum = source.fogNum;
     flare.settings = source.settings;
-    constexpr int kConstant = 255; // as 0 does, for q3map_lightStyle
-    flare.lightStyle = std::uint8_t(source.shader->lightStyle == kConstant ? 0 : source.shader->lightStyle);
+    const int style = source.shader->lightStyle == kNoStyle ? 0 : source.shader->lightStyle; // 255: constant light
+    if (context.game.styleSlots && style > kLastStyle)
+        throw Error("shader {}: q3map_lightStyle {}, expected 0 to {}: engines of {} have no others",
+                    source.shader->name, style, kLastStyle, context.game.name);
+    flare.lightStyle = std::uint8_t(style);
     geometry.surfaces.push_back(std::move(flare));
 }
 

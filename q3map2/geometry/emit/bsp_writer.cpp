@@ -91,8 +91,9 @@ int BspWriter::ShaderNumber(const ShaderInfo &shader) {
     const std::size_t count = bsp.shaders.size();
     const int number = ShaderNumber(shader.name, shader.surfaceFlags, shader.contentFlags);
     const bool isNew = bsp.shaders.size() > count;
+    // For the game, which shows it once the surface is damaged. Its own damage shader is not followed.
     if (const std::string &damage = shader.geometry.damageShader; isNew && !damage.empty())
-        ShaderNumber(context_.shaders.Get(damage)); // for the game, which shows it once the surface is damaged
+        ShaderNumber(damage);
     return number;
 }
 

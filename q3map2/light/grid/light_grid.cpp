@@ -333,7 +333,7 @@ bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::PartsByStyle 
     const GridRecords::Parts &steady = parts.at(0);
     StoredColors colors = StoreColors(in, 0, Max(steady.ambient[lane], in.world.minGrid), steady.directed[lane]);
     constexpr std::array<std::uint8_t, 3> kBlack{};
-    if (colors.ambient == kBlack && colors.directed != kBlack) // engines of IBSP ignore points of black ambient light
+    if (colors.ambient == kBlack && colors.directed != kBlack) // engines of IBSP take black for a wall
         colors.ambient = {1, 1, 1};
     put(0, colors);
     stored.latLong = DirectionBytes(steady.mainDirection[lane]);
@@ -374,7 +374,7 @@ class GridBlocks {
                                  stored ? GridRecords::Counts::AsLight : GridRecords::Counts::AsDirection,
                                  incident_[block]);
                     if (in_.options.cheapGrid || lights.size() > std::size_t(kMaxRecords))
-                        StopFullPoints(block, color);
+                        StopFullPoints(block, color, one.light->style);
                 }
         }
         for (std::size_t block = 0; block < blocks_.size(); ++block)
@@ -389,7 +389,7 @@ class GridBlocks {
 
   private:
     /// Stops lighting points that `color`, just added, makes white (-cheapgrid), and points with kMaxRecords records.
-    void StopFullPoints(std::size_t block, const Lanes3 &color);
+    void StopFullPoints(std::size_t block, const Lanes3 &color, int style);
     void AddFloodAndBounced(std::size_t block, GridStats &work);
 
     const GridInputs &in_;
@@ -399,11 +399,13 @@ class GridBlocks {
     std::vector<Lanes3> sums_; ///< by block: light so far, of all styles; only with -cheapgrid
 };
 
-void GridBlocks::StopFullPoints(std::size_t block, const Lanes3 &color) {
+void GridBlocks::StopFullPoints(std::size_t block, const Lanes3 &color, int style) {
+    // Light of another style in a slot of its own does not make the point white when it is off.
+    const bool counts = in_.options.cheapGrid && (style == 0 || !in_.options.styleSlots);
     for (unsigned lanes = incident_[block].live.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
         bool white = false;
-        if (in_.options.cheapGrid) {
+        if (counts) {
             const Vec3f sum = sums_[block][i] + color[i];
             sums_[block].Set(i, sum);
             white = sum.x >= 255 && sum.y >= 255 && sum.z >= 255;
@@ -457,23 +459,18 @@ GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {
 
 namespace {
 
-/// The mean of points with light. Styles are those of the first one; light of others is left out, as is that of other
-/// points in a slot that the first one leaves free.
-bspGridPoint_t MeanOf(std::span<const bspGridPoint_t *const> points) {
-    bspGridPoint_t mean = *points.front();
+/// The mean light of style 0 at points that have it in slot 0.
+bspGridPoint_t MeanOfPoints(std::span<const bspGridPoint_t *const> points) {
+    bspGridPoint_t mean{};
+    mean.latLong = points.front()->latLong;
     const auto count = int(points.size());
-    for (std::size_t slot = 0; slot < kStyles && mean.styles[slot] != kNoStyle; ++slot)
-        for (std::size_t channel = 0; channel < 3; ++channel) {
-            int ambient = 0, directed = 0;
-            for (const bspGridPoint_t *point : points) {
-                const auto from =
-                    std::size_t(std::ranges::find(point->styles, mean.styles[slot]) - point->styles.begin());
-                ambient += from < kStyles ? point->ambient[from][channel] : 0;
-                directed += from < kStyles ? point->directed[from][channel] : 0;
-            }
-            mean.ambient[slot][channel] = std::uint8_t((ambient + count / 2) / count);
-            mean.directed[slot][channel] = std::uint8_t((directed + count / 2) / count);
-        }
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        int ambient = 0, directed = 0;
+        for (const bspGridPoint_t *point : points)
+            ambient += point->ambient[0][channel], directed += point->directed[0][channel];
+        mean.ambient[0][channel] = std::uint8_t((ambient + count / 2) / count);
+        mean.directed[0][channel] = std::uint8_t((directed + count / 2) / count);
+    }
     return mean;
 }
 
@@ -493,7 +490,7 @@ void MarkWalls(const GridLayout &layout, const std::vector<std::uint8_t> &lit, s
                     if (const auto near = std::size_t(layout.Index(x, y, z)); lit[near] != 0)
                         around.push_back(&grid[near]);
         if (!around.empty())
-            point = MeanOf(around);
+            point = MeanOfPoints(around);
         point.styles = kNoStyles;
     }
 }

@@ -221,6 +221,7 @@ TEST(Ktx, UncompressedFormats) {
     EXPECT_THAT(one(kBytes, 0x1906, {9, 0, 0, 0}), ElementsAre(255, 255, 255, 9)) << "A";
     EXPECT_THAT(one(0x8033, kRgba, {0x4F, 0x08, 0, 0}), ElementsAre(0, 8 * 17, 4 * 17, 255)) << "4444";
     EXPECT_THAT(one(0x8033, kRgba, {0x08, 0x4F, 0, 0}, true), ElementsAre(0, 8 * 17, 4 * 17, 255)) << "big-endian";
+    EXPECT_THAT(one(kBytes, kRgba, {1, 2, 3, 4}, true), ElementsAre(1, 2, 3, 4)) << "bytes have no order";
     EXPECT_THAT(one(0x8034, kRgba, {0x01, 0xF8, 0, 0}), ElementsAre(255, 0, 0, 255)) << "5551";
     EXPECT_THAT(one(0x8363, kRgb, {0x1F, 0x00, 0, 0}), ElementsAre(0, 0, 255, 255)) << "565";
     const Bytes rows = {1, 2, 3, 0, 4, 5, 6, 0}; // a texel and a byte to the next multiple of 4

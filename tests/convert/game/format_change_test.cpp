@@ -46,7 +46,33 @@ TEST(ChangeFormat, FourStylesToOne) {
     EXPECT_EQ(bsp.drawSurfaces[0].lightmapNum[1], kLightmapByVertex);
     EXPECT_EQ(bsp.gridPoints[0].ambient[0], kBlack) << "a wall";
     EXPECT_EQ(bsp.gridPoints[1].ambient[0], (std::array<std::uint8_t, 3>{1, 1, 1})) << "no wall";
-    EXPECT_THAT(log.text, HasSubstr("1 surfaces have light of several styles: only style 0 is kept"));
+    EXPECT_THAT(log.text, HasSubstr("surfaces with light of other styles than 0: 1; one style is kept"));
+}
+
+TEST(ChangeFormat, Style0IsFoundInAnySlot) {
+    Bsp bsp = SmallBsp();
+    bsp.ident = kRbspIdent;
+    bsp.drawSurfaces[0].vertexStyles = {33, 0, kNoStyle, kNoStyle};
+    bsp.drawVerts[0].color[1] = {7, 8, 9, 255};
+    bsp.gridPoints[0].styles = {33, 0, kNoStyle, kNoStyle};
+    bsp.gridPoints[0].ambient[1] = kDim;
+    bsp.gridPoints[1].styles = {33, kNoStyle, kNoStyle, kNoStyle};
+    KeptLog log;
+    ChangeFormat(bsp, kIbspIdent, log.log);
+    EXPECT_EQ(bsp.drawVerts[0].color[0], (std::array<std::uint8_t, 4>{7, 8, 9, 255}));
+    EXPECT_EQ(bsp.gridPoints[0].ambient[0], kDim);
+    EXPECT_EQ(bsp.gridPoints[1].ambient[0], (std::array<std::uint8_t, 3>{1, 1, 1})) << "dark, but no wall";
+}
+
+TEST(ChangeFormat, StylesThatEnginesOfRavenDoNotHave) {
+    Bsp bsp = SmallBsp();
+    bsp.ident = kFbspIdent;
+    bsp.lightmapSide = kLightmapSide;
+    bsp.drawSurfaces[0].lightmapStyles = {0, 33, 64, kNoStyle};
+    KeptLog log;
+    ChangeFormat(bsp, kRbspIdent, log.log);
+    EXPECT_EQ(bsp.drawSurfaces[0].lightmapStyles, (Styles{0, 33, kNoStyle, kNoStyle}));
+    EXPECT_THAT(log.text, HasSubstr("light styles above 63"));
 }
 
 TEST(ChangeFormat, PagesOfOtherSizes) {
