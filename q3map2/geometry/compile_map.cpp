@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/text/text.h"
+#include "q3map2/bspfile/bspfile_rbsp.h"
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/map_keys.h"
@@ -448,6 +449,9 @@ CompiledMap MapCompiler::Compile() {
     writer_.EmitPlanes();
     writer_.RemapShaders();
     writer_.bsp.entities = GameEntities(map_, context_);
+    writer_.bsp.ident = context_.game.bspIdent;
+    if (writer_.bsp.ident == kFbspIdent)
+        writer_.bsp.lightmapSide = FbspLightmapSide(StoredWorld(writer_.bsp.entities));
     result_.bsp = std::move(writer_.bsp);
     result_.surfaceFile = std::move(writer_.surfaceFile);
     WarnOfLimits(result_.bsp, context_.game, log);
