@@ -69,13 +69,18 @@ class GridRecords {
     }
     std::int32_t Count(std::size_t block, std::size_t lane) const { return blocks_[block].records[lane]; }
 
-    /// Main directions of the points of a block, and their light of a style as ambient and directed part.
+    /// Light of a style at the points of a block, split into its ambient and directed part.
     struct Parts {
-        Lanes3 mainDirection, ambient, directed;
+        Lanes3 ambient, directed;
     };
-    /// The light of a block, by style; always with style 0, which has the ambient light of the world.
-    using PartsByStyle = std::map<int, Parts>;
-    std::vector<PartsByStyle> AllParts(const LightOptions &options, const Vec3f &ambient) const;
+    /// The light of a block.
+    struct BlockLight {
+        Lanes3 mainDirection;
+        Parts steady;                ///< style 0, with the ambient light of the world
+        std::map<int, Parts> styled; ///< other styles
+        Parts &OfStyle(int style);
+    };
+    std::vector<BlockLight> Split(const LightOptions &options, const Vec3f &ambient) const;
 
   private:
     static constexpr std::size_t kUsualLights = 16; ///< lights that reach a block of most maps
@@ -95,7 +100,7 @@ class GridRecords {
     };
     static void AddDirection(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record,
                              Block &block);
-    static void Divide(const LightRecord &record, const Directed &directed, Parts &parts);
+    static void Divide(const LightRecord &record, const Directed &directed, const Lanes3 &mainDirection, Parts &parts);
 
     std::vector<Block> blocks_;
     std::vector<LightRecord> lightRecords_;
@@ -151,12 +156,13 @@ void GridRecords::Add(std::size_t block, const Lanes3 &color, int style, Counts 
 }
 
 /// Splits a record into ambient and directed light and adds both.
-Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &directed, Parts &parts) {
+Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &directed, const Lanes3 &mainDirection,
+                                   Parts &parts) {
     const Directed fractions = directed; // a copy, which the outputs cannot alias
     const Lanes3 &color = record.color, &direction = record.direction;
     for (const std::size_t i : kEachLane) {
-        const float along = direction.x[i] * parts.mainDirection.x[i] + direction.y[i] * parts.mainDirection.y[i] +
-                            direction.z[i] * parts.mainDirection.z[i];
+        const float along = direction.x[i] * mainDirection.x[i] + direction.y[i] * mainDirection.y[i] +
+                            direction.z[i] * mainDirection.z[i];
         const float k = fractions.Fraction(along), rest = kMeanCosine * (1 - k);
         parts.directed.x[i] += color.x[i] * k;
         parts.directed.y[i] += color.y[i] * k;
@@ -167,37 +173,42 @@ Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &di
     }
 }
 
-std::vector<GridRecords::PartsByStyle> GridRecords::AllParts(const LightOptions &options, const Vec3f &ambient) const {
+GridRecords::Parts &GridRecords::BlockLight::OfStyle(int style) {
+    if (style == 0)
+        return steady;
+    const auto [found, isNew] = styled.try_emplace(style);
+    if (isNew) {
+        found->second.ambient.Fill({});
+        found->second.directed.Fill({});
+    }
+    return found->second;
+}
+
+std::vector<GridRecords::BlockLight> GridRecords::Split(const LightOptions &options, const Vec3f &ambient) const {
     const Directed directed(options);
-    std::vector<PartsByStyle> parts(blocks_.size());
+    std::vector<BlockLight> lights(blocks_.size());
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const Block &from = blocks_[block];
-        Parts &steady = parts[block][0];
+        BlockLight &light = lights[block];
         for (const std::size_t i : kEachLane)
-            steady.mainDirection.Set(
+            light.mainDirection.Set(
                 i, Vec3f(Normalize(Vec3d{from.directionSumX[i], from.directionSumY[i], from.directionSumZ[i]})));
-        steady.ambient.Fill(ambient);
-        steady.directed.Fill({});
+        light.steady.ambient.Fill(ambient);
+        light.steady.directed.Fill({});
     }
-    const auto partsOf = [&parts](std::size_t block, int style) -> Parts & {
-        const auto [found, isNew] = parts[block].try_emplace(style);
-        if (isNew) {
-            found->second.mainDirection = parts[block][0].mainDirection;
-            found->second.ambient.Fill({});
-            found->second.directed.Fill({});
-        }
-        return found->second;
-    };
-    for (const LightRecord &record : lightRecords_)
-        Divide(record, directed, partsOf(record.block, record.style));
+    for (const LightRecord &record : lightRecords_) {
+        BlockLight &light = lights[record.block];
+        Divide(record, directed, light.mainDirection, light.OfStyle(record.style));
+    }
     for (const PointRecord &record : pointRecords_) {
-        Parts &light = partsOf(record.block, record.style);
+        BlockLight &light = lights[record.block];
+        Parts &parts = light.OfStyle(record.style);
         const float k = directed.Fraction(Dot(record.direction, light.mainDirection[record.lane]));
-        light.directed.Set(record.lane, light.directed[record.lane] + record.color * k);
-        light.ambient.Set(record.lane,
-                          light.ambient[record.lane] + (record.color * (kMeanCosine * (1 - k)) + record.ownAmbient));
+        parts.directed.Set(record.lane, parts.directed[record.lane] + record.color * k);
+        parts.ambient.Set(record.lane,
+                          parts.ambient[record.lane] + (record.color * (kMeanCosine * (1 - k)) + record.ownAmbient));
     }
-    return parts;
+    return lights;
 }
 
 /// The first of PlacePoint's steps that can succeed: boxes of smaller steps hold no open leaf.
@@ -323,26 +334,24 @@ StoredColors StoreColors(const GridInputs &in, int style, const Vec3f &ambient, 
 
 /// The point in a lane of a block: style 0, and the other styles that give most light, in ascending order. Counts
 /// those left out.
-bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::PartsByStyle &parts, std::size_t lane,
+bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::BlockLight &light, std::size_t lane,
                           std::map<int, std::int64_t> &dropped) {
     bspGridPoint_t stored{};
     const auto put = [&stored](std::size_t slot, const StoredColors &colors) {
         stored.ambient[slot] = colors.ambient, stored.directed[slot] = colors.directed;
         stored.styles[slot] = std::uint8_t(colors.style);
     };
-    const GridRecords::Parts &steady = parts.at(0);
-    StoredColors colors = StoreColors(in, 0, Max(steady.ambient[lane], in.world.minGrid), steady.directed[lane]);
+    StoredColors colors =
+        StoreColors(in, 0, Max(light.steady.ambient[lane], in.world.minGrid), light.steady.directed[lane]);
     constexpr std::array<std::uint8_t, 3> kBlack{};
     if (colors.ambient == kBlack && colors.directed != kBlack) // engines of IBSP take black for a wall
         colors.ambient = {1, 1, 1};
     put(0, colors);
-    stored.latLong = DirectionBytes(steady.mainDirection[lane]);
+    stored.latLong = DirectionBytes(light.mainDirection[lane]);
     std::vector<StoredColors> others;
-    for (const auto &[style, light] : parts)
-        if (style != 0)
-            if (const StoredColors one = StoreColors(in, style, light.ambient[lane], light.directed[lane]);
-                one.Sum() > 0)
-                others.push_back(one);
+    for (const auto &[style, parts] : light.styled)
+        if (const StoredColors one = StoreColors(in, style, parts.ambient[lane], parts.directed[lane]); one.Sum() > 0)
+            others.push_back(one);
     if (others.size() >= kStyles) {
         std::ranges::stable_sort(others, std::greater(), &StoredColors::Sum);
         for (std::size_t i = kStyles - 1; i < others.size(); ++i)
@@ -381,7 +390,7 @@ class GridBlocks {
             AddFloodAndBounced(block, work);
     }
     void Store(std::span<bspGridPoint_t> grid, GridStats &work) const {
-        const auto lights = records_.AllParts(in_.options, in_.world.ambient);
+        const auto lights = records_.Split(in_.options, in_.world.ambient);
         for (std::size_t block = 0; block < blocks_.size(); ++block)
             for (std::size_t i = 0; i < blocks_[block].count; ++i)
                 grid[blocks_[block].index[i]] = StorePoint(in_, lights[block], i, work.dropped);
