@@ -40,11 +40,11 @@ Image DecodeJpeg(std::span<const std::byte> file, std::string_view name);
 /// All 16 bits of a channel, where DecodePng keeps 8.
 DeepImage DecodeDeepPng(std::span<const std::byte> file, std::string_view name);
 
-/// The same as DecodeImage of a file; 16-bit PNG keeps its bits. Errors: those of ReadFile too.
+/// Reads and decodes a file as DecodeImage does, but keeps all 16 bits of PNG. Errors: also those of ReadFile.
 DeepImage ReadDeepImage(const std::filesystem::path &path);
 
-/// By its first bytes, PNG, JPEG, WebP, DDS and KTX, else by the extension of `name`, TGA. Errors: those of the
-/// decoders, and another format.
+/// Recognizes PNG, JPEG, WebP, DDS and KTX by their first bytes, and TGA by the extension of `name`. Errors: those of
+/// the decoders, and a file of another format.
 Image DecodeImage(std::span<const std::byte> file, std::string_view name);
 
 /// Which row the texels given to EncodeTga begin with.

@@ -7,8 +7,8 @@ namespace q3 {
 
 namespace {
 
-/// Keeps memory in proportion to the file, beyond the first `kFreeWebpTexels`: a lossless image of one color takes no
-/// bits for its texels. Chosen.
+/// An image may have kFreeWebpTexels texels, and more if its file is as large as they need: a lossless image of one
+/// color takes no bits for its texels, so its header alone could claim any amount of memory. Limits of this program.
 constexpr std::uint64_t kFreeWebpTexels = std::uint64_t(1) << 22, kMaxWebpTexelsPerByte = 8192;
 
 /// Nothing if the header is damaged or cut.

@@ -120,6 +120,9 @@ struct BspFormat {
     bool advertisements = false; ///< slot 17 belongs to the format
     bool force = false;          ///< reading: wrong ident or version, or a partial record (lump dropped), only warns
     std::string_view ident = kIbspIdent; ///< writing: which format; reading goes by the file
+    /// Reading IBSP, which does not tell it: texels of a side of the pages. Files with part of such a page have pages
+    /// of kLightmapSide.
+    int lightmapSide = kLightmapSide;
 
     /// Whether records hold kStyles light styles, not one.
     bool HasStyleSlots() const { return ident != kIbspIdent; }

@@ -140,15 +140,21 @@ class Reader {
         ReadRecords<IbspDrawSurface>(LUMP_SURFACES, bsp.drawSurfaces);
         ReadRecords<IbspGridPoint>(LUMP_LIGHTGRID, bsp.gridPoints);
         lumps_.ReadArray(LUMP_ADVERTISEMENTS, bsp.advertisements);
-        if (constexpr std::size_t page = LightmapPageBytes(kLightmapSide); bsp.lightmaps.size() % page != 0) {
-            lumps_.RefuseRagged(LUMP_LIGHTMAPS, page);
-            bsp.lightmaps.clear();
-        }
+        ReadLightmapSide(bsp);
         lumps_.ReadBspx(bsp);
         return bsp;
     }
 
   private:
+    void ReadLightmapSide(Bsp &bsp) const {
+        const auto hasPagesOf = [&bsp](int side) { return bsp.lightmaps.size() % LightmapPageBytes(side) == 0; };
+        bsp.lightmapSide = hasPagesOf(format_.lightmapSide) ? format_.lightmapSide : kLightmapSide;
+        if (hasPagesOf(bsp.lightmapSide))
+            return;
+        lumps_.RefuseRagged(LUMP_LIGHTMAPS, LightmapPageBytes(bsp.lightmapSide));
+        bsp.lightmaps.clear();
+    }
+
     template <typename FileRecord, typename Record> void ReadRecords(int slot, std::vector<Record> &records) const {
         lumps_.ReadConverted<FileRecord>(slot, records, [](const FileRecord &record) { return InMemory(record); });
     }

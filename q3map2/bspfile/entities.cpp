@@ -207,6 +207,10 @@ void Entity::Erase(std::string_view key) {
     std::erase_if(pairs, [key](const auto &pair) { return EqualNoCase(pair.first, key); });
 }
 
+bool IsLight(const Entity &entity) {
+    return StartsWithNoCase(entity.ClassName(), "light");
+}
+
 std::vector<Entity> ParseEntities(std::string_view text, std::string_view name) {
     return Parse(text, name, false);
 }

@@ -34,6 +34,9 @@ struct Entity {
     void Erase(std::string_view key);
 };
 
+/// Whether the class of the entity begins with "light".
+bool IsLight(const Entity &entity);
+
 /// Parses entity lump text: quoted pairs in braces. `name` is for messages. Errors: unbalanced braces, missing strings.
 std::vector<Entity> ParseEntities(std::string_view text, std::string_view name);
 /// Entities of a compiled map: those of ParseEntities, and a worldspawn if there is none. Errors: of ParseEntities.

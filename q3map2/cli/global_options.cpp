@@ -291,9 +291,9 @@ Group GamePaths() {
         "and `-fs_nobasepath` that too; with `-fs_nohomepath` besides, nothing is searched but what `-fs_basepath` "
         "and `-fs_pakpath` name. The bsp and light stages need the game's files "
         "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
-        "archive or one of the folders of shader scripts, `textures` and `models`; an unknown `-game` is an error in "
-        "all "
-        "stages. With `-force` these are warnings; the light stage then knows of a shader what the shader records "
+        "archive or one of the folders of shader scripts, `textures` and `models`; an unknown `-game` is an error "
+        "in all stages. With `-force` these are warnings; the light stage then knows of a shader what the shader "
+        "records "
         "of the `.bsp` say.",
         {{{.name = "-game",
            .values = "NAME",
@@ -430,6 +430,10 @@ std::string OptionsForFolder(std::string_view name) {
         {"q3ut4", "-game quake3 -fs_game q3ut4, or -fs_basegame q3ut4"},
         {"rtcw", "-game wolf"},
         {"etlegacy", "-game et"},
+        {"warsow", "-game qfusion -fs_basegame basewsw"},
+        {"basewsw", "-game qfusion -fs_basegame basewsw"},
+        {"warfork", "-game qfusion -fs_basegame basewf"},
+        {"basewf", "-game qfusion -fs_basegame basewf"},
     });
     for (const OtherName &other : kOthers)
         if (EqualNoCase(other.name, name))

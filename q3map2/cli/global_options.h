@@ -47,7 +47,8 @@ struct GlobalOptions {
         return {.version = game->bspVersion,
                 .advertisements = game->hasAdvertisements,
                 .force = force,
-                .ident = game->bspIdent};
+                .ident = game->bspIdent,
+                .lightmapSide = game->bspIdent == kIbspIdent ? game->lightmapSize : kLightmapSide};
     }
 };
 

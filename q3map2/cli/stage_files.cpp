@@ -239,7 +239,7 @@ MapFiles FilesOfBsp(const std::string &word, const FilePlaces &places, std::span
     if (places.bsp.empty()) {
         RequireMap(beside, gameFolders);
         MapFiles files = FilesOf(beside, places);
-        files.bsp = beside; // of whatever extension
+        files.bsp = beside; // keeps the extension of `word`
         return files;
     }
     MapFiles files = FilesOf(IsFile(source) ? source : beside, places);

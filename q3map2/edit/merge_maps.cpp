@@ -6,6 +6,7 @@
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/entity_key.h"
+#include "q3map2/bspfile/switchable_lights.h"
 #include "q3map2/edit/edit_lumps.h"
 
 #include <algorithm>
@@ -191,13 +192,6 @@ void GiveOtherNames(const std::vector<Entity> &main, std::vector<Entity> &added)
         }
 }
 
-/// The style that the bsp stage gave a switchable light; 0: the entity is no such light.
-int SwitchStyle(const Entity &entity) {
-    const int style = IntegerFromText(entity.Value("style"));
-    const bool isSwitchable = StartsWithNoCase(entity.ClassName(), "light") && !entity.Value("targetname").empty();
-    return isSwitchable && style >= kFirstSwitchStyle && style < kFirstSwitchStyle + kSwitchStyleCount ? style : 0;
-}
-
 /// Styles of the surfaces of a map.
 std::set<int> StylesOf(const Bsp &bsp) {
     std::set<int> styles;
@@ -210,13 +204,10 @@ std::set<int> StylesOf(const Bsp &bsp) {
 /// Gives the switchable lights of the added map the style that lights of their name have in the main map, or else one
 /// that is not in `taken`. Returns the new styles by the old ones. Errors: too many.
 std::map<int, int> GiveOtherStyles(const std::vector<Entity> &main, std::set<int> taken, std::vector<Entity> &added) {
-    const auto groupOf = [](const Entity &light) {
-        return std::pair(LowerCase(light.Value("targetname")), std::string(light.Value("switch_style")));
-    };
-    std::map<std::pair<std::string, std::string>, int> styleOf; // of a group, in the merged map
+    std::map<SwitchGroup, int> styleOf; // of a group, in the merged map
     for (const Entity &light : main)
         if (const int style = SwitchStyle(light); style != 0) {
-            styleOf.emplace(groupOf(light), style);
+            styleOf.emplace(GroupOfNumbered(light), style);
             taken.insert(style);
         }
     std::map<int, int> changed;
@@ -224,9 +215,9 @@ std::map<int, int> GiveOtherStyles(const std::vector<Entity> &main, std::set<int
         const int old = SwitchStyle(light);
         if (old == 0)
             continue;
-        int &style = styleOf[groupOf(light)];
+        int &style = styleOf[GroupOfNumbered(light)];
         for (int free = kFirstSwitchStyle; style == 0; ++free) {
-            if (free == kFirstSwitchStyle + kSwitchStyleCount)
+            if (free > kLastStyle)
                 throw Error("the maps have more than {} groups of switchable lights, engines of these games have no "
                             "more styles for them",
                             kSwitchStyleCount);

@@ -7,6 +7,7 @@
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/map_keys.h"
+#include "q3map2/bspfile/switchable_lights.h"
 #include "q3map2/geometry/effects/decals.h"
 #include "q3map2/geometry/effects/fog.h"
 #include "q3map2/geometry/effects/surface_effects.h"
@@ -16,7 +17,6 @@
 #include "q3map2/geometry/faces/meta.h"
 #include "q3map2/geometry/faces/tjunctions.h"
 #include "q3map2/geometry/models/models.h"
-#include "q3map2/map/switchable_lights.h"
 #include "q3map2/tree/brush_filter.h"
 #include "q3map2/tree/flood.h"
 #include "q3map2/tree/portals.h"
@@ -193,6 +193,29 @@ void NumberModels(Map &map, const BspContext &context) {
     context.log.VerboseCount(models, "models");
 }
 
+/// Games with light styles in their files: numbers the switchable lights. Errors: styles that engines do not have.
+void SetUpLightStyles(Map &map, const BspContext &context) {
+    if (!context.game.styleSlots)
+        return;
+    std::vector<Entity *> lights;
+    for (MapEntity &entity : map.entities) {
+        if (!IsLight(entity.pairs))
+            continue;
+        RestoreLightStyle(entity.pairs); // entities may come from a .bsp
+        const int style = StyleInFile(entity.pairs);
+        if (style > kLastStyle)
+            throw Error("{}: light style {}, expected 0 to {}: engines of this game have no others",
+                        entity.MessagePrefix(), style, kLastStyle);
+        if (style >= kFirstSwitchStyle && !IsSwitchableLight(entity.pairs))
+            context.log.Warn("style of switchable lights",
+                             "{}: light style {}, but {} to {} belong to switchable lights, and this light has no "
+                             "targetname: it is switched with the group that has this style, or stays dark",
+                             entity.MessagePrefix(), style, kFirstSwitchStyle, kLastStyle);
+        lights.push_back(&entity.pairs);
+    }
+    NumberSwitchableLights(lights, map.name);
+}
+
 std::string GameEntities(const Map &map, const BspContext &context) {
     const BspOptions &options = context.options;
     const Entity &world = map.entities.front().pairs;
@@ -205,8 +228,7 @@ std::string GameEntities(const Map &map, const BspContext &context) {
             EqualNoCase(name, "_decal") || EqualNoCase(name, "_skybox") || EqualNoCase(name, "func_group") ||
             EqualNoCase(name, "group_info") ||
             (EqualNoCase(name, "misc_model") && !keepModels && !keys::kStaticProp.Flag(entity.pairs)) ||
-            (StartsWithNoCase(name, "light") && !keepLights &&
-             !(context.game.styleSlots && IsSwitchableLight(entity.pairs)));
+            (IsLight(entity.pairs) && !keepLights && !(context.game.styleSlots && IsSwitchableLight(entity.pairs)));
         if (&entity.pairs == &world || (!isCompiledIn && !entity.pairs.pairs.empty()))
             kept.push_back(entity.pairs);
     }
@@ -215,8 +237,7 @@ std::string GameEntities(const Map &map, const BspContext &context) {
 
 void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
     NumberModels(map, context);
-    if (context.game.styleSlots)
-        NumberSwitchableLights(map);
+    SetUpLightStyles(map, context);
     const std::vector<Entity> old = ParseEntities(bsp.entities, map.name);
     for (const std::string_view key : kToolKeys)
         if (!old.empty() && old.front().Has(key))
@@ -430,8 +451,7 @@ CompiledMap MapCompiler::Compile() {
     Log &log = context_.log;
     decals_ = CollectDecals(map_, context_);
     NumberModels(map_, context_);
-    if (context_.game.styleSlots)
-        NumberSwitchableLights(map_);
+    SetUpLightStyles(map_, context_);
     if (!context_.options.noFog)
         geometry_.fogs = CollectFogs(map_, context_, geometry_.defaultFog);
     if (!CompileWorld())

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. A map ready to be lit: its surfaces, lights, scene and grids, set up from a .bsp and files beside
 // it.
 #include "q3map2/light/light_setup.h"
+#include "q3map2/bspfile/switchable_lights.h"
 
 #include "common/error.h"
 #include "q3map2/bspfile/entity_key.h"
@@ -17,13 +18,9 @@ namespace q3 {
 
 namespace {
 
-bool IsLight(const Entity &entity) {
-    return StartsWithNoCase(entity.ClassName(), "light");
-}
-
 /// Whether the bsp stage has given the light a style, by its targetname.
 bool IsNumberedSwitch(const Entity &light, const LightOptions &options) {
-    return options.styleSlots && !light.Value("targetname").empty();
+    return options.styleSlots && IsSwitchableLight(light);
 }
 
 struct NumberedEntities {

@@ -169,7 +169,7 @@ void RecordTone(const std::string &tone, const LightmapOptions &lightmap, const 
 void RecordStyles(const LightStyles &styles, std::vector<Entity> &entities) {
     styles.Record(entities.front());
     for (Entity &entity : entities)
-        if (StartsWithNoCase(entity.ClassName(), "light"))
+        if (IsLight(entity))
             styles.Set(entity);
 }
 

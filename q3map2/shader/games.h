@@ -28,7 +28,8 @@ struct Game {
     bool styleSlots = false;
     int maxStyleSets = 0; ///< different sets of light styles on surfaces that engines draw; 0: any
     int maxLightmaps = 0; ///< lightmap pages that engines draw, those of light directions too; 0: not known
-    /// The leafs of brush entities are solid: the engine takes the surfaces that others list for those of the world.
+    /// Leafs of brush entities have no cluster. The engine takes every surface that a leaf with a cluster lists for one
+    /// of the world.
     bool solidModelLeafs = false;
     bool wolfLighting = false; ///< linear falloff without angle attenuation by default
     bool flares = false;       ///< default of -flares
@@ -46,7 +47,7 @@ struct Game {
     std::string_view flareShader = "flareshader";
     bool refusesFoliage = false; ///< the engine ends with an error when a map has surfaces of foliage
     std::string_view originShader = "common/origin"; ///< of origin brushes
-    int maxFogs = 31;       ///< that engines draw; some need a bit pattern of their five bits for something else
+    int maxFogs = 31;       ///< that engines draw; fog numbers have 5 bits, and some engines reserve a value
     int lightmapSize = 128; ///< side of a lightmap page in the file
     bool deluxe = false, deluxeTangent = false; ///< light direction pages by default; in tangent space
     std::vector<SurfaceParm> surfaceParms;      ///< in table order, the first match of a name counts

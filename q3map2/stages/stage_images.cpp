@@ -11,6 +11,7 @@
 #include "q3map2/report/run_report.h"
 #include "q3map2/ssbump/ssbump.h"
 #include "q3map2/stages/stages.h"
+#include "q3map2/stages/written_map.h"
 
 namespace q3 {
 
@@ -34,6 +35,7 @@ int MinimapStage(const StageContext &context, Arguments arguments) {
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
+    RequireFormatOfGame(bsp, bspPath, context.options);
     ShaderLibrary library(vfs, game, {}, log);
     const JobPool jobs(context.options.threads);
     WriteMinimap(bsp, bspPath, library, options, MinimapStyleOf(game.name), jobs, log);
@@ -66,7 +68,7 @@ namespace {
 /// A page of LIGHTING_E5BGR9 in the row order of -export.
 FloatImage HdrPageOf(const std::filesystem::path &path, const StageContext &context, int page) {
     const Bsp bsp = ReadBspFile(path, context.options.Format(), context.log);
-    const int side = context.options.game->lightmapSize;
+    const int side = bsp.lightmapSide;
     const std::size_t texels = std::size_t(side) * std::size_t(side), pages = bsp.lightmapsE5bgr9.size() / texels;
     if (pages == 0)
         throw Error("{}: the map has no HDR lightmaps", path.string());

@@ -164,15 +164,6 @@ int LightStage(const StageContext &context, Arguments arguments) {
     return 0;
 }
 
-namespace {
-
-/// Side of the lightmap pages in the lump. IBSP files do not say it, so the game does.
-int PageSizeOf(const Bsp &bsp, const Game &game) {
-    return bsp.ident == game.bspIdent && bsp.ident == kIbspIdent ? game.lightmapSize : bsp.lightmapSide;
-}
-
-} // namespace
-
 int ExportStage(const StageContext &context, Arguments arguments) {
     const ExportOptions options = ParseExportOptions(arguments, context.log);
     const LightmapFiles files = TakeLightmapFiles(context, arguments);
@@ -180,7 +171,7 @@ int ExportStage(const StageContext &context, Arguments arguments) {
     guard.Needs(files.bsp);
     guard.WritesInto(files.folder, SizeOfFile(files.bsp) / 4); // assumed: lightmaps are a quarter of a lit map
     const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
-    ExportLightmaps(bsp, PageSizeOf(bsp, *context.options.game), files.folder, context.log, options);
+    ExportLightmaps(bsp, bsp.lightmapSide, files.folder, context.log, options);
     return 0;
 }
 
@@ -192,7 +183,7 @@ int ImportStage(const StageContext &context, Arguments arguments) {
     guard.Writes(files.bsp, SizeOfFile(files.bsp));
     Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), context.log);
     const BspFormat format = FormatOfMap(bsp, files.bsp, context.options);
-    ImportLightmaps(bsp, PageSizeOf(bsp, *context.options.game), files.folder, context.log, options);
+    ImportLightmaps(bsp, bsp.lightmapSide, files.folder, context.log, options);
     guard.CheckUnchanged();
     const BotCheck bots(files.bsp, context.log);
     WriteBspFile(files.bsp, bsp, format, context.log);

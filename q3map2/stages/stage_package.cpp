@@ -291,6 +291,7 @@ int SHReportStage(const StageContext &context, Arguments arguments) {
     const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     log.Print("Loading {}\n", bspPath.string());
     const Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
+    RequireFormatOfGame(bsp, bspPath, context.options);
     const std::string explanations = run ? ExplainPlaces(bsp, files, *run, vfs, options,
                                                          fmt::format("{}", fmt::join(file.wordsToRecord, " ")), context)
                                          : std::string();

@@ -120,9 +120,8 @@ std::vector<Stage> CompilingStages() {
          SHReportStage, [] { return Describe(SHReportSettings()); }},
         {"-ssbump", "-ssbump [options] HEIGHT OUT.tga|OUT.png",
          "Make a self-shadowed bump map from a height map, for directional lightmaps",
-         "HEIGHT is a TGA, PNG, JPEG, WebP, DDS or KTX file whose luminance is the height; PNG files may have 16 bits "
-         "per "
-         "channel. Alpha is kept. Game files are not needed.",
+         "HEIGHT is a TGA, PNG, JPEG, WebP, DDS or KTX file whose luminance is the height; PNG files may have 16 "
+         "bits per channel. Alpha is kept. Game files are not needed.",
          SsbumpStage, [] { return Describe(SsbumpSettings()); }}};
 }
 

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/bspfile.h"
+#include "q3map2/bspfile/bspfile_rbsp.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/shader/games.h"
@@ -34,7 +35,7 @@ BspFormat FormatOfMap(const Bsp &bsp, const std::filesystem::path &path, const G
         RequireFormatOfGame(bsp, path, options);
     BspFormat format = options.Format();
     if (bsp.ident != format.ident)
-        format = {.version = 1, .force = options.force, .ident = bsp.ident};
+        format = {.version = kRbspVersion, .force = options.force, .ident = bsp.ident};
     return format;
 }
 

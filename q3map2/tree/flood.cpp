@@ -68,8 +68,7 @@ void MarkSkyBox(Tree &tree, int start) {
 
 /// Whether the entity shines from its origin: suns do not.
 bool ShinesFromOrigin(const Entity &entity) {
-    return StartsWithNoCase(entity.ClassName(), "light") && !EqualNoCase(entity.ClassName(), "light_environment") &&
-           keys::kSun.Number(entity) == 0;
+    return IsLight(entity) && !EqualNoCase(entity.ClassName(), "light_environment") && keys::kSun.Number(entity) == 0;
 }
 
 /// Whether p is inside the brush, and it is solid and opaque.

@@ -246,6 +246,20 @@ TEST(Layout, ForceTurnsMismatchesIntoWarnings) {
     EXPECT_EQ(ReadBsp(ragged, "x.bsp", forced, listener.log).lightmaps.size(), 0u);
 }
 
+TEST(Ibsp, PagesHaveTheSizeOfTheGameIfTheLumpIsMadeOfSuch) {
+    BspFormat large = kQuake3;
+    large.lightmapSide = 512;
+    Bsp bsp = SampleBsp();
+    KeptLog listener;
+    const auto pagesIn = [&](std::size_t bytes) {
+        bsp.lightmaps.resize(bytes);
+        const Bsp read = ReadBsp(WriteBsp(bsp, kQuake3), "x.bsp", large, listener.log);
+        return std::pair(read.lightmapSide, read.LightmapPages());
+    };
+    EXPECT_EQ(pagesIn(2 * LightmapPageBytes(512)), (std::pair<int, std::size_t>{512, 2}));
+    EXPECT_EQ(pagesIn(LightmapPageBytes(128)), (std::pair<int, std::size_t>{128, 1})) << "lit for another game";
+}
+
 TEST(Bspx, ForeignLumpsComeFirstAndOursLast) {
     Bsp bsp = SampleBsp();
     bsp.gridSH = SampleGridSH();

@@ -442,10 +442,14 @@ TEST_F(SwitchTest, StylesAndGroupsThatEnginesDoNotHaveAreRefused) {
     for (int i = 0; i < 32; ++i)
         lights += LightText(fmt::format("\"targetname\" \"lamp{}\"", i));
     EXPECT_EQ(ErrorOf(lights), "");
+    EXPECT_EQ(ErrorOf(lights + LightText("\"targetname\" \"Lamp7\"")), "") << "games ignore the case of names";
     const std::string tooMany = ErrorOf(lights + LightText("\"targetname\" \"last\"\n\"style\" \"4\""));
     EXPECT_THAT(tooMany, HasSubstr("33 groups of switchable lights"));
     EXPECT_THAT(tooMany, HasSubstr("lamp31, last of style 4"));
+    EXPECT_EQ(ErrorOf(LightText("\"style\" \"31\"")), "");
+    EXPECT_EQ(out.log.WarningCount("style of switchable lights"), 0);
     EXPECT_EQ(ErrorOf(LightText("\"style\" \"63\"")), "");
+    EXPECT_EQ(out.log.WarningCount("style of switchable lights"), 1) << "it would be switched with other lights";
     for (const int style : {64, 255})
         EXPECT_THAT(ErrorOf(LightText(fmt::format("\"style\" \"{}\"", style))),
                     testing::AllOf(HasSubstr("Entity 2: test.map:"), HasSubstr(fmt::format("light style {}", style))));

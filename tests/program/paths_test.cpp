@@ -126,6 +126,7 @@ TEST_F(PathsTest, FoldersInPlaceOfGames) {
                 HasSubstr("try -game quake3 -fs_basegame baseoa, or -fs_game baseoa"));
     EXPECT_THAT(ErrorOf("-game missionpack -info MAP"), HasSubstr("-game quake3 -fs_game missionpack"));
     EXPECT_THAT(ErrorOf("-game xreal -info MAP"), HasSubstr("-game quake3 -fs_game xreal"));
+    EXPECT_THAT(ErrorOf("-game warfork -info MAP"), HasSubstr("try -game qfusion -fs_basegame basewf"));
     EXPECT_THAT(ErrorOf("-game etmain -info MAP"), HasSubstr("try -game et;"));
     const Outcome help = RunWell("-help game");
     for (const Game &game : Games()) {

@@ -117,6 +117,20 @@ class FlagTranslator {
     std::set<std::string> lost_;                    ///< names of dropped flags, or their bits in hexadecimal
 };
 
+/// Surfaces are not erased, since leafs, models and brush sides have their numbers.
+void EmptyFoliage(Bsp &bsp, const Game &to, Log &log) {
+    std::size_t count = 0;
+    for (bspDrawSurface_t &surface : bsp.drawSurfaces)
+        if (surface.surfaceType == MST_FOLIAGE) {
+            surface.surfaceType = MST_TRIANGLE_SOUP;
+            surface.numVerts = surface.numIndexes = surface.patchWidth = surface.patchHeight = 0;
+            ++count;
+        }
+    if (count > 0)
+        log.Warn("foliage", "{} surfaces of foliage are left out, since {} loads no map with such surfaces", count,
+                 to.title);
+}
+
 } // namespace
 
 void ConvertToGame(Bsp &bsp, const Game &from, const Game &to, Log &log) {
@@ -128,6 +142,8 @@ void ConvertToGame(Bsp &bsp, const Game &from, const Game &to, Log &log) {
     for (const FlagTranslator *translator : {&surface, &content})
         for (const std::string &name : translator->Lost())
             log.Warn("surfaceparm of another game", "{} has no {}, which the map uses: it is dropped", to.name, name);
+    if (to.refusesFoliage)
+        EmptyFoliage(bsp, to, log);
     if (from.bspIdent == to.bspIdent && from.lightmapSize != to.lightmapSize && !bsp.lightmaps.empty())
         log.Warn("lightmaps of another size", "{} has lightmap pages of {} texels, {} of {}: light the map again",
                  to.name, to.lightmapSize, from.name, from.lightmapSize);

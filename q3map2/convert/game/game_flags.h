@@ -28,8 +28,9 @@ bool ParseFlagNumber(std::string_view text, std::uint32_t &value);
 /// Translates the surface and content flags of the shader records: each surfaceparm of `from` gets the bits of the
 /// surfaceparm of that name in `to`. A flag that no surfaceparm of `from` names, or whose name `to` lacks, keeps its
 /// bits if they mean nothing in `to`; else it is dropped with a warning. Shaders also get the bits that all shaders of
-/// `to` have by default and those of `from` do not, unless their surfaceparms clear them. Also warns if the lightmap
-/// pages of two games of one format differ in size. The records are left to ChangeFormat, the file version to BspFormat.
+/// `to` have by default and those of `from` do not, unless their surfaceparms clear them. Surfaces of foliage become
+/// empty triangle soups, with a warning, if engines of `to` refuse them. Also warns if the lightmap pages of two games
+/// of one format differ in size. The records are left to ChangeFormat, the file version to BspFormat.
 void ConvertToGame(Bsp &bsp, const Game &from, const Game &to, Log &log);
 
 } // namespace q3

@@ -34,9 +34,9 @@ class Unpacker {
         const bool hasStyles = bsp_.ident != kIbspIdent;
         ForEachJsonFile(bsp_, [&](std::string_view file, std::string_view prefix, const auto &records) {
             if constexpr (std::is_same_v<decltype(records), const std::vector<bspGridPoint_t> &>)
-                WriteRecords(file, prefix, hasStyles ? records : WithColorsInAllSlots(records));
-            else
-                WriteRecords(file, prefix, records);
+                if (!hasStyles)
+                    return WriteRecords(file, prefix, WithColorsInAllSlots(records));
+            WriteRecords(file, prefix, records);
         });
         WriteIf(hasStyles, kJsonFormat, [this] {
             WriteRecords(kJsonFormat, "format", std::vector<JsonFormat>{{std::string(bsp_.ident), bsp_.lightmapSide}});

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Decompiles a .bsp to a map source: its brushes as convex solids, their planes, entities and
 // textures.
 #include "q3map2/convert/source/source_from_bsp.h"
+#include "q3map2/bspfile/switchable_lights.h"
 
 #include "common/text/text.h"
 #include "libs/math/winding.h"
@@ -8,7 +9,6 @@
 #include "q3map2/convert/source/source_writer.h"
 #include "q3map2/convert/source/texture_form.h"
 #include "q3map2/map/map_texture.h"
-#include "q3map2/map/switchable_lights.h"
 
 #include <fmt/format.h>
 

@@ -110,7 +110,7 @@ void MakeFlares(const Map &map, Geometry &geometry, const BspContext &context) {
     if (!context.options.flares)
         return;
     for (const MapEntity &light : map.entities) {
-        if (!StartsWithNoCase(light.pairs.ClassName(), "light"))
+        if (!IsLight(light.pairs))
             continue;
         std::string_view name = keys::kFlareShader.Text(light.pairs);
         if (name.empty() && !keys::kFlare.Flag(light.pairs))

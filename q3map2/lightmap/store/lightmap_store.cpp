@@ -388,6 +388,7 @@ class Storer {
 
     void StoreLump() {
         bsp_.lightmaps.clear();
+        bsp_.lightmapSide = in_.lightmap.gamePageSize[0];
         for (const LightmapPage &page : result_.pages) {
             if (in_.lightmap.external || page.number < 0 || !in_.lightmap.ldr)
                 continue;

@@ -67,6 +67,19 @@ TEST_F(GameConvertTest, LostMaterialsAreNamed) {
     EXPECT_NE(out.text.find("quake3 has no material rock"), std::string::npos) << out.text;
 }
 
+TEST_F(GameConvertTest, FoliageIsEmptiedForEnginesThatRefuseIt) {
+    Bsp bsp;
+    bsp.drawSurfaces.resize(1);
+    bsp.drawSurfaces[0].surfaceType = MST_FOLIAGE;
+    bsp.drawSurfaces[0].numVerts = 5;
+    ConvertToGame(bsp, *FindGame("et"), *FindGame("wolf"), out.log);
+    EXPECT_EQ(bsp.drawSurfaces[0].surfaceType, MST_FOLIAGE);
+    ConvertToGame(bsp, *FindGame("et"), *FindGame("ja"), out.log);
+    EXPECT_EQ(bsp.drawSurfaces[0].surfaceType, MST_TRIANGLE_SOUP);
+    EXPECT_EQ(bsp.drawSurfaces[0].numVerts, 0);
+    EXPECT_NE(out.text.find("1 surfaces of foliage are left out"), std::string::npos) << out.text;
+}
+
 TEST_F(GameConvertTest, LightmapsOfAnotherSizeNeedNewLight) {
     Bsp bsp;
     bsp.lightmaps.resize(kLightmapPageBytes);

@@ -1,37 +1,27 @@
 // GPL-2.0-or-later. Switchable lights of games whose engines switch light styles: their numbers in a .bsp.
-#include "q3map2/map/switchable_lights.h"
+#include "q3map2/bspfile/switchable_lights.h"
 
 #include "common/error.h"
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
-#include "q3map2/bspfile/map_keys.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
-#include <string>
-#include <utility>
 #include <vector>
 
 namespace q3 {
 
 namespace {
 
-constexpr int kEngineStyles = kFirstSwitchStyle + kSwitchStyleCount;
-constexpr std::string_view kSwitchedStyle = "switch_style"; ///< key: style of the light while it is on
+/// Key that games read: the style of the light while it is on.
+constexpr std::string_view kSwitchedStyle = "switch_style";
 
-/// Targetname and own style.
-using SwitchGroup = std::pair<std::string, int>;
-
-bool IsLight(const Entity &entity) {
-    return StartsWithNoCase(entity.ClassName(), "light");
-}
-
-int StyleInFile(const Entity &light) {
-    constexpr double kMost = 1e6; // other numbers are refused all the same
-    return int(std::clamp(light.Number({"_style", "style"}), -kMost, kMost));
+/// As games read it, which do not know the alias _targetname of the compiler.
+std::string_view TargetName(const Entity &entity) {
+    return entity.Value("targetname");
 }
 
 std::string NameOf(const SwitchGroup &group) {
@@ -41,38 +31,47 @@ std::string NameOf(const SwitchGroup &group) {
 std::map<SwitchGroup, int> NumberedGroups(std::span<const Entity> entities) {
     std::map<SwitchGroup, int> styles;
     for (const Entity &entity : entities)
-        if (IsSwitchableLight(entity))
-            styles[{std::string(keys::kTargetName.Text(entity)),
-                    StrictInteger(entity.Value(kSwitchedStyle)).value_or(0)}] = StyleInFile(entity);
+        if (const int style = SwitchStyle(entity); style != 0)
+            styles[GroupOfNumbered(entity)] = style;
     return styles;
 }
 
 } // namespace
 
 bool IsSwitchableLight(const Entity &entity) {
-    return IsLight(entity) && keys::kTargetName.Given(entity);
+    return IsLight(entity) && !TargetName(entity).empty();
 }
 
-void NumberSwitchableLights(Map &map) {
+int StyleInFile(const Entity &light) {
+    constexpr double kMost = 1e6; // callers refuse such numbers
+    return int(std::clamp(light.Number({"_style", "style"}), -kMost, kMost));
+}
+
+int SwitchStyle(const Entity &entity) {
+    if (!IsSwitchableLight(entity))
+        return 0;
+    const int style = StyleInFile(entity);
+    return style >= kFirstSwitchStyle && style <= kLastStyle ? style : 0;
+}
+
+SwitchGroup GroupOfNumbered(const Entity &light) {
+    return {LowerCase(TargetName(light)), StrictInteger(light.Value(kSwitchedStyle)).value_or(0)};
+}
+
+void NumberSwitchableLights(std::span<Entity *const> lights, std::string_view mapName) {
     std::vector<SwitchGroup> groups;
-    for (MapEntity &entity : map.entities) {
-        if (!IsLight(entity.pairs))
+    for (Entity *light : lights) {
+        if (!IsSwitchableLight(*light))
             continue;
-        RestoreLightStyle(entity.pairs); // entities may come from a .bsp
-        if (const int own = StyleInFile(entity.pairs); own >= kEngineStyles)
-            throw Error("{}: light style {}, expected 0 to {}: engines of this game have no others",
-                        entity.MessagePrefix(), own, kEngineStyles - 1);
-        if (!IsSwitchableLight(entity.pairs))
-            continue;
-        const SwitchGroup group{keys::kTargetName.Text(entity.pairs), keys::kStyle.Integer(entity.pairs)};
+        const SwitchGroup group{LowerCase(TargetName(*light)), StyleInFile(*light)};
         const auto found = std::ranges::find(groups, group);
         const auto number = found - groups.begin();
         if (found == groups.end())
             groups.push_back(group);
-        entity.pairs.Erase("_style");
-        entity.pairs.Set("style", fmt::format("{}", kFirstSwitchStyle + number));
+        light->Erase("_style");
+        light->Set("style", fmt::format("{}", kFirstSwitchStyle + number));
         if (group.second != 0)
-            entity.pairs.Set(kSwitchedStyle, fmt::format("{}", group.second));
+            light->Set(kSwitchedStyle, fmt::format("{}", group.second));
     }
     if (groups.size() <= std::size_t(kSwitchStyleCount))
         return;
@@ -81,12 +80,11 @@ void NumberSwitchableLights(Map &map) {
         names.push_back(NameOf(group));
     throw Error("{}: {} groups of switchable lights, engines of this game have {} styles for them; lights of one "
                 "targetname and style are one group: {}",
-                map.name, groups.size(), kSwitchStyleCount, fmt::join(names, ", "));
+                mapName, groups.size(), kSwitchStyleCount, fmt::join(names, ", "));
 }
 
 void RestoreLightStyle(Entity &entity) {
-    const int style = StyleInFile(entity);
-    if (!IsSwitchableLight(entity) || style < kFirstSwitchStyle || style >= kEngineStyles)
+    if (SwitchStyle(entity) == 0)
         return;
     const std::string own(entity.Value(kSwitchedStyle));
     entity.Erase(kSwitchedStyle);
