@@ -52,7 +52,7 @@ def replace(pattern, lines):
 
 
 def need(pattern, why):
-    """Something that our sources use. why: what it does."""
+    """Something that our sources use. why: a sentence about it."""
     return Edit("need", pattern, why, "first")
 
 
@@ -107,6 +107,8 @@ class Source:
         if not spans:
             raise Missing(f"there is no {scope}")
         if edit.kind == "start":
+            if len(spans) > 1:
+                raise Missing(f"{scope} is there {len(spans)} times")
             return spans[0]
         pattern = re.compile(edit.pattern, re.M)
         matches = [match for begin, end in spans for match in pattern.finditer(self.searched, begin, end)]

@@ -85,10 +85,10 @@ if ( backEnd.currentEntity->shGrid.lit ) {
 ]
 
 RENDERER2 = [
-    # Our sources take engines since October 2017.
+    # Engines before October 2017 lack one of these.
     In("../renderercommon/qgl.h", "",
-       need(r"\bqglesMajorVersion\b", "tells OpenGL ES from OpenGL"),
-       need(r"\bProgramUniform1fvEXT\b", "sets uniforms")),
+       need(r"\bqglesMajorVersion\b", "it tells OpenGL ES from OpenGL"),
+       need(r"\bProgramUniform1fvEXT\b", "it sets uniforms")),
 
     In("tr_bsp.c", "RE_LoadWorldMap",
        after(r"!=\s*BSP_VERSION\b", "R_InitSHGrid();")),
@@ -174,7 +174,7 @@ BUILDS = [
            after(r"renderergl1/tr_shadows\.c", "${SOURCE_DIR}/renderergl1/tr_shgrid_gl1.c")),
         In("cmake/renderer_gl2.cmake", "",
            after(r"renderergl2/tr_shadows\.c", "${SOURCE_DIR}/renderergl2/tr_shgrid_gl2.c"),
-           need(r"\bGLOB\b.*\.glsl\b", "puts the GLSL files into the build")),
+           need(r"\bGLOB\b.*\.glsl\b", "it puts the GLSL files into the build")),
     ],
     [
         In("Makefile", "",
