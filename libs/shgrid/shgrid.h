@@ -158,8 +158,16 @@ extern "C" {
 #define SHGRID_SPARSE_HEADER_BYTES 64
 #define SHGRID_SPARSE_NODE_BYTES 12
 #define SHGRID_SPARSE_POINT_BYTES 28
+#define SHGRID_LIGHTS_HEADER_BYTES 96
+#define SHGRID_LIGHTS_NODE_BYTES 20
+#define SHGRID_LIGHT_BYTES 116
+#define SHGRID_POLYGON_BYTES 44
 #define SHGRID_SPARSE_LEVELS 12        /* maximum */
 #define SHGRID_SPARSE_CELLS (1L << 24) /* maximum of the smallest cells on an axis */
+#define SHGRID_LIGHTS 65535            /* maximum of lights that a grid can name */
+#define SHGRID_POLYGON_VERTICES 64     /* maximum of a polygon of a light */
+#define SHGRID_NAMES_AT_PLACE 64       /* lights that act at a place; a grid of this project has fewer */
+#define SHGRID_DIRECT_LIGHTS 32        /* maximum of directional lights for an entity */
 
 typedef enum {
     SHGRID_OK,
@@ -174,14 +182,21 @@ typedef enum {
     SHGRID_BAD_TONE,    /* tone text is not pairs of a word and a number, or a number is out of range */
     SHGRID_BAD_VERSION, /* a sparse grid of another version */
     SHGRID_BAD_LEVELS,  /* a sparse grid of no level, or more than SHGRID_SPARSE_LEVELS */
-    SHGRID_BAD_NODES    /* the tree of a sparse grid contradicts itself */
+    SHGRID_BAD_NODES,   /* the tree of a sparse grid contradicts itself */
+    SHGRID_BAD_LIGHTS   /* a light that the grid names, its polygons or its name are out of range */
 } shgrid_result;
 
 typedef enum {
-    SHGRID_ANY,     /* the sparse form if the map has a good one, since it is finer, else the uniform one */
+    SHGRID_ANY,     /* the first good one of these, from the last to the first: the most accurate */
     SHGRID_UNIFORM, /* lump 18 or BSPX LIGHTGRID_SH */
-    SHGRID_SPARSE   /* BSPX LIGHTGRID_SH_SPARSE */
+    SHGRID_SPARSE,  /* BSPX LIGHTGRID_SH_SPARSE */
+    SHGRID_NAMED    /* BSPX LIGHTGRID_SH_LIGHTS: names its strongest lights */
 } shgrid_form;
+
+/* Types of lights, curves of their falloff, and flags, in the table of a grid that names lights. */
+enum { SHGRID_POINT, SHGRID_SPOT, SHGRID_SUN, SHGRID_POLYGONS };
+enum { SHGRID_INVERSE_SQUARE, SHGRID_LINEAR, SHGRID_WINDOWED, SHGRID_POLYNOMIAL };
+enum { SHGRID_TWO_SIDED = 1, SHGRID_CONE_BY_ANGLES = 2 };
 
 /* Points into the caller's memory: keep the file or the lump as long as the grid. */
 typedef struct {
@@ -192,7 +207,11 @@ typedef struct {
     const unsigned char *points; /* SHGRID_POINT_BYTES each, or SHGRID_SPARSE_POINT_BYTES; any alignment */
     int32_t levels;              /* 0: uniform. Sparse: the edge of a root is 2^levels smallest cells */
     int32_t nodeCount;           /* sparse */
-    const unsigned char *nodes;  /* sparse: SHGRID_SPARSE_NODE_BYTES each */
+    int32_t nodeBytes;           /* sparse */
+    const unsigned char *nodes;  /* sparse: nodeBytes each */
+    int32_t lightCount, nameCount; /* of a grid that names lights */
+    const unsigned char *lights, *polygons, *vertices, *names, *shares; /* of such a grid; else NULL */
+    const char *text;                                                   /* names of lights */
 } shgrid_grid;
 
 /* Nine coefficients, index l * l + l + m, red green blue. */
@@ -240,6 +259,8 @@ static inline const char *shgrid_message(shgrid_result result) {
         return "the sparse grid's number of levels is out of range";
     case SHGRID_BAD_NODES:
         return "the sparse grid's tree contradicts itself";
+    case SHGRID_BAD_LIGHTS:
+        return "a light that the grid names is out of range";
     }
     return "unknown result";
 }
@@ -251,6 +272,10 @@ static inline float shgrid_f32_(const unsigned char *p) {
     return value;
 }
 
+static inline uint32_t shgrid_u16_(const unsigned char *p) {
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8;
+}
+
 /* Number of bits set in a byte. */
 static inline uint32_t shgrid_bits_(uint32_t mask) {
     mask -= mask >> 1 & 0x55;
@@ -259,7 +284,7 @@ static inline uint32_t shgrid_bits_(uint32_t mask) {
 }
 
 static inline const unsigned char *shgrid_node_(const shgrid_grid *grid, uint32_t index) {
-    return grid->nodes + (size_t)SHGRID_SPARSE_NODE_BYTES * index;
+    return grid->nodes + (size_t)grid->nodeBytes * index;
 }
 
 /* One pass over the nodes, level by level. Children and points of each node follow those of the node before, so that
@@ -286,18 +311,12 @@ static inline shgrid_result shgrid_check_nodes_(const shgrid_grid *grid, uint64_
     return children == (uint64_t)grid->nodeCount && points == (uint64_t)grid->count ? SHGRID_OK : SHGRID_BAD_NODES;
 }
 
-static inline shgrid_result shgrid_parse_sparse_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
-    const uint32_t bytes = bspx_u32(lump + 8), levels = bspx_u32(lump + 48);
-    const uint64_t nodes = bspx_u32(lump + 52), points = bspx_u32(lump + 56);
+/* Origin, cells, roots and levels of a tree, which all sparse forms have at the same place. */
+static inline shgrid_result shgrid_parse_box_(const unsigned char *lump, uint64_t nodes, shgrid_grid *grid,
+                                              uint64_t *rootCount) {
+    const uint32_t levels = bspx_u32(lump + 48);
     uint64_t product = 1;
     int i;
-    if (bspx_u32(lump + 4) != 1)
-        return SHGRID_BAD_VERSION;
-    if (bytes > size)
-        return SHGRID_TRUNCATED;
-    if (bytes != size || bspx_u32(lump + 60) != 0 || nodes > INT32_MAX || points > INT32_MAX ||
-        size != SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES * nodes + SHGRID_SPARSE_POINT_BYTES * points)
-        return SHGRID_BAD_COUNT;
     if (levels < 1 || levels > SHGRID_SPARSE_LEVELS)
         return SHGRID_BAD_LEVELS;
     for (i = 0; i < 3; i++) {
@@ -318,11 +337,122 @@ static inline shgrid_result shgrid_parse_sparse_(const unsigned char *lump, size
             return SHGRID_BAD_NODES;
     }
     grid->levels = (int32_t)levels;
+    *rootCount = product;
+    return SHGRID_OK;
+}
+
+static inline shgrid_result shgrid_parse_sparse_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
+    const uint64_t nodes = bspx_u32(lump + 52), points = bspx_u32(lump + 56);
+    uint64_t roots;
+    shgrid_result result;
+    if (bspx_u32(lump + 60) != 0 || nodes > INT32_MAX || points > INT32_MAX ||
+        size != SHGRID_SPARSE_HEADER_BYTES + SHGRID_SPARSE_NODE_BYTES * nodes + SHGRID_SPARSE_POINT_BYTES * points)
+        return SHGRID_BAD_COUNT;
+    result = shgrid_parse_box_(lump, nodes, grid, &roots);
+    if (result != SHGRID_OK)
+        return result;
     grid->count = (int32_t)points;
     grid->nodeCount = (int32_t)nodes;
+    grid->nodeBytes = SHGRID_SPARSE_NODE_BYTES;
     grid->nodes = lump + SHGRID_SPARSE_HEADER_BYTES;
     grid->points = grid->nodes + (size_t)SHGRID_SPARSE_NODE_BYTES * nodes;
-    return shgrid_check_nodes_(grid, product);
+    return shgrid_check_nodes_(grid, roots);
+}
+
+/* ---- BSPX LIGHTGRID_SH_LIGHTS: a tree whose points name lights ---- */
+
+static inline int shgrid_finite_(const unsigned char *floats, int count) {
+    int i;
+    for (i = 0; i < count; i++)
+        if (!isfinite(shgrid_f32_(floats + 4 * i)))
+            return 0;
+    return 1;
+}
+
+/* The table of lights, their polygons and vertices. */
+static inline shgrid_result shgrid_check_lights_(const shgrid_grid *grid, uint32_t polygonCount, uint32_t vertexCount,
+                                                 uint32_t textBytes) {
+    uint32_t i;
+    for (i = 0; i < (uint32_t)grid->lightCount; i++) {
+        const unsigned char *light = grid->lights + (size_t)SHGRID_LIGHT_BYTES * i;
+        const uint32_t first = bspx_u32(light + 104), count = bspx_u32(light + 108);
+        if (light[0] > SHGRID_POLYGONS || light[1] > SHGRID_POLYNOMIAL || light[2] > 63 || light[3] > 3 ||
+            !shgrid_finite_(light + 4, 25) || bspx_u32(light + 112) >= textBytes)
+            return SHGRID_BAD_LIGHTS;
+        if (first > polygonCount || count > polygonCount - first || (light[0] == SHGRID_POLYGONS) != (count > 0))
+            return SHGRID_BAD_LIGHTS;
+    }
+    for (i = 0; i < polygonCount; i++) {
+        const unsigned char *polygon = grid->polygons + (size_t)SHGRID_POLYGON_BYTES * i;
+        const uint32_t first = bspx_u32(polygon), count = bspx_u32(polygon + 4);
+        if (first > vertexCount || count > vertexCount - first || count < 3 || count > SHGRID_POLYGON_VERTICES ||
+            !shgrid_finite_(polygon + 8, 9))
+            return SHGRID_BAD_LIGHTS;
+    }
+    for (i = 0; i < vertexCount; i++)
+        if (!shgrid_finite_(grid->vertices + 12 * (size_t)i, 3))
+            return SHGRID_BAD_LIGHTS;
+    for (i = 0; i < (uint32_t)grid->nameCount; i++)
+        if (shgrid_u16_(grid->names + 2 * (size_t)i) >= (uint32_t)grid->lightCount)
+            return SHGRID_BAD_LIGHTS;
+    return grid->text == NULL || grid->text[textBytes - 1] == 0 ? SHGRID_OK : SHGRID_BAD_LIGHTS;
+}
+
+/* Names and shares of the nodes: running sums, as those of children and points. */
+static inline shgrid_result shgrid_check_names_(const shgrid_grid *grid, uint64_t shareCount) {
+    uint64_t names = 0, shares = 0;
+    uint32_t i;
+    for (i = 0; i < (uint32_t)grid->nodeCount; i++) {
+        const unsigned char *node = shgrid_node_(grid, i);
+        if (bspx_u32(node + 12) != names || bspx_u32(node + 16) != shares)
+            return SHGRID_BAD_NODES;
+        names += node[11];
+        shares += (uint64_t)node[11] * shgrid_bits_(node[9]);
+    }
+    return names == (uint64_t)grid->nameCount && shares == shareCount ? SHGRID_OK : SHGRID_BAD_NODES;
+}
+
+static inline uint64_t shgrid_padded_(uint64_t bytes) {
+    return (bytes + 3) & ~(uint64_t)3;
+}
+
+static inline shgrid_result shgrid_parse_lights_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
+    const uint64_t nodes = bspx_u32(lump + 52), points = bspx_u32(lump + 56), lights = bspx_u32(lump + 60),
+                   polygons = bspx_u32(lump + 64), vertices = bspx_u32(lump + 68), names = bspx_u32(lump + 72),
+                   shares = bspx_u32(lump + 76), text = bspx_u32(lump + 80);
+    const uint64_t lightBytes = SHGRID_LIGHT_BYTES * lights, polygonBytes = SHGRID_POLYGON_BYTES * polygons,
+                   vertexBytes = 12 * vertices, nodeBytes = SHGRID_LIGHTS_NODE_BYTES * nodes,
+                   pointBytes = SHGRID_SPARSE_POINT_BYTES * points, nameBytes = shgrid_padded_(2 * names),
+                   shareBytes = shgrid_padded_(shares);
+    uint64_t roots;
+    shgrid_result result;
+    if (bspx_u32(lump + 84) != 0 || bspx_u32(lump + 88) != 0 || bspx_u32(lump + 92) != 0 || nodes > INT32_MAX ||
+        points > INT32_MAX || names > INT32_MAX || lights > SHGRID_LIGHTS ||
+        size != SHGRID_LIGHTS_HEADER_BYTES + lightBytes + polygonBytes + vertexBytes + nodeBytes + pointBytes +
+                    nameBytes + shareBytes + shgrid_padded_(text))
+        return SHGRID_BAD_COUNT;
+    result = shgrid_parse_box_(lump, nodes, grid, &roots);
+    if (result != SHGRID_OK)
+        return result;
+    grid->nodeBytes = SHGRID_LIGHTS_NODE_BYTES;
+    grid->count = (int32_t)points;
+    grid->nodeCount = (int32_t)nodes;
+    grid->lightCount = (int32_t)lights;
+    grid->nameCount = (int32_t)names;
+    grid->lights = lump + SHGRID_LIGHTS_HEADER_BYTES;
+    grid->polygons = grid->lights + lightBytes;
+    grid->vertices = grid->polygons + polygonBytes;
+    grid->nodes = grid->vertices + vertexBytes;
+    grid->points = grid->nodes + nodeBytes;
+    grid->names = grid->points + pointBytes;
+    grid->shares = grid->names + nameBytes;
+    grid->text = text > 0 ? (const char *)(grid->shares + shareBytes) : NULL;
+    result = shgrid_check_nodes_(grid, roots);
+    if (result == SHGRID_OK)
+        result = shgrid_check_names_(grid, shares);
+    if (result == SHGRID_OK)
+        result = shgrid_check_lights_(grid, (uint32_t)polygons, (uint32_t)vertices, (uint32_t)text);
+    return result;
 }
 
 static inline shgrid_result shgrid_parse_uniform_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
@@ -358,14 +488,28 @@ static inline shgrid_result shgrid_parse_uniform_(const unsigned char *lump, siz
     return SHGRID_OK;
 }
 
-/* Parses the bytes of the lump, of either form; the grid points into them. On failure the grid is empty and must not be
+/* A form with a tree: magic, version, and the number of bytes of the lump. */
+static inline shgrid_result shgrid_parse_tree_(const unsigned char *lump, size_t size, shgrid_grid *grid) {
+    const int named = memcmp(lump, "SHGL", 4) == 0;
+    if (size < (named ? SHGRID_LIGHTS_HEADER_BYTES : SHGRID_SPARSE_HEADER_BYTES))
+        return SHGRID_TRUNCATED;
+    if (bspx_u32(lump + 4) != 1)
+        return SHGRID_BAD_VERSION;
+    if (bspx_u32(lump + 8) > size)
+        return SHGRID_TRUNCATED;
+    if (bspx_u32(lump + 8) != size)
+        return SHGRID_BAD_COUNT;
+    return named ? shgrid_parse_lights_(lump, size, grid) : shgrid_parse_sparse_(lump, size, grid);
+}
+
+/* Parses the bytes of the lump, of any form; the grid points into them. On failure the grid is empty and must not be
    sampled. */
 static inline shgrid_result shgrid_parse(const void *data, size_t size, shgrid_grid *grid) {
     const unsigned char *lump = (const unsigned char *)data;
     shgrid_result result;
     memset(grid, 0, sizeof *grid);
-    if (size >= 4 && memcmp(lump, "SHGS", 4) == 0)
-        result = size < SHGRID_SPARSE_HEADER_BYTES ? SHGRID_TRUNCATED : shgrid_parse_sparse_(lump, size, grid);
+    if (size >= 4 && (memcmp(lump, "SHGS", 4) == 0 || memcmp(lump, "SHGL", 4) == 0))
+        result = shgrid_parse_tree_(lump, size, grid);
     else
         result = shgrid_parse_uniform_(lump, size, grid);
     if (result != SHGRID_OK)
@@ -402,33 +546,49 @@ static inline shgrid_result shgrid_find_uniform_(const bspx_file *bsp, bspx_lump
     return shgrid_from_bspx_(bspx_find(bsp, "LIGHTGRID_SH", lump));
 }
 
-/* Finds the lump of that form in a whole .bsp file image. SHGRID_ANY: the sparse one, unless it is damaged or of
-   another version and the file has a good uniform one. */
+/* Finds the lump of one form. */
+static inline shgrid_result shgrid_find_one_(const bspx_file *bsp, shgrid_form form, bspx_lump *lump) {
+    if (form == SHGRID_UNIFORM)
+        return shgrid_find_uniform_(bsp, lump);
+    return shgrid_from_bspx_(
+        bspx_find(bsp, form == SHGRID_NAMED ? "LIGHTGRID_SH_LIGHTS" : "LIGHTGRID_SH_SPARSE", lump));
+}
+
+/* Finds the lump of that form in a whole .bsp file image. SHGRID_ANY: the most accurate one that the file has and that
+   is good; if all are damaged or of another version, the first of them. */
 static inline shgrid_result shgrid_find_form(const void *data, size_t size, shgrid_form form,
                                              const unsigned char **lump, size_t *lumpSize) {
+    static const shgrid_form forms[3] = {SHGRID_NAMED, SHGRID_SPARSE, SHGRID_UNIFORM};
     bspx_file bsp;
-    bspx_lump sparse = {NULL, 0}, uniform = {NULL, 0};
     shgrid_grid grid;
-    shgrid_result sparseResult = SHGRID_ABSENT, uniformResult = SHGRID_ABSENT;
-    const shgrid_result opened = shgrid_from_bspx_(bspx_open(data, size, &bsp));
+    shgrid_result first = shgrid_from_bspx_(bspx_open(data, size, &bsp));
+    int i, found = 0;
     *lump = NULL;
     *lumpSize = 0;
-    if (opened != SHGRID_OK)
-        return opened;
-    if (form != SHGRID_UNIFORM)
-        sparseResult = shgrid_from_bspx_(bspx_find(&bsp, "LIGHTGRID_SH_SPARSE", &sparse));
-    if (form == SHGRID_UNIFORM || (form == SHGRID_ANY && (sparseResult != SHGRID_OK ||
-                                                          shgrid_parse(sparse.data, sparse.size, &grid) != SHGRID_OK)))
-        uniformResult = shgrid_find_uniform_(&bsp, &uniform);
-    if (uniformResult == SHGRID_OK &&
-        (sparseResult == SHGRID_ABSENT || shgrid_parse(uniform.data, uniform.size, &grid) == SHGRID_OK)) {
-        *lump = uniform.data;
-        *lumpSize = uniform.size;
+    if (first != SHGRID_OK)
+        return first;
+    first = SHGRID_ABSENT;
+    for (i = 0; i < 3; i++) {
+        bspx_lump one = {NULL, 0};
+        shgrid_result result;
+        if (form != SHGRID_ANY && form != forms[i])
+            continue;
+        result = shgrid_find_one_(&bsp, forms[i], &one);
+        if (result == SHGRID_ABSENT)
+            continue;
+        if (!found) {
+            first = result;
+            *lump = one.data;
+            *lumpSize = one.size;
+            found = 1;
+        }
+        if (form != SHGRID_ANY || result != SHGRID_OK || shgrid_parse(one.data, one.size, &grid) != SHGRID_OK)
+            continue;
+        *lump = one.data;
+        *lumpSize = one.size;
         return SHGRID_OK;
     }
-    *lump = sparse.data;
-    *lumpSize = sparse.size;
-    return sparseResult != SHGRID_ABSENT ? sparseResult : uniformResult;
+    return first;
 }
 
 /* The same of SHGRID_ANY. */
@@ -507,6 +667,21 @@ static inline float shgrid_scale_(unsigned code) {
     return eighths[code & 7] * shgrid_exp2_((int)(code >> 3) - 16);
 }
 
+/* A sum of weighted points. */
+typedef struct {
+    shgrid_coeffs coeffs;
+    float total; /* weight */
+    int names;   /* number of lights that are named by points so far */
+    uint32_t light[SHGRID_NAMES_AT_PLACE];
+    float share[SHGRID_NAMES_AT_PLACE]; /* of each: weighted sum of its visible shares */
+} shgrid_sum_;
+
+static inline void shgrid_clear_(shgrid_sum_ *sum) {
+    memset(&sum->coeffs, 0, sizeof sum->coeffs);
+    sum->total = 0;
+    sum->names = 0;
+}
+
 /* Adds weight times a quantized point of a node with that scale. Coefficients of bands 1 and 2 are stored over the
    largest that light from one direction has: 2 / sqrt(3) and sqrt(5) / 4 of coefficient 0. */
 static inline void shgrid_add_point_(const unsigned char *p, unsigned scale, float weight, shgrid_coeffs *sum) {
@@ -524,6 +699,44 @@ static inline void shgrid_add_point_(const unsigned char *p, unsigned scale, flo
             const int code8 = p[1 + 3 * k + channel], q = code8 < 128 ? code8 : code8 == 128 ? -127 : code8 - 256;
             sum->c[k][channel] += (float)q * bound * mean[channel];
         }
+    }
+}
+
+/* The same for a grid that names lights: a byte for the scale, then 27 signed bytes. */
+static inline void shgrid_add_named_point_(const unsigned char *p, float weight, shgrid_coeffs *sum) {
+    const float unit = weight * shgrid_scale_(p[0]) / 127;
+    int k, channel;
+    for (k = 0; k < 9; k++) {
+        const float step = unit * (k == 0 ? 1 : k < 4 ? 1.15470054f : 0.559016994f);
+        for (channel = 0; channel < 3; channel++) {
+            const int code8 = p[1 + 3 * k + channel], q = code8 < 128 ? code8 : code8 == 128 ? -127 : code8 - 256;
+            sum->c[k][channel] += step * (float)q;
+        }
+    }
+}
+
+/* Adds weight times the shares of point number `point` of a node. */
+static inline void shgrid_add_shares_(const shgrid_grid *grid, const unsigned char *node, uint32_t point, float weight,
+                                      shgrid_sum_ *sum) {
+    const uint32_t count = node[11];
+    const unsigned char *names = grid->names + 2 * (size_t)bspx_u32(node + 12),
+                        *shares = grid->shares + bspx_u32(node + 16) + (size_t)count * point;
+    uint32_t i;
+    for (i = 0; i < count; i++) {
+        const uint32_t light = shgrid_u16_(names + 2 * i);
+        int at = 0;
+        if (shares[i] == 0)
+            continue;
+        while (at < sum->names && sum->light[at] != light)
+            at++;
+        if (at == SHGRID_NAMES_AT_PLACE)
+            continue;
+        if (at == sum->names) {
+            sum->light[at] = light;
+            sum->share[at] = 0;
+            sum->names++;
+        }
+        sum->share[at] += weight * (float)shares[i] / 255;
     }
 }
 
@@ -567,10 +780,10 @@ static inline void shgrid_descend_(const shgrid_grid *grid, const int32_t at[3],
     }
 }
 
-/* Adds weight times the value stored at a point of the lattice of smallest cells, and the weight to `total`; nothing at
-   a point without a value. Returns 0 if the value follows from larger cells: its weight is still to be added. */
+/* Adds weight times the value stored at a point of the lattice of smallest cells, and the weight; nothing at a point
+   without a value. Returns 0 if the value follows from larger cells: its weight is still to be added. */
 static inline int shgrid_add_corner_(const shgrid_grid *grid, const int32_t at[3], float weight, shgrid_path_ *path,
-                                     shgrid_coeffs *sum, float *total) {
+                                     shgrid_sum_ *sum) {
     const unsigned char *node;
     int32_t mask;
     int axis;
@@ -583,9 +796,16 @@ static inline int shgrid_add_corner_(const shgrid_grid *grid, const int32_t at[3
     if ((at[0] | at[1] | at[2]) & mask) /* inside or on a larger cell, not its corner */
         return 0;
     if (node[9] >> path->octant & 1) {
-        const uint32_t index = bspx_u32(node + 4) + shgrid_bits_(node[9] & ((1u << path->octant) - 1));
-        shgrid_add_point_(grid->points + (size_t)SHGRID_SPARSE_POINT_BYTES * index, node[11], weight, sum);
-        *total += weight;
+        const uint32_t inNode = shgrid_bits_(node[9] & ((1u << path->octant) - 1));
+        const unsigned char *point =
+            grid->points + (size_t)SHGRID_SPARSE_POINT_BYTES * ((size_t)bspx_u32(node + 4) + inNode);
+        if (grid->lights == NULL) {
+            shgrid_add_point_(point, node[11], weight, &sum->coeffs);
+        } else {
+            shgrid_add_named_point_(point, weight, &sum->coeffs);
+            shgrid_add_shares_(grid, node, inNode, weight, sum);
+        }
+        sum->total += weight;
         return 1;
     }
     return !(node[10] >> path->octant & 1);
@@ -612,7 +832,7 @@ static inline void shgrid_widen_(int32_t low[3], int size, float weights[8]) {
    from larger cells go on to the cube around, and so on up to the roots: at most 8 searches per level, whatever the
    tree is like. */
 static inline void shgrid_add_cube_(const shgrid_grid *grid, int32_t low[3], int size, float weights[8],
-                                    shgrid_path_ *path, shgrid_coeffs *sum, float *total) {
+                                    shgrid_path_ *path, shgrid_sum_ *sum) {
     int pending = 1, i;
     for (; pending && size < grid->levels; size++) {
         pending = 0;
@@ -621,7 +841,7 @@ static inline void shgrid_add_cube_(const shgrid_grid *grid, int32_t low[3], int
                                    low[2] + ((int32_t)(i >> 2) << size)};
             if (!(weights[i] > 0))
                 continue;
-            if (shgrid_add_corner_(grid, at, weights[i], path, sum, total))
+            if (shgrid_add_corner_(grid, at, weights[i], path, sum))
                 weights[i] = 0;
             else
                 pending = 1;
@@ -632,20 +852,22 @@ static inline void shgrid_add_cube_(const shgrid_grid *grid, int32_t low[3], int
 }
 
 /* Divides by the total weight; 0 if there is hardly any. */
-static inline void shgrid_divide_(shgrid_coeffs *sum, float total) {
-    const float factor = total > 1e-20f ? 1 / total : 0;
+static inline void shgrid_divide_(shgrid_sum_ *sum) {
+    const float factor = sum->total > 1e-20f ? 1 / sum->total : 0;
     int k, channel;
     for (k = 0; k < 9; k++)
         for (channel = 0; channel < 3; channel++)
-            sum->c[k][channel] *= factor;
+            sum->coeffs.c[k][channel] *= factor;
+    for (k = 0; k < sum->names; k++)
+        sum->share[k] *= factor;
 }
 
 /* Trilinear blend in the cell that contains a position inside the roots, in smallest cells. equalWeights: the mean of
    the corners instead. Returns 0, and black, if no corner with a weight has a value. */
 static inline int shgrid_blend_sparse_(const shgrid_grid *grid, const double at[3], int equalWeights,
-                                       shgrid_path_ *path, shgrid_coeffs *out) {
+                                       shgrid_path_ *path, shgrid_sum_ *out) {
     int32_t low[3];
-    float weights[8], fraction[3], total = 0;
+    float weights[8], fraction[3];
     int axis, i;
     for (axis = 0; axis < 3; axis++) {
         low[axis] = (int32_t)at[axis];
@@ -662,13 +884,13 @@ static inline int shgrid_blend_sparse_(const shgrid_grid *grid, const double at[
         for (axis = 0; axis < 3; axis++)
             weights[i] *= equalWeights ? 0.5f : i >> axis & 1 ? fraction[axis] : 1 - fraction[axis];
     }
-    memset(out, 0, sizeof *out);
-    shgrid_add_cube_(grid, low, path->size, weights, path, out, &total);
-    shgrid_divide_(out, total);
-    return total > 1e-20f;
+    shgrid_clear_(out);
+    shgrid_add_cube_(grid, low, path->size, weights, path, out);
+    shgrid_divide_(out);
+    return out->total > 1e-20f;
 }
 
-static inline void shgrid_sample_sparse_(const shgrid_grid *grid, const float position[3], shgrid_coeffs *out) {
+static inline void shgrid_sample_tree_(const shgrid_grid *grid, const float position[3], shgrid_sum_ *out) {
     shgrid_path_ path;
     double at[3];
     int axis;
@@ -685,6 +907,331 @@ static inline void shgrid_sample_sparse_(const shgrid_grid *grid, const float po
         shgrid_blend_sparse_(grid, at, 1, &path, out);
 }
 
+/* ---- What a light of the table gives at a position ---- */
+
+/* Integrals over the solid angle that a light covers: of 1, of w, and of w w^T, w the unit direction. */
+typedef struct {
+    double solidAngle, first[3], xx, yy, zz, xy, yz, xz;
+} shgrid_moments_;
+
+/* Adds solid angle `w` around the unit direction d. */
+static inline void shgrid_add_direction_(shgrid_moments_ *m, const double d[3], double w) {
+    m->solidAngle += w;
+    m->first[0] += d[0] * w;
+    m->first[1] += d[1] * w;
+    m->first[2] += d[2] * w;
+    m->xx += d[0] * d[0] * w;
+    m->yy += d[1] * d[1] * w;
+    m->zz += d[2] * d[2] * w;
+    m->xy += d[0] * d[1] * w;
+    m->yz += d[1] * d[2] * w;
+    m->xz += d[0] * d[2] * w;
+}
+
+static inline double shgrid_dot_(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void shgrid_cross_(const double a[3], const double b[3], double out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Adds `weight` times the moments of a polygon in closed form: integrals along its edges, which are arcs of great
+   circles (by the divergence theorem), and its solid angle as the sum of triangles from the foot of the perpendicular.
+   The position is in front, or behind a polygon that shines to both sides. */
+static inline void shgrid_add_polygon_(const shgrid_grid *grid, const unsigned char *polygon, const float position[3],
+                                       int behind, double weight, shgrid_moments_ *sum) {
+    const uint32_t count = bspx_u32(polygon + 4);
+    const unsigned char *vertices = grid->vertices + 12 * (size_t)bspx_u32(polygon);
+    const double side = behind ? 1 : -1;
+    double normal[3], a[3], la, re = 1, im = 0;
+    shgrid_moments_ m;
+    uint32_t i;
+    int axis;
+    memset(&m, 0, sizeof m);
+    for (axis = 0; axis < 3; axis++) {
+        normal[axis] = side * shgrid_f32_(polygon + 8 + 4 * axis);
+        a[axis] = (double)shgrid_f32_(vertices + 12 * (behind ? 0 : count - 1) + 4 * axis) - position[axis];
+    }
+    la = sqrt(shgrid_dot_(a, a));
+    for (i = 0; i < count; i++) {
+        const unsigned char *vertex = vertices + 12 * (size_t)(behind ? count - 1 - i : i);
+        double b[3], cross[3], outward[3], arc[3], lb, sine, cosine, angle, factor, x, y, t;
+        for (axis = 0; axis < 3; axis++)
+            b[axis] = (double)shgrid_f32_(vertex + 4 * axis) - position[axis];
+        lb = sqrt(shgrid_dot_(b, b));
+        shgrid_cross_(a, b, cross);
+        sine = sqrt(shgrid_dot_(cross, cross));
+        cosine = shgrid_dot_(a, b);
+        if (sine > 0) {
+            for (axis = 0; axis < 3; axis++)
+                outward[axis] = cross[axis] / -sine;
+            if (cosine > 0) {
+                factor = sine / (la * lb + cosine);
+                for (axis = 0; axis < 3; axis++)
+                    arc[axis] = (a[axis] / la + b[axis] / lb) * factor;
+            } else {
+                double difference[3];
+                for (axis = 0; axis < 3; axis++)
+                    difference[axis] = b[axis] / lb - a[axis] / la;
+                shgrid_cross_(outward, difference, arc);
+            }
+            angle = atan2(sine, cosine) / 2;
+            for (axis = 0; axis < 3; axis++)
+                m.first[axis] -= outward[axis] * angle;
+            m.xx -= arc[0] * outward[0] / 3;
+            m.yy -= arc[1] * outward[1] / 3;
+            m.zz -= arc[2] * outward[2] / 3;
+            m.xy -= (arc[0] * outward[1] + arc[1] * outward[0]) / 6;
+            m.yz -= (arc[1] * outward[2] + arc[2] * outward[1]) / 6;
+            m.xz -= (arc[0] * outward[2] + arc[2] * outward[0]) / 6;
+            /* The product of complex numbers whose arguments are half the solid angles of the triangles. */
+            x = 1 + (shgrid_dot_(normal, a) / la + shgrid_dot_(normal, b) / lb) + cosine / (la * lb);
+            y = shgrid_dot_(normal, cross) / (la * lb);
+            t = re * x - im * y;
+            im = re * y + im * x;
+            re = t;
+        }
+        memcpy(a, b, sizeof a);
+        la = lb;
+    }
+    m.solidAngle = 2 * atan2(im, re);
+    if (m.solidAngle < 0) /* past half a turn */
+        m.solidAngle += 12.566370614359172;
+    if (!(m.solidAngle > 0 && m.solidAngle < 6.2832))
+        return;
+    sum->solidAngle += weight * m.solidAngle;
+    for (axis = 0; axis < 3; axis++)
+        sum->first[axis] += weight * m.first[axis];
+    sum->xx += weight * (m.xx + m.solidAngle / 3);
+    sum->yy += weight * (m.yy + m.solidAngle / 3);
+    sum->zz += weight * (m.zz + m.solidAngle / 3);
+    sum->xy += weight * m.xy;
+    sum->yz += weight * m.yz;
+    sum->xz += weight * m.xz;
+}
+
+/* Moments of the polygons of a light: as points from beyond 8 times their radius, exact within 6 times, a blend of the
+   two between. */
+static inline void shgrid_polygon_moments_(const shgrid_grid *grid, const unsigned char *light, const float position[3],
+                                           shgrid_moments_ *m) {
+    const uint32_t first = bspx_u32(light + 104), end = first + bspx_u32(light + 108);
+    uint32_t i;
+    int axis;
+    memset(m, 0, sizeof *m);
+    for (i = first; i < end; i++) {
+        const unsigned char *polygon = grid->polygons + (size_t)SHGRID_POLYGON_BYTES * i;
+        const double area = shgrid_f32_(polygon + 36), radius = shgrid_f32_(polygon + 40);
+        double to[3], height = -(double)shgrid_f32_(polygon + 20), distance, exact;
+        for (axis = 0; axis < 3; axis++) {
+            height += (double)shgrid_f32_(polygon + 8 + 4 * axis) * position[axis];
+            to[axis] = (double)shgrid_f32_(polygon + 24 + 4 * axis) - position[axis];
+        }
+        if (!(height > 0) && !(light[3] & SHGRID_TWO_SIDED))
+            continue;
+        distance = sqrt(shgrid_dot_(to, to));
+        exact = radius > 0 ? (8 * radius - distance) / (2 * radius) : 0;
+        exact = exact < 0 ? 0 : exact < 1 ? exact : 1;
+        if (exact > 0)
+            shgrid_add_polygon_(grid, polygon, position, height < 0, exact, m);
+        if (exact < 1) {
+            for (axis = 0; axis < 3; axis++)
+                to[axis] /= distance;
+            shgrid_add_direction_(m, to, (1 - exact) * area * fabs(height) / (distance * distance * distance));
+        }
+    }
+}
+
+/* Falloff of a point light or a spotlight with distance, for color 1. */
+static inline float shgrid_falloff_(const unsigned char *light, float distance) {
+    const float intensity = shgrid_f32_(light + 40), extra = shgrid_f32_(light + 44), end = shgrid_f32_(light + 52);
+    const float nearest = shgrid_f32_(light + 96);
+    const float spaced = sqrtf(distance * distance + extra * extra), d = spaced > nearest ? spaced : nearest;
+    float e, x;
+    switch (light[1]) {
+    case SHGRID_LINEAR:
+        return intensity * (1.0f / 8000) - d * shgrid_f32_(light + 48);
+    case SHGRID_WINDOWED:
+        x = 1 - d * d * d * d / (end * end * end * end);
+        x = x > 0 ? x : 0;
+        return intensity / (d * d) * (x * x);
+    case SHGRID_POLYNOMIAL:
+        e = d < shgrid_f32_(light + 60) ? d : shgrid_f32_(light + 60);
+        x = (end - d) / (end - shgrid_f32_(light + 56));
+        x = x < 0 ? 0 : x < 1 ? x : 1;
+        return intensity / (shgrid_f32_(light + 64) + e * (shgrid_f32_(light + 68) + e * shgrid_f32_(light + 72))) *
+               (x * x * x * (x * (6 * x - 15) + 10));
+    default:
+        return intensity / (d * d);
+    }
+}
+
+/* The fraction of a spotlight that its cone lets through; `to` points from the position to the light. */
+static inline float shgrid_cone_(const unsigned char *light, const float to[3], float distance) {
+    const float fade = shgrid_f32_(light + 100);
+    float normal[3], along = 0, square = 0, radius, off, cosine, fringe;
+    int axis;
+    for (axis = 0; axis < 3; axis++) {
+        normal[axis] = shgrid_f32_(light + 28 + 4 * axis);
+        along -= to[axis] * normal[axis];
+    }
+    if (along < 0)
+        return 0;
+    if (light[3] & SHGRID_CONE_BY_ANGLES) {
+        const float inner = shgrid_f32_(light + 76), outer = shgrid_f32_(light + 80);
+        cosine = distance > 0 ? along / distance : 0;
+        if (cosine <= outer)
+            return 0;
+        fringe = cosine < inner ? (cosine - outer) / (inner - outer) : 1;
+        return cosine * powf(fringe, shgrid_f32_(light + 84));
+    }
+    for (axis = 0; axis < 3; axis++)
+        square += (to[axis] + normal[axis] * along) * (to[axis] + normal[axis] * along);
+    radius = shgrid_f32_(light + 88) * along;
+    off = sqrtf(square);
+    return off >= radius ? 0 : off > radius - fade ? (radius - off) / fade : 1;
+}
+
+/* A light at a position, for color 1: `strength` on a surface that faces `direction`, from a source that appears with
+   the sine `spread` of its angular radius; and nine coefficients, convolved with the cosine, of what is too near to be
+   a direction. Visibility is not included. */
+typedef struct {
+    float direction[3], strength, spread, sh[9];
+    int hasSH;
+} shgrid_beam_;
+
+/* Polygons that appear with up to 40 degrees of angular radius act as a direction, from 50 degrees on as coefficients:
+   there both have an error under 0.5 % of the light. In terms of the mean cosine to the mean direction, which is
+   (1 + cos) / 2 for a disc. */
+static inline void shgrid_polygon_beam_(const shgrid_grid *grid, const unsigned char *light, const float position[3],
+                                        shgrid_beam_ *beam) {
+    static const float lobe[3] = {1, 2.0f / 3, 0.25f};
+    const double smallest = 0.883, largest = 0.821;
+    const float intensity = shgrid_f32_(light + 40);
+    shgrid_moments_ m;
+    double length, cosine, directed, alpha;
+    int axis, k;
+    shgrid_polygon_moments_(grid, light, position, &m);
+    length = sqrt(shgrid_dot_(m.first, m.first));
+    if (!(length > 0) || !(m.solidAngle > 0))
+        return;
+    cosine = length / m.solidAngle;
+    directed = (cosine - largest) / (smallest - largest);
+    directed = directed < 0 ? 0 : directed < 1 ? directed : 1;
+    directed = directed * directed * (3 - 2 * directed);
+    if (directed > 0) {
+        alpha = 2 * cosine - 1;
+        beam->strength = (float)(directed * intensity * length / 3.14159265358979);
+        beam->spread = (float)sqrt(alpha < 1 ? 1 - alpha * alpha : 0);
+        for (axis = 0; axis < 3; axis++)
+            beam->direction[axis] = (float)(m.first[axis] / length);
+    }
+    if (directed < 1) {
+        const double scale = (1 - directed) * intensity;
+        const double basis[9] = {0.282094791773878 * m.solidAngle,
+                                 0.488602511902920 * m.first[1],
+                                 0.488602511902920 * m.first[2],
+                                 0.488602511902920 * m.first[0],
+                                 1.092548430592079 * m.xy,
+                                 1.092548430592079 * m.yz,
+                                 0.315391565252520 * (2 * m.zz - m.xx - m.yy),
+                                 1.092548430592079 * m.xz,
+                                 0.546274215296040 * (m.xx - m.yy)};
+        beam->hasSH = 1;
+        for (k = 0; k < 9; k++)
+            beam->sh[k] = (float)(scale * basis[k]) * lobe[k == 0 ? 0 : k < 4 ? 1 : 2];
+    }
+}
+
+static inline void shgrid_beam_at_(const shgrid_grid *grid, uint32_t number, const float position[3],
+                                   shgrid_beam_ *beam) {
+    const unsigned char *light = grid->lights + (size_t)SHGRID_LIGHT_BYTES * number;
+    float to[3], square = 0, distance;
+    int axis;
+    memset(beam, 0, sizeof *beam);
+    if (light[0] == SHGRID_POLYGONS) {
+        shgrid_polygon_beam_(grid, light, position, beam);
+        return;
+    }
+    if (light[0] == SHGRID_SUN) {
+        beam->strength = shgrid_f32_(light + 40);
+        beam->spread = shgrid_f32_(light + 92);
+        for (axis = 0; axis < 3; axis++)
+            beam->direction[axis] = shgrid_f32_(light + 28 + 4 * axis);
+        return;
+    }
+    for (axis = 0; axis < 3; axis++) {
+        to[axis] = shgrid_f32_(light + 16 + 4 * axis) - position[axis];
+        square += to[axis] * to[axis];
+    }
+    distance = sqrtf(square);
+    beam->strength = shgrid_falloff_(light, distance);
+    if (light[0] == SHGRID_SPOT)
+        beam->strength *= shgrid_cone_(light, to, distance);
+    if (!(beam->strength > 0))
+        beam->strength = 0;
+    for (axis = 0; axis < 3; axis++)
+        beam->direction[axis] = distance > 0 ? to[axis] / distance : 0;
+}
+
+/* Adds coefficients of `color` from one direction, as shgrid_shade shows it. */
+static inline void shgrid_add_direct_(const float direction[3], float spread, const float color[3],
+                                      shgrid_coeffs *sum) {
+    const float x = direction[0], y = direction[1], z = direction[2], s2 = spread * spread;
+    const float band0 = 3.14159265f * (1 + s2 / 3), band1 = 2.09439510f,
+                band2 = 3.14159265f * (0.25f - s2 / 6 + s2 * s2 / 20);
+    const float basis[9] = {0.282094792f * band0,
+                            0.488602512f * band1 * y,
+                            0.488602512f * band1 * z,
+                            0.488602512f * band1 * x,
+                            1.092548431f * band2 * x * y,
+                            1.092548431f * band2 * y * z,
+                            0.315391565f * band2 * (2 * z * z - x * x - y * y),
+                            1.092548431f * band2 * x * z,
+                            0.546274215f * band2 * (x * x - y * y)};
+    int k, channel;
+    for (k = 0; k < 9; k++)
+        for (channel = 0; channel < 3; channel++)
+            sum->c[k][channel] += basis[k] * color[channel];
+}
+
+/* Adds the lights that are named at a world position to the coefficients there. */
+static inline void shgrid_add_named_lights_(const shgrid_grid *grid, const float position[3], shgrid_sum_ *sum) {
+    int i, k, channel;
+    for (i = 0; i < sum->names; i++) {
+        const unsigned char *light = grid->lights + (size_t)SHGRID_LIGHT_BYTES * sum->light[i];
+        shgrid_beam_ beam;
+        float color[3];
+        shgrid_beam_at_(grid, sum->light[i], position, &beam);
+        for (channel = 0; channel < 3; channel++)
+            color[channel] = sum->share[i] * shgrid_f32_(light + 4 + 4 * channel);
+        for (k = 0; beam.hasSH && k < 9; k++)
+            for (channel = 0; channel < 3; channel++)
+                sum->coeffs.c[k][channel] += beam.sh[k] * color[channel];
+        for (channel = 0; channel < 3; channel++)
+            color[channel] *= beam.strength;
+        if (beam.strength > 0)
+            shgrid_add_direct_(beam.direction, beam.spread, color, &sum->coeffs);
+    }
+}
+
+/* shgrid_blend_sparse_, with named lights as coefficients. */
+static inline int shgrid_blend_coeffs_(const shgrid_grid *grid, const double at[3], shgrid_path_ *path,
+                                       shgrid_coeffs *out) {
+    shgrid_sum_ sum;
+    const int found = shgrid_blend_sparse_(grid, at, 0, path, &sum);
+    if (grid->lights != NULL) {
+        const float position[3] = {(float)(grid->mins[0] + at[0] * grid->cell[0]),
+                                   (float)(grid->mins[1] + at[1] * grid->cell[1]),
+                                   (float)(grid->mins[2] + at[2] * grid->cell[2])};
+        shgrid_add_named_lights_(grid, position, &sum);
+    }
+    *out = sum.coeffs;
+    return found;
+}
+
 /* Coefficients of point (x, y, z); each coordinate in 0 .. bounds - 1. Sparse: the value at the corner of a smallest
    cell; black in solid space and void. */
 static inline void shgrid_point(const shgrid_grid *grid, int32_t x, int32_t y, int32_t z, shgrid_coeffs *out) {
@@ -697,20 +1244,25 @@ static inline void shgrid_point(const shgrid_grid *grid, int32_t x, int32_t y, i
         shgrid_path_ path;
         memset(&path, 0, sizeof path);
         path.level = -1;
-        shgrid_blend_sparse_(grid, at, 0, &path, out);
+        shgrid_blend_coeffs_(grid, at, &path, out);
     }
 }
 
 /* Trilinear blend at a world position; positions outside the grid are clamped to it. Corners of sparse cells without a
-   value are left out, and the weights of the others are made to add up to 1; where no corner has one, it is black. A
-   grid that failed to load is black everywhere. */
+   value are left out, and the weights of the others are made to add up to 1; where no corner has one, it is black.
+   Lights that the grid names are among the coefficients. A grid that failed to load is black everywhere. */
 static inline void shgrid_sample(const shgrid_grid *grid, const float position[3], shgrid_coeffs *out) {
     if (grid->points == NULL)
         memset(out, 0, sizeof *out);
     else if (grid->levels == 0)
         shgrid_sample_uniform_(grid, position, out);
-    else
-        shgrid_sample_sparse_(grid, position, out);
+    else {
+        shgrid_sum_ sum;
+        shgrid_sample_tree_(grid, position, &sum);
+        if (grid->lights != NULL)
+            shgrid_add_named_lights_(grid, position, &sum);
+        *out = sum.coeffs;
+    }
 }
 
 /* Samples at all points of another lattice, x fastest, then y, then z: a grid of one cell size for engines that want
@@ -810,8 +1362,8 @@ static inline size_t shgrid_points_near(const shgrid_grid *grid, const float pos
     return search.count;
 }
 
-/* Light on a matte surface with that unit normal; not below zero. */
-static inline void shgrid_evaluate(const shgrid_coeffs *coeffs, const float normal[3], float rgb[3]) {
+/* The sum over the basis for a unit normal. */
+static inline void shgrid_sum_basis_(const shgrid_coeffs *coeffs, const float normal[3], float rgb[3]) {
     const float x = normal[0], y = normal[1], z = normal[2];
     const float basis[9] = {0.282094791773878f,
                             0.488602511902920f * y,
@@ -824,18 +1376,109 @@ static inline void shgrid_evaluate(const shgrid_coeffs *coeffs, const float norm
                             0.546274215296040f * (x * x - y * y)};
     int k, channel;
     for (channel = 0; channel < 3; channel++) {
-        float sum = 0;
+        rgb[channel] = 0;
         for (k = 0; k < 9; k++)
-            sum += coeffs->c[k][channel] * basis[k];
-        rgb[channel] = sum > 0 ? sum : 0; /* NaN gives 0 */
+            rgb[channel] += coeffs->c[k][channel] * basis[k];
     }
 }
 
-/* Light at a world position on a surface with that unit normal. */
+/* Light on a matte surface with that unit normal; not below zero. */
+static inline void shgrid_evaluate(const shgrid_coeffs *coeffs, const float normal[3], float rgb[3]) {
+    int channel;
+    shgrid_sum_basis_(coeffs, normal, rgb);
+    for (channel = 0; channel < 3; channel++)
+        rgb[channel] = rgb[channel] > 0 ? rgb[channel] : 0; /* NaN gives 0 */
+}
+
+/* Light of one entity: nine coefficients, and the lights that are named where it is. A surface there gets
+   shgrid_shade. */
+typedef struct {
+    float direction[3]; /* unit, toward the light */
+    float color[3];     /* on a surface that faces it, red green blue; what hides it is taken off */
+    float spread;       /* sine of its angular radius: 0 for a point */
+    int style;
+    int light; /* its number, for shgrid_light_name */
+} shgrid_direct;
+
+typedef struct {
+    shgrid_coeffs rest; /* all other light, convolved with the cosine */
+    int count;
+    shgrid_direct direct[SHGRID_DIRECT_LIGHTS];
+} shgrid_lighting;
+
+/* Light at a world position, as shgrid_sample gives it, with named lights apart. styles: the brightness of each of the
+   64 light styles; NULL: all are 1. Of grids without names all light is in `rest`. */
+static inline void shgrid_lights(const shgrid_grid *grid, const float position[3], const float *styles,
+                                 shgrid_lighting *out) {
+    shgrid_sum_ sum;
+    int i, k, channel;
+    out->count = 0;
+    if (grid->lights == NULL) {
+        shgrid_sample(grid, position, &out->rest);
+        return;
+    }
+    shgrid_sample_tree_(grid, position, &sum);
+    out->rest = sum.coeffs;
+    for (i = 0; i < sum.names; i++) {
+        const unsigned char *light = grid->lights + (size_t)SHGRID_LIGHT_BYTES * sum.light[i];
+        const float share = sum.share[i] * (styles ? styles[light[2]] : 1);
+        shgrid_direct *direct = out->direct + out->count;
+        shgrid_beam_ beam;
+        float color[3];
+        shgrid_beam_at_(grid, sum.light[i], position, &beam);
+        for (channel = 0; channel < 3; channel++)
+            color[channel] = share * shgrid_f32_(light + 4 + 4 * channel);
+        for (k = 0; beam.hasSH && k < 9; k++)
+            for (channel = 0; channel < 3; channel++)
+                out->rest.c[k][channel] += beam.sh[k] * color[channel];
+        if (!(beam.strength > 0))
+            continue;
+        for (channel = 0; channel < 3; channel++)
+            color[channel] *= beam.strength;
+        if (out->count == SHGRID_DIRECT_LIGHTS) {
+            shgrid_add_direct_(beam.direction, beam.spread, color, &out->rest);
+            continue;
+        }
+        memcpy(direct->direction, beam.direction, sizeof direct->direction);
+        memcpy(direct->color, color, sizeof direct->color);
+        direct->spread = beam.spread;
+        direct->style = light[2];
+        direct->light = (int)sum.light[i];
+        out->count++;
+    }
+}
+
+/* Light on a matte surface with that unit normal; not below zero. */
+static inline void shgrid_shade(const shgrid_lighting *lighting, const float normal[3], float rgb[3]) {
+    int i, channel;
+    shgrid_sum_basis_(&lighting->rest, normal, rgb);
+    for (i = 0; i < lighting->count; i++) {
+        const shgrid_direct *direct = lighting->direct + i;
+        const float cosine = direct->direction[0] * normal[0] + direct->direction[1] * normal[1] +
+                             direct->direction[2] * normal[2],
+                    spread = direct->spread;
+        /* A light with an extent sets behind the horizon of the surface step by step. */
+        const float above = cosine + spread;
+        const float factor = cosine >= spread ? cosine : above > 0 ? above * above / (4 * spread) : 0;
+        for (channel = 0; channel < 3; channel++)
+            rgb[channel] += factor * direct->color[channel];
+    }
+    for (channel = 0; channel < 3; channel++)
+        rgb[channel] = rgb[channel] > 0 ? rgb[channel] : 0; /* NaN gives 0 */
+}
+
+/* Name of the entity of a light of the table, or of its shader; empty if it has none. */
+static inline const char *shgrid_light_name(const shgrid_grid *grid, int light) {
+    if (light < 0 || light >= grid->lightCount)
+        return "";
+    return grid->text + bspx_u32(grid->lights + (size_t)SHGRID_LIGHT_BYTES * (size_t)light + 112);
+}
+
+/* Light at a world position on a surface with that unit normal, all styles at full brightness. */
 static inline void shgrid_light(const shgrid_grid *grid, const float position[3], const float normal[3], float rgb[3]) {
-    shgrid_coeffs coeffs;
-    shgrid_sample(grid, position, &coeffs);
-    shgrid_evaluate(&coeffs, normal, rgb);
+    shgrid_lighting lighting;
+    shgrid_lights(grid, position, NULL, &lighting);
+    shgrid_shade(&lighting, normal, rgb);
 }
 
 /* For maps baked with -shradiance (worldspawn key _q3map2_sh has the value radiance), which hold the plain projection:
@@ -1108,7 +1751,7 @@ static inline void shgrid_put_texel_(const shgrid_walk_ *walk, size_t texel, con
    26 neighbors in the lattice of the brick's cells; black without such a neighbor. `ring` is the squared distance. */
 static inline void shgrid_texel_(shgrid_walk_ *walk, const double at[3], double step, shgrid_coeffs *out) {
     int ring, i, n, axis, found = 0;
-    if (shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, out))
+    if (shgrid_blend_coeffs_(walk->grid, at, &walk->path, out))
         return;
     for (ring = 1; ring <= 3 && !found; ring++)
         for (i = 0; i < 27; i++) {
@@ -1120,13 +1763,14 @@ static inline void shgrid_texel_(shgrid_walk_ *walk, const double at[3], double 
                 neighbor[axis] = at[axis] + step * offset[axis];
                 inside = inside && neighbor[axis] >= 0 && neighbor[axis] <= walk->grid->bounds[axis];
             }
-            if (!inside || !shgrid_blend_sparse_(walk->grid, neighbor, 0, &walk->path, &value))
+            if (!inside || !shgrid_blend_coeffs_(walk->grid, neighbor, &walk->path, &value))
                 continue;
             found++;
             for (n = 0; n < 27; n++)
                 out->c[n / 3][n % 3] += value.c[n / 3][n % 3];
         }
-    shgrid_divide_(out, (float)found);
+    for (n = 0; found && n < 27; n++)
+        out->c[n / 3][n % 3] /= (float)found;
 }
 
 /* Place of texel number i in a brick, x fastest, and its position in smallest cells: the brick is at `low`, its cells
@@ -1147,7 +1791,7 @@ static inline int shgrid_brick_is_lit_(shgrid_walk_ *walk, const int32_t low[3],
         double at[3];
         shgrid_coeffs value;
         shgrid_brick_texel_(i, low, step, texel, at);
-        if (shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, &value))
+        if (shgrid_blend_coeffs_(walk->grid, at, &walk->path, &value))
             return 1;
     }
     return 0;
@@ -1202,7 +1846,10 @@ static inline void shgrid_visit_(shgrid_walk_ *walk, uint32_t index, int level, 
     const int edge = walk->grid->levels - level;
     uint32_t child = bspx_u32(node), octant;
     int hasBrick = level == 0;
-    walk->scale = node[9] && node[11] > walk->scale ? node[11] : walk->scale;
+    if (walk->grid->lights != NULL)
+        walk->scale = 128; /* scale 1: lights are among the coefficients */
+    else if (node[9] && node[11] > walk->scale)
+        walk->scale = node[11];
     for (octant = 0; octant < shgrid_bits_(node[8]); octant++)
         hasBrick = hasBrick || shgrid_node_(walk->grid, child + octant)[8] != 255;
     if (hasBrick) {

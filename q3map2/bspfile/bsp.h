@@ -3,6 +3,7 @@
 
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bsp_records.h"
+#include "q3map2/bspfile/bspfile_named.h"
 #include "q3map2/bspfile/bspfile_sparse.h"
 
 #include <array>
@@ -29,7 +30,8 @@ struct BspxLump {
     std::vector<std::byte> data;
 };
 
-inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH", kBspxSparseGridSH = "LIGHTGRID_SH_SPARSE";
+inline constexpr std::string_view kBspxLightGridSH = "LIGHTGRID_SH", kBspxSparseGridSH = "LIGHTGRID_SH_SPARSE",
+                                  kBspxNamedGridSH = "LIGHTGRID_SH_LIGHTS";
 inline constexpr std::string_view kBspxLightmapsE5bgr9 = "LIGHTING_E5BGR9", kBspxVertexE5bgr9 = "VERTEX_E5BGR9",
                                   kBspxRnm = "LIGHTING_RNM";
 inline constexpr std::string_view kBspxAmbientCubes = "AMBIENT_CUBES", kBspxPropLight = "STATIC_PROP_LIGHT";
@@ -99,6 +101,7 @@ struct Bsp {
     std::optional<LightGridSH> gridSH;
     GridSHContainer gridSHContainer = GridSHContainer::Lump;
     std::optional<SparseGridSH> sparseGridSH; ///< in the BSPX lump kBspxSparseGridSH
+    std::optional<NamedGridSH> namedGridSH;   ///< in the BSPX lump kBspxNamedGridSH
     // HDR light as E5BGR9 codes (libs/math/packed_color.h), in BSPX lumps; empty: no such lump.
     std::vector<std::uint32_t> lightmapsE5bgr9; ///< for each texel of `lightmaps`; pages of directions hold 0
     std::vector<std::uint32_t> vertexE5bgr9;    ///< for each of drawVerts

@@ -229,6 +229,19 @@ struct bspSparseGridHeader_t {
     std::uint32_t nodes = 0, points = 0, reserved = 0;
 };
 
+/// Head of the BSPX lump LIGHTGRID_SH_LIGHTS. GridLight, GridPolygon, Float3 vertices, NamedGridNode, NamedGridPoint,
+/// uint16 names, uint8 shares and text follow; the last three are padded to 4 bytes.
+struct bspNamedGridHeader_t {
+    std::array<char, 4> magic{'S', 'H', 'G', 'L'};
+    std::uint32_t version = 1;
+    std::uint32_t bytes = 0; ///< of the lump
+    Float3 mins{}, cell{};   ///< as of bspSparseGridHeader_t, like roots and levels
+    Int3 roots{};
+    std::uint32_t levels = 0;
+    std::uint32_t nodes = 0, points = 0, lights = 0, polygons = 0, vertices = 0, names = 0, shares = 0, textBytes = 0;
+    std::array<std::uint32_t, 3> reserved{};
+};
+
 /// Whether a record has the size that the format gives it, and can be copied as bytes.
 template <typename Record, std::size_t size>
 inline constexpr bool kPinned = sizeof(Record) == size &&std::is_trivially_copyable_v<Record>;
@@ -239,7 +252,7 @@ static_assert(kPinned<bspDrawSurface_t, 148> && kPinned<bspGridPoint_t, 30> && k
 static_assert(kPinned<bspRnmHeader_t, 20>);
 static_assert(kPinned<bspCubeHeader_t, 16> && kPinned<bspCubeLeaf_t, 4> && kPinned<bspCubeSample_t, 28>);
 static_assert(kPinned<bspPropLightHeader_t, 20> && kPinned<bspPropLight_t, 20> && kPinned<bspPropMesh_t, 8>);
-static_assert(kPinned<bspSparseGridHeader_t, 64>);
+static_assert(kPinned<bspSparseGridHeader_t, 64> && kPinned<bspNamedGridHeader_t, 96>);
 static_assert(kPinned<bspGridSHHeader_t, 40> && kPinned<bspGridPointSH_t, 108>);
 
 } // namespace q3

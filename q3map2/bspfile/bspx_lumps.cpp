@@ -149,6 +149,10 @@ void CheckSparse(const Bsp &bsp, std::string_view name) {
     CheckSparseGrid(*bsp.sparseGridSH, name);
 }
 
+void CheckNamed(const Bsp &bsp, std::string_view name) {
+    CheckNamedGrid(*bsp.namedGridSH, name);
+}
+
 using enum StaleAfter;
 
 constexpr BspxRow kRows[] = {
@@ -168,6 +172,9 @@ constexpr BspxRow kRows[] = {
     {BspxId::SparseGridSH, kBspxSparseGridSH, "the sparse SH light grid", EveryBake, HasMember<&Bsp::sparseGridSH>,
      ClearMember<&Bsp::sparseGridSH>, ReadMember<&Bsp::sparseGridSH, ReadSparseGrid>,
      WriteMember<&Bsp::sparseGridSH, SparseRanges>, nullptr, CheckSparse},
+    {BspxId::NamedGridSH, kBspxNamedGridSH, "the SH light grid that names lights", EveryBake,
+     HasMember<&Bsp::namedGridSH>, ClearMember<&Bsp::namedGridSH>, ReadMember<&Bsp::namedGridSH, ReadNamedGrid>,
+     WriteMember<&Bsp::namedGridSH, NamedRanges>, nullptr, CheckNamed},
     {BspxId::AmbientCubes, kBspxAmbientCubes, "ambient cubes", EveryBake, HasMember<&Bsp::ambientCubes>,
      ClearMember<&Bsp::ambientCubes>, ReadMember<&Bsp::ambientCubes, ReadAmbientCubes>,
      WriteMember<&Bsp::ambientCubes, CubeRanges>, CubesMisfit, CheckAmbientCubes},

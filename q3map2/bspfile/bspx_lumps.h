@@ -52,7 +52,17 @@ struct BspxSource {
 };
 
 /// The lumps, in the order in which they are written. Lumps of other programs, which stay bytes, follow the first.
-enum class BspxId { PropLight, LightGridSH, LightmapsE5bgr9, VertexE5bgr9, Rnm, SparseGridSH, AmbientCubes, Count };
+enum class BspxId {
+    PropLight,
+    LightGridSH,
+    LightmapsE5bgr9,
+    VertexE5bgr9,
+    Rnm,
+    SparseGridSH,
+    NamedGridSH,
+    AmbientCubes,
+    Count
+};
 inline constexpr std::size_t kBspxIdCount = std::size_t(BspxId::Count);
 
 /// After which bakes a lump is stale: it has light of an earlier bake, which does not match the new one.

@@ -164,6 +164,7 @@ class InfoTable {
         static constexpr LumpInfo kInfos[] = {
             {BspxId::LightGridSH, LumpInfo::UniformGrid, &InfoTable::PrintGridSH},
             {BspxId::SparseGridSH, LumpInfo::SparseGrid, &InfoTable::PrintSparseGrid},
+            {BspxId::NamedGridSH, LumpInfo::SparseGrid, &InfoTable::PrintNamedGrid},
             {BspxId::LightmapsE5bgr9, LumpInfo::HdrLight, &InfoTable::PrintHdrLightmaps},
             {BspxId::VertexE5bgr9, LumpInfo::HdrLight, &InfoTable::PrintHdrVertices},
             {BspxId::Rnm, LumpInfo::HdrLight, &InfoTable::PrintRnm},
@@ -306,6 +307,21 @@ class InfoTable {
                        100.0 * double(counts.stored) / double(std::max<std::size_t>(grid.points.size(), 1)),
                        counts.hanging, counts.empty);
         }
+    }
+
+    void PrintNamedGrid(const Entity &) const {
+        const NamedGridSH &grid = *bsp_.namedGridSH;
+        Line(grid.points.size(), "SH grid with lights", BytesOfLump(bsp_, BspxId::NamedGridSH));
+        Note("{} nodes; {} levels below {} x {} x {} roots; smallest cells of {} x {} x {} units", grid.nodes.size(),
+             grid.levels, grid.roots[0], grid.roots[1], grid.roots[2], grid.cell[0], grid.cell[1], grid.cell[2]);
+        std::array<std::size_t, 4> types{};
+        for (const GridLight &light : grid.table.lights)
+            ++types[light.type];
+        Note("{} lights: {} points, {} spots, {} suns, {} with polygons", grid.table.lights.size(),
+             types[SHGRID_POINT], types[SHGRID_SPOT], types[SHGRID_SUN], types[SHGRID_POLYGONS]);
+        const auto styled = std::ranges::count_if(grid.table.lights, [](const GridLight &l) { return l.style != 0; });
+        Note("{} of them with a style; {:.1f} names a point", styled,
+             double(grid.shares.size()) / double(std::max<std::size_t>(1, grid.points.size())));
     }
 
     template <typename... Args> void Note(fmt::format_string<Args...> format, Args &&...args) const {

@@ -301,6 +301,32 @@ void TransformSparseGrid(const AxisTransform &transform, Bsp &bsp) {
         grid.cell[i] = float(double(grid.cell[i]) * transform.factors[i]);
 }
 
+/// Moves a grid with its lights. An even scaling keeps their light: with lengths times f, an inverse square light needs
+/// f^2 times the photons, and distances in falloff and cones grow by f.
+void TransformNamedGrid(const AxisTransform &transform, Bsp &bsp) {
+    NamedGridSH &grid = *bsp.namedGridSH;
+    grid.mins = transform.Apply(grid.mins);
+    for (std::size_t i = 0; i < 3; ++i)
+        grid.cell[i] = float(double(grid.cell[i]) * transform.factors[i]);
+    const auto f = float(std::cbrt(transform.factors[0] * transform.factors[1] * transform.factors[2]));
+    for (GridLight &light : grid.table.lights) {
+        light.origin = transform.Apply(light.origin);
+        if (light.type == SHGRID_POINT || light.type == SHGRID_SPOT)
+            light.intensity *= light.curve == SHGRID_INVERSE_SQUARE || light.curve == SHGRID_WINDOWED ? f * f : 1;
+        for (float *length : {&light.extraDist, &light.end, &light.fadeFrom, &light.flatFrom, &light.nearest,
+                              &light.coneFade})
+            *length *= f;
+        light.fade /= f, light.linear /= f, light.quadratic /= f * f;
+    }
+    for (Float3 &vertex : grid.table.vertices)
+        vertex = transform.Apply(vertex);
+    for (GridPolygon &polygon : grid.table.polygons) {
+        polygon.center = transform.Apply(polygon.center);
+        polygon.dist = float(Dot(Vec3d(polygon.normal), Vec3d(polygon.center)));
+        polygon.area *= f * f, polygon.radius *= f;
+    }
+}
+
 // ---- Merged maps ----
 
 /// Whether both maps have the lump. If only one has it, the other has no light to fill it with.
@@ -395,6 +421,11 @@ void KeepSparseGrid(const LumpMerge &maps) {
                    "sparse SH light grid");
 }
 
+void KeepNamedGrid(const LumpMerge &maps) {
+    WarnOfLostGrid(maps, maps.main.namedGridSH.has_value(), maps.added.namedGridSH.has_value(),
+                   "SH light grid that names lights");
+}
+
 /// The leafs of the merged map are those of the first.
 void KeepCubes(const LumpMerge &maps) {
     if (maps.added.ambientCubes)
@@ -409,6 +440,7 @@ constexpr LumpEdit kLumpEdits[] = {
     {BspxId::PropLight, UnevenScaling::KeepsLight, nullptr, MergeProps},
     {BspxId::LightGridSH, UnevenScaling::SpoilsLight, TransformUniformGrid, KeepUniformGrid},
     {BspxId::SparseGridSH, UnevenScaling::SpoilsLight, TransformSparseGrid, KeepSparseGrid},
+    {BspxId::NamedGridSH, UnevenScaling::SpoilsLight, TransformNamedGrid, KeepNamedGrid},
     // A cube's position is a fraction of its leaf's box on each axis, so it moves with the leaf.
     {BspxId::AmbientCubes, UnevenScaling::SpoilsLight, nullptr, KeepCubes},
 };

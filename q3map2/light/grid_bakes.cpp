@@ -5,6 +5,7 @@
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/light/cubes/ambient_cubes.h"
 #include "q3map2/light/grid/gridsh_error.h"
+#include "q3map2/light/named/named_bake.h"
 #include "q3map2/light/sparse/sparse_bake.h"
 
 #include <algorithm>
@@ -108,8 +109,15 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
     const std::vector<Light> lights = LightsForSH(setup, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    if (options.shLights && !options.sh) {
+        NamedStats named;
+        BakedGridSH baked;
+        baked.named = BakeNamedGrid(in, layout, lights, stats, named);
+        PrintNamedStats(named, log);
+        return baked;
+    }
     GridSHTracer tracer(in, layout, lights);
-    BakedGridSH baked{tracer.TraceGridSH(stats), {}};
+    BakedGridSH baked{tracer.TraceGridSH(stats), {}, {}};
     GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
     const GridPointCounts counts = CountGridPoints(setup.bsp, baked.uniform);
     shown.open = std::int64_t(counts.open);

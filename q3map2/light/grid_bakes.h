@@ -27,6 +27,7 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Bounc
 struct BakedGridSH {
     LightGridSH uniform;
     std::optional<SparseGridSH> sparse; ///< with -shadaptive
+    std::optional<NamedGridSH> named;   ///< with -shlights
 };
 /// The SH grid, with bounced light unless that is null.
 BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,

@@ -170,7 +170,9 @@ constexpr LostLump kLostLumps[] = {
          return run.formats.empty() ? run.options.sh : HasPlace(run.formats, GridPlace::Uniform);
      }},
     {BspxId::SparseGridSH, "sparse SH grid dropped", "sparse SH light grid", "-shadaptive",
-     [](const BakeSettings &run) { return run.options.shAdaptive; }},
+     [](const BakeSettings &run) { return run.options.shAdaptive && !run.options.shLights; }},
+    {BspxId::NamedGridSH, "SH grid with lights dropped", "SH light grid that names lights", "-shlights",
+     [](const BakeSettings &run) { return run.options.shLights; }},
     {BspxId::AmbientCubes, "ambient cubes dropped", kBspxAmbientCubes, "-ambientcubes",
      [](const BakeSettings &run) { return run.options.ambientCubes; }},
     {BspxId::LightmapsE5bgr9, "HDR lightmaps dropped", kBspxLightmapsE5bgr9, "-both",

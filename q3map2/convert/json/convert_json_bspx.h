@@ -42,6 +42,8 @@ void WriteJsonRnm(const std::filesystem::path &path, const Bsp &bsp, const Game 
 void ReadJsonRnm(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 void WriteJsonSparseGrid(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
 void ReadJsonSparseGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
+void WriteJsonNamedGrid(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void ReadJsonNamedGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 void WriteJsonCubes(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
 void ReadJsonCubes(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 void WriteJsonProps(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
@@ -56,6 +58,7 @@ inline constexpr JsonLump kJsonLumps[] = {
     {BspxId::VertexE5bgr9, "DrawVertE5BGR9.json", WriteJsonVertexLight, ReadJsonVertexLight, nullptr, nullptr},
     {BspxId::Rnm, "LightTexelsRNM.json", WriteJsonRnm, ReadJsonRnm, nullptr, nullptr},
     {BspxId::SparseGridSH, "GridPointsSHSparse.json", WriteJsonSparseGrid, ReadJsonSparseGrid, nullptr, nullptr},
+    {BspxId::NamedGridSH, "GridPointsSHLights.json", WriteJsonNamedGrid, ReadJsonNamedGrid, nullptr, nullptr},
     {BspxId::AmbientCubes, "AmbientCubes.json", WriteJsonCubes, ReadJsonCubes, nullptr, nullptr},
     {BspxId::PropLight, "PropLight.json", WriteJsonProps, ReadJsonProps, PropsFitJson, ReadPropBytes},
 };

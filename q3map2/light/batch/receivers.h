@@ -161,6 +161,9 @@ struct ProbeIncidentLight : IncidentLight {
     /// SH grid only: the incident radiance projected on the nine basis functions (sh.h), cosine-convolved unless
     /// LightSettings::radiance, before the tint; byte scale, for a light of color 1 1 1. Zero where nothing arrives.
     std::array<Lanes, 9> shCoeffs;
+    /// SH grid only: the light's strength on a surface that faces it without shadows (of area lights an estimate), and
+    /// the fraction of it that arrives. 0 where the light does not reach, or has not the part that is traced.
+    Lanes unshadowed, visible;
 };
 
 /// The directions that light comes from. A receiver in the same place with normal b gets

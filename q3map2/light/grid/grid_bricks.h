@@ -168,6 +168,15 @@ class LightsInReach {
 /// lights.
 void StartFaintResiduals(std::vector<ReceiverBatch> &blocks, float faint);
 
+/// Sees the light of each source as it arrives at the receivers of a brick. From the thread that traces the brick.
+class LightObserver {
+  public:
+    virtual ~LightObserver() = default;
+    /// incident: by block.
+    virtual void See(const WeightedLight &light, std::span<const ReceiverBatch> blocks,
+                     std::span<const ProbeIncidentLight> incident) = 0;
+};
+
 enum class ShowProgress { No, Yes };
 
 /// Runs `trace(brick, work)` for bricks 0 to count - 1 on all workers, with progress in the log if asked; adds the sum

@@ -98,6 +98,7 @@ class LitGridPoints {
     /// Appends a receiver for a point for which IsLit holds.
     void AddReceiver(const BrickPoint &point, std::vector<ReceiverBatch> &blocks) const;
     std::vector<PointState> &States() { return states_; }
+    const std::vector<PointState> &States() const { return states_; }
     /// Points that are lit from another position than their own, in the order of their index.
     const std::vector<DisplacedPoint> &Displaced() const { return displaced_; }
 

@@ -111,15 +111,32 @@ GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const
     lit_.FindOnEmitters(lights);
 }
 
-LightGridSH GridSHTracer::TraceGridSH(GridStats &stats, GridSHSteps *steps) {
+LightGridSH GridSHTracer::EmptyGrid(GridStats &stats) const {
     LightGridSH grid;
     grid.header = {layout_.mins, layout_.size, layout_.bounds, std::int32_t(layout_.Count())};
     grid.points.assign(std::size_t(layout_.Count()), bspGridPointSH_t{});
     stats.points = layout_.Count();
+    return grid;
+}
 
-    const VisibilityGroups groups = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
+void GridSHTracer::FillWeak(GridStats &stats) {
     usesWeak_ = in_.options.skip.smooth && HasMuchToTrace() &&
                 WeakFieldTracer(in_, layout_, lit_, integrator_).Fill(weak_, stats);
+}
+
+LightGridSH GridSHTracer::TracePointsOnly(GridStats &stats, LightObserver &observer) {
+    LightGridSH grid = EmptyGrid(stats);
+    FillWeak(stats);
+    RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
+        TracePoints(bricks_.Points(brick), brick, grid, work, &observer);
+    });
+    return grid;
+}
+
+LightGridSH GridSHTracer::TraceGridSH(GridStats &stats, GridSHSteps *steps) {
+    LightGridSH grid = EmptyGrid(stats);
+    const VisibilityGroups groups = FindVisibilityGroups(in_, layout_, lit_.Displaced(), lit_.States());
+    FillWeak(stats);
     const LightAtPositions light(integrator_, Weak());
     GridFit fit(in_, layout_, lit_.States(), groups.isSplit);
     RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
@@ -147,7 +164,7 @@ bool GridSHTracer::HasMuchToTrace() const {
 }
 
 void GridSHTracer::TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid,
-                               GridStats &work) const {
+                               GridStats &work, LightObserver *observer) const {
     std::vector<ReceiverBatch> blocks;
     for (const BrickPoint &point : points)
         if (lit_.IsLit(point.index))
@@ -158,9 +175,9 @@ void GridSHTracer::TracePoints(std::span<const BrickPoint> points, std::int64_t 
     const auto store = [&](std::size_t i, const bspGridPointSH_t &value) { grid.points[indexOf(i)] = value; };
     const auto weakOf = [&](std::size_t i) -> const WeakLight & { return weak_.At(indexOf(i)); };
     if (usesWeak_)
-        integrator_.TraceStrong(blocks, std::uint64_t(brick), work, weakOf, store);
+        integrator_.TraceStrong(blocks, std::uint64_t(brick), work, weakOf, store, observer);
     else
-        integrator_.Trace(blocks, std::uint64_t(brick), work, store);
+        integrator_.Trace(blocks, std::uint64_t(brick), work, store, observer);
 }
 
 } // namespace q3

@@ -53,13 +53,20 @@ class GridSHTracer {
     /// The SH light grid: points in the open are lit, points in solids next to the open filled and fitted, others zero.
     /// Call it once. steps: set unless null.
     LightGridSH TraceGridSH(GridStats &stats, GridSHSteps *steps = nullptr);
+    /// Only the light of the points that are lit; others are zero. observer: sees lights as they arrive, from any
+    /// thread. Call it once, in place of TraceGridSH.
+    LightGridSH TracePointsOnly(GridStats &stats, LightObserver &observer);
+    const std::vector<PointState> &States() const { return lit_.States(); }
     /// After TraceGridSH: weak light for LightAtPositions; null if it is not smooth enough, if tracing all of it takes
     /// little, or with -noskipsmooth.
     const WeakField *Weak() const { return usesWeak_ ? &weak_ : nullptr; }
 
   private:
     bool HasMuchToTrace() const;
-    void TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid, GridStats &work) const;
+    LightGridSH EmptyGrid(GridStats &stats) const;
+    void FillWeak(GridStats &stats);
+    void TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid, GridStats &work,
+                     LightObserver *observer = nullptr) const;
 
     const GridInputs &in_;
     const GridLayout &layout_;

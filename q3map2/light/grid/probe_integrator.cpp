@@ -125,13 +125,15 @@ ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> 
                          in.options.skip.smooth ? LightSplit::WeakAndStrong : LightSplit::None) {}
 
 std::vector<ChannelSums> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
-                                               GridStats &work) const {
+                                               GridStats &work, LightObserver *observer) const {
     std::vector<ChannelSums> sums(blocks.size());
     const auto add = [&](const WeightedLight &one, const std::vector<ProbeIncidentLight> &incident) {
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         for (std::size_t block = 0; block < blocks.size(); ++block)
             if (incident[block].live.Any())
                 AddLight(scale, incident[block], sums[block]);
+        if (observer)
+            observer->See(one, blocks, incident);
     };
     lighting_.Trace(blocks, seed, part, work, add);
     if (part == LightPart::Strong)

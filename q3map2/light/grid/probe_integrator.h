@@ -47,10 +47,12 @@ class ProbeIntegrator {
 
     /// Calls store(number, coefficients) for every receiver of the blocks of a brick: light of all lights, bounced
     /// light, floodlight, ambient and minimum light, scaled as stored. number: of the receiver among those of all
-    /// blocks. seed: of the random choice among faint lights, which is the same for all blocks.
+    /// blocks. seed: of the random choice among faint lights, which is the same for all blocks. observer: sees the
+    /// lights, or null.
     template <typename Store>
-    void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Store &store) const {
-        StoreAll(blocks, Sums(blocks, seed, LightPart::Whole, work), store);
+    void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const Store &store,
+               LightObserver *observer = nullptr) const {
+        StoreAll(blocks, Sums(blocks, seed, LightPart::Whole, work, observer), store);
     }
     /// Calls store(number, WeakLight) with the weak light, see LightPart, bounced light and floodlight. Not with
     /// -noskipsmooth.
@@ -65,8 +67,8 @@ class ProbeIntegrator {
     /// As Trace, for receivers whose weak light is known: weakOf(number) returns it, as TraceWeak stored it.
     template <typename WeakOf, typename Store>
     void TraceStrong(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, GridStats &work, const WeakOf &weakOf,
-                     const Store &store) const {
-        std::vector<ChannelSums> sums = Sums(blocks, seed, LightPart::Strong, work);
+                     const Store &store, LightObserver *observer = nullptr) const {
+        std::vector<ChannelSums> sums = Sums(blocks, seed, LightPart::Strong, work, observer);
         std::size_t next = 0;
         for (std::size_t block = 0; block < blocks.size(); ++block)
             for (std::size_t i = 0; i < blocks[block].count; ++i)
@@ -76,7 +78,7 @@ class ProbeIntegrator {
 
   private:
     std::vector<ChannelSums> Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
-                                  GridStats &work) const;
+                                  GridStats &work, LightObserver *observer = nullptr) const;
     std::vector<bspGridPointSH_t> Values(std::span<const ReceiverBatch> blocks,
                                          std::span<const ChannelSums> sums) const;
     static bspGridPointSH_t LightAt(const ChannelSums &sums, std::size_t lane);

@@ -376,7 +376,7 @@ std::vector<bspGridPointSH_t> TracedValues(std::span<const ProbeReceiver> receiv
 } // namespace
 
 std::vector<bspGridPointSH_t> LightAtPositions::At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                                                   GridStats &work) const {
+                                                   GridStats &work, LightObserver *observer) const {
     if (weak_) {
         std::vector<std::optional<WeakLight>> weak;
         for (const ProbeReceiver &one : receivers) {
@@ -384,10 +384,10 @@ std::vector<bspGridPointSH_t> LightAtPositions::At(std::span<const ProbeReceiver
             work.skippedSmooth += weak.back() ? 1 : 0;
         }
         TraceMissingWeak(receivers, seed, weak, work);
-        return TraceStrongAndSum(receivers, seed, weak, work);
+        return TraceStrongAndSum(receivers, seed, weak, work, observer);
     }
     return TracedValues(receivers, [&](std::vector<ReceiverBatch> &blocks, const auto &store) {
-        integrator_.Trace(blocks, seed, work, store);
+        integrator_.Trace(blocks, seed, work, store, observer);
     });
 }
 
@@ -406,10 +406,10 @@ void LightAtPositions::TraceMissingWeak(std::span<const ProbeReceiver> receivers
 std::vector<bspGridPointSH_t> LightAtPositions::TraceStrongAndSum(std::span<const ProbeReceiver> receivers,
                                                                   std::uint64_t seed,
                                                                   std::span<const std::optional<WeakLight>> weak,
-                                                                  GridStats &work) const {
+                                                                  GridStats &work, LightObserver *observer) const {
     const auto weakOf = [&](std::size_t i) -> const WeakLight & { return *weak[i]; };
     return TracedValues(receivers, [&](std::vector<ReceiverBatch> &blocks, const auto &store) {
-        integrator_.TraceStrong(blocks, seed, work, weakOf, store);
+        integrator_.TraceStrong(blocks, seed, work, weakOf, store, observer);
     });
 }
 

@@ -145,8 +145,9 @@ class LightAtPositions {
     LightAtPositions(const ProbeIntegrator &integrator, const WeakField *weak) : integrator_(integrator), weak_(weak) {}
 
     /// Light at receivers that are near to each other, as in a brick. seed: see ProbeIntegrator::Trace.
-    std::vector<bspGridPointSH_t> At(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                                     GridStats &work) const;
+    /// observer: sees strong lights as they arrive, or all if there is no weak light; or null.
+    std::vector<bspGridPointSH_t> At(std::span<const ProbeReceiver> receivers, std::uint64_t seed, GridStats &work,
+                                     LightObserver *observer = nullptr) const;
     /// The two steps of At, for callers that know some of the weak light. The first traces the weak light of receivers
     /// for which `weak` has nothing. Only with weak light.
     void TraceMissingWeak(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
@@ -154,8 +155,8 @@ class LightAtPositions {
     /// The second returns the light: the strong light, which it traces, plus `weak`, which must be set for all
     /// receivers.
     std::vector<bspGridPointSH_t> TraceStrongAndSum(std::span<const ProbeReceiver> receivers, std::uint64_t seed,
-                                                    std::span<const std::optional<WeakLight>> weak,
-                                                    GridStats &work) const;
+                                                    std::span<const std::optional<WeakLight>> weak, GridStats &work,
+                                                    LightObserver *observer = nullptr) const;
     const WeakField *Weak() const { return weak_; }
 
   private:

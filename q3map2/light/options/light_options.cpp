@@ -167,6 +167,11 @@ Group SparseGridSH() {
                .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
                           "sparse grid that the file had, with a warning."},
               &LightOptions::shAdaptive},
+             {{.name = "-shlights",
+               .help = "Bake the SH light as a grid that names its strongest lights, into a BSPX lump"},
+              &LightOptions::shLights},
+             {{.name = "-shnames", .values = "N", .range = {1, 32}, .help = "Most lights that a cell names"},
+              &LightOptions::shNames},
              ErrorTargetSetting<LightOptions>(
                  "Error that the sparse grid may have on a screen at random positions of players: RMS; includes "
                  "-shadaptive",

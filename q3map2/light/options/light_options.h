@@ -112,6 +112,8 @@ struct LightOptions {
     bool sh = false;         ///< bake the uniform SH grid, not only as a step to the sparse one
     bool shBspx = false;     ///< it goes into a BSPX lump, not into lump 18
     bool shAdaptive = false; ///< the sparse SH grid
+    bool shLights = false;   ///< a grid that names its strongest lights; with shAdaptive, in place of the sparse one
+    int shNames = 4;         ///< most lights that a cell names, besides those with a style
     SparseGoal sparseGoal;
     bool shRadiance = false;         ///< store radiance, not irradiance
     std::string gridFormats;         ///< -gridformats

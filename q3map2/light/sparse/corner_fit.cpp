@@ -256,7 +256,7 @@ class TreeWriter {
                     PlaceHanging(p);
     }
 
-    SparseGridTree Write(const std::vector<SHFloats> &values) const;
+    StoredTree Write() const;
 
   private:
     /// Splits the leaf that contains p until p is its lower corner, and marks that. A leaf with open space is not
@@ -324,15 +324,15 @@ std::vector<bool> TreeWriter::FindUsed() const {
     return used;
 }
 
-SparseGridTree TreeWriter::Write(const std::vector<SHFloats> &values) const {
-    SparseGridTree file;
+StoredTree TreeWriter::Write() const {
+    StoredTree file;
     const std::vector<bool> used = FindUsed();
     std::vector<std::size_t> cellsOfLevel(tree_.RootCount()), nextLevel;
     for (std::size_t i = 0; i < cellsOfLevel.size(); ++i)
         cellsOfLevel[i] = i;
-    std::vector<std::uint32_t> valueOf(points_.Size()); // by lattice point: index in `values`
-    for (std::size_t i = 0; i < values.size(); ++i)
-        valueOf[corners_.Stored()[i]] = std::uint32_t(i);
+    std::vector<std::uint32_t> storedOf(points_.Size()); // by lattice point: index in corners_.Stored()
+    for (std::size_t i = 0; i < corners_.Stored().size(); ++i)
+        storedOf[corners_.Stored()[i]] = std::uint32_t(i);
     for (; !cellsOfLevel.empty(); cellsOfLevel = std::move(nextLevel), nextLevel.clear())
         for (const std::size_t cell : cellsOfLevel) {
             SparseGridNode &node = file.nodes.emplace_back();
@@ -346,8 +346,7 @@ SparseGridTree TreeWriter::Write(const std::vector<SHFloats> &values) const {
                     node.hanging |= bit;
                 else if (used[child]) {
                     node.stored |= bit;
-                    file.values.push_back(
-                        std::bit_cast<bspGridPointSH_t>(values[valueOf[points_.Find(tree_[child].origin)]]));
+                    file.order.push_back(storedOf[points_.Find(tree_[child].origin)]);
                 }
             }
         }
@@ -356,9 +355,17 @@ SparseGridTree TreeWriter::Write(const std::vector<SHFloats> &values) const {
 
 } // namespace
 
+StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners) {
+    return TreeWriter(std::move(tree), points, corners).Write();
+}
+
 SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
                               const SparseLattice &lattice, const std::vector<SHFloats> &values) {
-    SparseGridTree file = TreeWriter(std::move(tree), points, corners).Write(values);
+    StoredTree stored = StoreTree(std::move(tree), points, corners);
+    SparseGridTree file;
+    file.nodes = std::move(stored.nodes);
+    for (const std::uint32_t i : stored.order)
+        file.values.push_back(std::bit_cast<bspGridPointSH_t>(values[i]));
     const Vec3f &mins = lattice.Mins(), &cell = lattice.Cell();
     file.mins = {mins.x, mins.y, mins.z};
     file.cell = {cell.x, cell.y, cell.z};

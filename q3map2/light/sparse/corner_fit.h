@@ -55,8 +55,16 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points
                                  const SparseLattice &lattice, const BspSpace &space,
                                  std::span<const NearLightSample> nearLights = {});
 
-/// The nodes and values that the file has. values: of the stored corners, in the order of corners.Stored(). A cell owns
-/// its lower corner alone, so cells without open space are split where a stored or hanging corner is not theirs.
+/// The nodes that a file has, and for each stored cell, in their order, the index of its point in corners.Stored().
+struct StoredTree {
+    std::vector<SparseGridNode> nodes;
+    std::vector<std::uint32_t> order;
+};
+/// A cell owns its lower corner alone, so cells without open space are split where a stored or hanging corner is not
+/// theirs.
+StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners);
+/// The nodes and values that the file has. values: of the stored corners, in the order of
+/// corners.Stored().
 SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
                               const SparseLattice &lattice, const std::vector<SHFloats> &values);
 

@@ -31,6 +31,8 @@ class SparseLattice {
     /// A lattice of cells as near to cubes as halving the uniform grid's cells along single axes makes them, since
     /// light near a light changes as fast with height as sideways. Edges are not halved below kMinCubicCell.
     static SparseLattice Cubic(const bspGridSHHeader_t &uniform);
+    /// A lattice whose smallest cells are those of the uniform grid.
+    static SparseLattice OfUniformCells(const bspGridSHHeader_t &uniform) { return SparseLattice(uniform, Int3{}); }
     /// Level of the smallest cells that have points of the uniform grid at all corners.
     int BaseLevel() const { return baseLevel_; }
     /// Distance of points of the uniform grid along an axis: 2^UniformLevel smallest cells.

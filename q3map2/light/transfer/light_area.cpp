@@ -405,8 +405,17 @@ void AreaContribution::Refine(std::size_t i) {
         const double visible = SampleMoments::Total(moments.visible[k]), whole = SampleMoments::Total(moments.whole[k]);
         projection[k] = fraction * projection[k] + (visible - fraction * whole) / n;
     }
+    refinedFraction_[i] = std::clamp(float(projection[0] / (kSHC0 * moments_.Of(i).solidAngle)), 0.0f, 1.0f);
     SetProjection(i, projection);
     incident_->tint.Set(i, Vec3f(tint / double(arrived)));
+}
+
+/// Fraction of the light that arrives, with its mean tint: of refined receivers, that of the mean light.
+void AreaContribution::SetVisible() {
+    for (const std::size_t i : kEachLane) {
+        const float tint = tinted_ ? (incident_->tint.x[i] + incident_->tint.y[i] + incident_->tint.z[i]) / 3 : 1;
+        incident_->visible[i] = live_[i] != 0 ? visibleFraction_[i] * refinedFraction_[i] * tint : 0;
+    }
 }
 
 /// Applies fraction, weight and the cosine lobe; sets `strength` to the sum of the light over all directions:
@@ -440,6 +449,9 @@ void AreaContribution::Evaluate(ReceiverBatch &receivers, ProbeIncidentLight &in
         counts_.skippedFaint += std::uint64_t(live_.Count());
         return;
     }
+    incident_->visible.fill(0);
+    for (const std::size_t i : kEachLane)
+        incident_->unshadowed[i] = live_[i] != 0 ? unoccludedEstimate_[i] : 0;
     const int probes = ProbeCount();
     counts_.skippedProbes += std::uint64_t(probes == 1 ? live_.Count() : 0);
     TraceProbes(probes);
@@ -454,12 +466,14 @@ void AreaContribution::Evaluate(ReceiverBatch &receivers, ProbeIncidentLight &in
     counts_.skippedMoments += std::uint64_t(method == Method::ClosedForm ? 0 : live_.Count());
     ProjectByClosedForm(method, refine);
     SetVisibleFractions(float(probes), refine);
+    refinedFraction_.fill(1);
     for (unsigned lanes = refine.Bits(); lanes != 0; lanes &= lanes - 1)
         Refine(std::size_t(std::countr_zero(lanes)));
-    Convolve();
-    incident_->direction = {};
     incident_->tinted = tinted_;
     incident_->live = live_;
+    SetVisible();
+    Convolve();
+    incident_->direction = {};
 }
 
 } // namespace q3

@@ -52,6 +52,7 @@ class AreaContribution {
     void SetVisibleFractions(float probes, const LaneMask &refine);
     void SetProjection(std::size_t i, const SHVector &projection);
     void Refine(std::size_t i);
+    void SetVisible();
     void Convolve();
 
     const Light &light_;
@@ -75,6 +76,7 @@ class AreaContribution {
     MomentLanes moments_;      ///< of near receivers and, after ProjectByClosedForm, of all that need closed forms
     Lanes arrived_;            ///< number of probe rays that arrived
     Lanes visibleFraction_;    ///< visible fraction of the light; 1 for refined receivers, whose projection includes it
+    Lanes refinedFraction_;    ///< visible fraction of refined receivers; 1 for others
     Lanes3 tintSum_;           ///< sum of the transmittances of the probe rays that arrived; valid if tinted_
     bool tinted_ = false;      ///< some ray of the batch went through a see-through surface
 };

@@ -123,14 +123,30 @@ Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
     }
 }
 
+/// The light of receivers that are live: before parts are taken, and before rays are traced.
+void SetUnshadowed(ProbeIncidentLight &incident) {
+    for (const std::size_t i : kEachLane)
+        incident.unshadowed[i] = incident.live[i] != 0 ? incident.strength[i] : 0;
+}
+
+/// What arrived of it: nothing at receivers that are live no longer.
+void SetVisible(ProbeIncidentLight &incident) {
+    for (const std::size_t i : kEachLane) {
+        const float tint = incident.tinted ? (incident.tint.x[i] + incident.tint.y[i] + incident.tint.z[i]) / 3 : 1;
+        incident.visible[i] = incident.live[i] != 0 ? tint : 0;
+    }
+}
+
 /// Reduces `strength` to the part of the light that the pass takes; receivers at which that is 0 are live no longer.
 void ReduceToPart(const Light &light, const LightSettings &settings, ProbeIncidentLight &incident) {
+    SetUnshadowed(incident);
     if (settings.part == LightPart::Whole)
         return;
     const float color = MaxAbsComponent(light.color);
     for (const std::size_t i : kEachLane) {
         incident.strength[i] *= FractionOfPart(settings.part, color * incident.strength[i], settings.weakBelow);
         incident.live[i] = incident.strength[i] > 0 ? incident.live[i] : 0;
+        incident.unshadowed[i] = incident.live[i] != 0 ? incident.unshadowed[i] : 0;
     }
 }
 
@@ -154,9 +170,12 @@ class SingleRayLight {
             for (std::size_t batch = 0; batch < batches_.size(); ++batch)
                 Queue(batch, incident_[batch].live.Bits());
         rays_.Flush();
-        for (ProbeIncidentLight &one : incident_)
+        for (ProbeIncidentLight &one : incident_) {
+            if (isGridSH_)
+                SetVisible(one);
             if (isGridSH_ && one.live.Any())
                 ProjectDirections(one, settings_.radiance);
+        }
     }
 
   private:
@@ -293,6 +312,7 @@ void LightContributionToPoint(const Light &light, float weight, const LightSetti
                                ? LaneMask{}
                                : InSight(light, settings.skip.pvs, batches[i], counts);
         incident[i].tinted = false;
+        incident[i].unshadowed.fill(0);
     }
     if (light.type == LightType::Area && settings.pass == LightPass::GridSH) {
         AreaContribution area(light, weight, settings, scene, counts);

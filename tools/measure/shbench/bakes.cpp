@@ -23,6 +23,7 @@ std::string_view PassOf(BakedFormat format, const LightOptions &options) {
             return "--- TraceAmbientCubes ---";
         [[fallthrough]];
     case BakedFormat::GridSH:
+    case BakedFormat::NamedGridSH:
     case BakedFormat::SparseGridSH: // traces a uniform grid first
         break;
     }
@@ -36,6 +37,8 @@ std::int64_t LumpBytes(BakedFormat format, const Bsp &bsp) {
         return std::int64_t(sizeof(bspGridSHHeader_t) + bsp.gridSH->points.size() * sizeof(bspGridPointSH_t));
     case BakedFormat::SparseGridSH:
         return std::int64_t(EncodeSparseGrid(*bsp.sparseGridSH).size());
+    case BakedFormat::NamedGridSH:
+        return std::int64_t(EncodeNamedGrid(*bsp.namedGridSH).size());
     case BakedFormat::LegacyGrid:
         return std::int64_t(bsp.gridPoints.size() * sizeof(bspGridPoint_t));
     case BakedFormat::AmbientCubes:
@@ -51,7 +54,8 @@ std::int64_t LumpBytes(BakedFormat format, const Bsp &bsp) {
 LightOptions OptionsFor(BakedFormat format, LightOptions options) {
     options.ambientCubes = format == BakedFormat::AmbientCubes;
     options.sh = format == BakedFormat::GridSH || (options.ambientCubes && options.cubesFromSH);
-    options.shAdaptive = format == BakedFormat::SparseGridSH;
+    options.shLights = format == BakedFormat::NamedGridSH;
+    options.shAdaptive = format == BakedFormat::SparseGridSH || (options.shLights && options.shAdaptive);
     options.noGrid = format != BakedFormat::LegacyGrid;
     return options;
 }
@@ -67,6 +71,7 @@ BakeSetting ParseBakeSetting(const std::string &text) {
 
 BakedFormat FormatOf(const LightOptions &options) {
     return options.ambientCubes ? BakedFormat::AmbientCubes
+           : options.shLights   ? BakedFormat::NamedGridSH
            : options.shAdaptive ? BakedFormat::SparseGridSH
                                 : BakedFormat::GridSH;
 }
@@ -104,6 +109,8 @@ Baked Bake(const BenchMap &map, const LightOptions &given, BakedFormat format, S
     }
     if (format == BakedFormat::SparseGridSH) // fitted to light that is traced; solid space has no points
         baked.cost.points = baked.cost.litPoints = std::int64_t(baked.bsp.sparseGridSH->points.size());
+    if (format == BakedFormat::NamedGridSH)
+        baked.cost.points = baked.cost.litPoints = std::int64_t(baked.bsp.namedGridSH->points.size());
     return baked;
 }
 
@@ -116,6 +123,28 @@ ShownLight ShownBySH(const Bsp &bsp) {
         NormalLight light;
         for (std::size_t i = 0; i < kNormals; ++i)
             light[i] = LightOn(sample, Vec3f(Normals()[i]));
+        return light;
+    };
+}
+
+/// Through the reader for engines, from the bytes of the lump.
+ShownLight ShownByNamed(const Bsp &bsp) {
+    const auto lump = std::make_shared<const std::vector<std::byte>>(EncodeNamedGrid(*bsp.namedGridSH));
+    shgrid_grid grid;
+    if (const shgrid_result result = shgrid_parse(lump->data(), lump->size(), &grid); result != SHGRID_OK)
+        throw Error("SH grid that names lights: {}", shgrid_message(result));
+    return [lump, grid](const Vec3f &position) {
+        const float at[3] = {position.x, position.y, position.z};
+        shgrid_lighting lighting;
+        shgrid_lights(&grid, at, nullptr, &lighting);
+        NormalLight light;
+        for (std::size_t i = 0; i < kNormals; ++i) {
+            const Vec3f n(Normals()[i]);
+            const float normal[3] = {n.x, n.y, n.z};
+            float rgb[3];
+            shgrid_shade(&lighting, normal, rgb);
+            light[i] = {rgb[0], rgb[1], rgb[2]};
+        }
         return light;
     };
 }
@@ -136,7 +165,7 @@ ShownLight ShownByLegacy(const Bsp &bsp) {
 /// Through the reader for engines, from the bytes of the file.
 ShownLight ShownByCubes(const Bsp &bsp) {
     Bsp alone = bsp;
-    alone.gridSH.reset(), alone.sparseGridSH.reset();
+    alone.gridSH.reset(), alone.sparseGridSH.reset(), alone.namedGridSH.reset();
     const auto file = std::make_shared<const std::vector<std::byte>>(WriteBsp(alone, {}));
     ambient_cubes cubes;
     if (const auto result = ambient_cubes_load(file->data(), file->size(), &cubes); result != AMBIENT_CUBES_OK)
@@ -162,6 +191,7 @@ ShownLight ShownByCubes(const Bsp &bsp) {
 ShownLight ShownBy(BakedFormat format, const Bsp &bsp) {
     return format == BakedFormat::LegacyGrid     ? ShownByLegacy(bsp)
            : format == BakedFormat::AmbientCubes ? ShownByCubes(bsp)
+           : format == BakedFormat::NamedGridSH  ? ShownByNamed(bsp)
                                                  : ShownBySH(bsp);
 }
 

@@ -34,7 +34,7 @@ struct Baked {
 };
 
 /// What a bake makes and shows.
-enum class BakedFormat { GridSH, SparseGridSH, LegacyGrid, AmbientCubes };
+enum class BakedFormat { GridSH, SparseGridSH, NamedGridSH, LegacyGrid, AmbientCubes };
 /// The format that these options ask for; GridSH if none.
 BakedFormat FormatOf(const LightOptions &options);
 

@@ -48,7 +48,8 @@ std::vector<std::string> Cells(const BenchReport &report, const BenchLine &line)
 
 /// Whether charts of SH grids have the line.
 bool IsSHGrid(const BenchLine &line) {
-    return line.format == BakedFormat::GridSH || line.format == BakedFormat::SparseGridSH;
+    return line.format == BakedFormat::GridSH || line.format == BakedFormat::SparseGridSH ||
+           line.format == BakedFormat::NamedGridSH;
 }
 
 /// Options that set the size of cells or of the grid.
@@ -103,7 +104,9 @@ double BenchLine::ShareOfRaw() const {
 }
 
 std::string FamilyOf(const BenchLine &line) {
-    std::string family = line.format == BakedFormat::SparseGridSH ? "sparse" : "uniform";
+    std::string family = line.format == BakedFormat::SparseGridSH  ? "sparse"
+                         : line.format == BakedFormat::NamedGridSH ? "named"
+                                                                   : "uniform";
     std::istringstream words(line.options);
     bool skips = false; // values of an option that sets the size
     for (std::string word; words >> word;) {

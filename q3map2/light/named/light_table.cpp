@@ -1,0 +1,281 @@
+// GPL-2.0-or-later. The lights that a grid can name: those of a pass, with the pieces of one lamp joined.
+#include "q3map2/light/named/light_table.h"
+
+#include "q3map2/light/sources/falloff.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace q3 {
+
+namespace {
+
+/// Polygons of one lamp touch, or are at most this far apart; game units.
+constexpr float kTouching = 4;
+/// A light of several polygons has at most so many, and this radius (game units): larger lamps are several lights, since
+/// they are hidden in part more often than as a whole.
+constexpr std::size_t kMaxPolygons = 8;
+constexpr float kMaxLampRadius = 128;
+/// Samples of one sun differ in direction by at most this cosine.
+constexpr float kSunCosine = 0.94f;
+/// Corners of polygons that are joined lie in one plane to this accuracy. Game units; cosine of normals.
+constexpr float kCoplanar = 0.1f, kParallel = 0.9999f;
+constexpr float kSameCorner = 0.1f;
+
+/// Whether two lights of the pass may be pieces of one.
+bool IsSameKind(const Light &a, const Light &b) {
+    return a.type == b.type && a.style == b.style && a.color == b.color && a.negative == b.negative &&
+           a.twoSided == b.twoSided && a.radiosity == b.radiosity && a.photons == b.photons && a.name == b.name &&
+           a.skyIndex == b.skyIndex && a.entity == b.entity;
+}
+
+Boundsf BoxOf(const Light &light) {
+    Boundsf box;
+    for (const Vec3f &corner : light.polygon)
+        box.Add(corner);
+    return box;
+}
+
+/// The convex polygon that two coplanar ones with a common edge make, clockwise as they are; empty if it is not convex.
+std::vector<Vec3f> JoinedPolygon(const std::vector<Vec3f> &a, const std::vector<Vec3f> &b, const Vec3f &normal) {
+    const auto same = [](const Vec3f &p, const Vec3f &q) { return Length(p - q) < kSameCorner; };
+    for (std::size_t i = 0; i < a.size(); ++i)
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            if (!same(a[i], b[(j + 1) % b.size()]) || !same(a[(i + 1) % a.size()], b[j]))
+                continue;
+            std::vector<Vec3f> ring; // a from the end of the edge around to its start, then the rest of b
+            for (std::size_t k = 1; k <= a.size(); ++k)
+                ring.push_back(a[(i + k) % a.size()]);
+            for (std::size_t k = 2; k < b.size(); ++k)
+                ring.push_back(b[(j + k) % b.size()]);
+            std::vector<Vec3f> joined;
+            for (std::size_t k = 0; k < ring.size(); ++k) {
+                const Vec3f &before = ring[(k + ring.size() - 1) % ring.size()], &after = ring[(k + 1) % ring.size()];
+                // Clockwise seen from the front: the cross product of the edges points to the back.
+                const float turn = -Dot(Cross(Normalize(ring[k] - before), Normalize(after - ring[k])), normal);
+                if (turn < -1e-3f)
+                    return {};
+                if (turn > 1e-3f)
+                    joined.push_back(ring[k]);
+            }
+            return joined.size() <= SHGRID_POLYGON_VERTICES ? joined : std::vector<Vec3f>();
+        }
+    return {};
+}
+
+/// A polygon of a light while it is joined with others.
+struct Piece {
+    std::vector<Vec3f> corners;
+    Vec3f normal;
+    float dist;
+};
+
+void JoinPieces(std::vector<Piece> &pieces) {
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+        for (std::size_t j = i + 1; j < pieces.size();) {
+            std::vector<Vec3f> joined;
+            if (Dot(pieces[i].normal, pieces[j].normal) > kParallel &&
+                std::abs(pieces[i].dist - pieces[j].dist) < kCoplanar)
+                joined = JoinedPolygon(pieces[i].corners, pieces[j].corners, pieces[i].normal);
+            if (joined.empty()) {
+                ++j;
+                continue;
+            }
+            pieces[i].corners = std::move(joined);
+            pieces.erase(pieces.begin() + std::ptrdiff_t(j));
+            j = i + 1; // others may fit now
+        }
+}
+
+void AddPolygon(const Piece &piece, GridLights &table) {
+    Light shape; // for area and center
+    shape.polygon.assign(piece.corners.begin(), piece.corners.end());
+    shape.SetShape();
+    GridPolygon polygon;
+    polygon.firstVertex = std::uint32_t(table.vertices.size());
+    polygon.vertexCount = std::uint32_t(piece.corners.size());
+    polygon.normal = Vec3f(shape.shape.normal).Array();
+    polygon.dist = float(shape.shape.dist);
+    polygon.center = shape.shape.center.Array();
+    polygon.area = shape.shape.area, polygon.radius = shape.shape.radius;
+    for (const Vec3f &corner : piece.corners)
+        table.vertices.push_back(corner.Array());
+    table.polygons.push_back(polygon);
+}
+
+void SetCurve(const Light &light, GridLight &record) {
+    const Attenuation &k = light.attenuation;
+    record.extraDist = light.extraDist;
+    record.nearest = light.curve == FalloffCurve::Polynomial ? kNearestPolynomial : kNearest;
+    switch (light.curve) {
+    case FalloffCurve::InverseSquare:
+        record.curve = SHGRID_INVERSE_SQUARE;
+        break;
+    case FalloffCurve::Linear:
+        record.curve = SHGRID_LINEAR;
+        record.fade = light.fade;
+        break;
+    case FalloffCurve::Windowed:
+        record.curve = SHGRID_WINDOWED;
+        record.end = k.end;
+        break;
+    case FalloffCurve::Polynomial:
+        record.curve = SHGRID_POLYNOMIAL;
+        record.constant = k.constant, record.linear = k.linear, record.quadratic = k.quadratic;
+        record.flatFrom = k.flatFrom, record.fadeFrom = k.fadeFrom, record.end = k.end;
+        break;
+    }
+}
+
+void SetCone(const Light &light, GridLight &record) {
+    record.type = SHGRID_SPOT;
+    record.normal = light.normal.Array();
+    if (light.cone.byAngles) {
+        record.flags |= SHGRID_CONE_BY_ANGLES;
+        record.cosInner = light.cone.cosInner, record.cosOuter = light.cone.cosOuter;
+        record.exponent = light.cone.exponent;
+    } else {
+        record.coneRadius = light.radiusByDist;
+        record.coneFade = kConeFade;
+    }
+}
+
+} // namespace
+
+LightTable::LightTable(const std::vector<Light> &lights, float scale) : lights_(lights), numberOf_(lights.size()) {
+    Join();
+    for (const std::vector<std::size_t> &members : members_)
+        AddRecord(members, scale);
+    reader_.lights = reinterpret_cast<const unsigned char *>(table_.lights.data());
+    reader_.polygons = reinterpret_cast<const unsigned char *>(table_.polygons.data());
+    reader_.vertices = reinterpret_cast<const unsigned char *>(table_.vertices.data());
+    reader_.lightCount = std::int32_t(table_.lights.size());
+}
+
+/// Sets members_ and numberOf_. A light joins the first group of its kind that it touches.
+void LightTable::Join() {
+    struct Group {
+        Boundsf box;
+        std::vector<Boundsf> pieces;
+        Vec3f sun;
+    };
+    std::vector<Group> groups;
+    std::map<std::pair<int, int>, std::vector<std::size_t>> bySurface; // groups that a light may join
+    for (std::size_t i = 0; i < lights_.size(); ++i) {
+        const Light &light = lights_[i];
+        const Boundsf box = BoxOf(light);
+        std::size_t found = groups.size();
+        std::vector<std::size_t> &candidates = bySurface[{int(light.type), light.style}];
+        for (std::size_t c = candidates.size(); c-- > 0 && found == groups.size();) {
+            Group &group = groups[candidates[c]];
+            if (!IsSameKind(light, lights_[members_[candidates[c]].front()]))
+                continue;
+            if (light.type == LightType::Sun && light.style == 0) {
+                if (Dot(group.sun, -light.normal) > kSunCosine)
+                    found = candidates[c];
+            } else if (light.type == LightType::Area && group.pieces.size() < kMaxPolygons) {
+                Boundsf both = group.box;
+                both.Add(box.mins), both.Add(box.maxs);
+                const bool fits = Length(both.maxs - both.mins) < 2 * kMaxLampRadius;
+                const bool touches = std::ranges::any_of(group.pieces, [&](const Boundsf &piece) {
+                    for (std::size_t axis = 0; axis < 3; ++axis)
+                        if (piece.mins[axis] > box.maxs[axis] + kTouching ||
+                            box.mins[axis] > piece.maxs[axis] + kTouching)
+                            return false;
+                    return true;
+                });
+                if (fits && touches)
+                    found = candidates[c];
+            }
+        }
+        if (found == groups.size()) {
+            groups.push_back({box, {}, -light.normal});
+            members_.emplace_back();
+            candidates.push_back(found);
+        }
+        groups[found].pieces.push_back(box);
+        groups[found].box.Add(box.mins), groups[found].box.Add(box.maxs);
+        members_[found].push_back(i);
+        numberOf_[i] = std::uint32_t(found);
+    }
+}
+
+void LightTable::AddRecord(std::vector<std::size_t> members, float scale) {
+    const Light &light = lights_[members.front()];
+    GridLight record;
+    record.style = std::uint8_t(light.style);
+    record.color = (light.color * (scale * (light.negative ? -1.0f : 1.0f) / 255)).Array();
+    record.origin = light.origin.Array();
+    record.name = std::uint32_t(table_.text.size());
+    table_.text += light.name.empty() ? light.label : light.name;
+    table_.text += '\0';
+    if (light.twoSided)
+        record.flags |= SHGRID_TWO_SIDED;
+    if (light.type == LightType::Area) {
+        record.type = SHGRID_POLYGONS;
+        record.intensity = light.radiosity;
+        record.normal = light.normal.Array();
+        record.origin = light.shape.center.Array();
+        std::vector<Piece> pieces;
+        for (const std::size_t i : members)
+            pieces.push_back({{lights_[i].polygon.begin(), lights_[i].polygon.end()},
+                              Vec3f(lights_[i].shape.normal),
+                              float(lights_[i].shape.dist)});
+        JoinPieces(pieces);
+        record.firstPolygon = std::uint32_t(table_.polygons.size());
+        record.polygonCount = std::uint32_t(pieces.size());
+        for (const Piece &piece : pieces)
+            AddPolygon(piece, table_);
+    } else if (light.type == LightType::Sun) {
+        record.type = SHGRID_SUN;
+        Vec3f mean;
+        for (const std::size_t i : members)
+            mean = mean - lights_[i].normal;
+        const Vec3f direction = Normalize(mean);
+        float square = 0;
+        for (const std::size_t i : members)
+            square += 1 - Dot(direction, -lights_[i].normal) * Dot(direction, -lights_[i].normal);
+        // The mean squared sine over a disc of radius s is s^2 / 2.
+        record.spread = std::sqrt(std::max(0.0f, 2 * square / float(members.size())));
+        record.normal = direction.Array();
+        record.intensity = light.photons * Length(mean);
+    } else {
+        record.type = SHGRID_POINT;
+        record.intensity = light.photons;
+        SetCurve(light, record);
+        if (light.type == LightType::Spot)
+            SetCone(light, record);
+    }
+    table_.lights.push_back(record);
+}
+
+bool LightTable::MaySee(std::uint32_t number, int cluster) const {
+    return std::ranges::any_of(members_[number], [&](std::size_t i) { return lights_[i].SeenFrom(cluster); });
+}
+
+NamedBeam LightTable::At(std::uint32_t number, const Vec3f &position) const {
+    const float at[3] = {position.x, position.y, position.z};
+    const GridLight &light = table_.lights[number];
+    shgrid_beam_ beam;
+    shgrid_beam_at_(&reader_, number, at, &beam);
+    shgrid_coeffs sum{};
+    for (std::size_t k = 0; beam.hasSH && k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            sum.c[k][channel] = beam.sh[k] * light.color[channel];
+    float color[3];
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        color[channel] = light.color[channel] * beam.strength;
+    if (beam.strength > 0)
+        shgrid_add_direct_(beam.direction, beam.spread, color, &sum);
+    NamedBeam result;
+    for (std::size_t k = 0; k < 9; ++k)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            result.light[3 * k + channel] = sum.c[k][channel];
+    result.strength = MaxAbsComponent(Vec3f{color[0], color[1], color[2]});
+    result.spread = beam.spread;
+    return result;
+}
+
+} // namespace q3
