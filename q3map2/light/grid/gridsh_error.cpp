@@ -270,7 +270,10 @@ ExactReceivers::ExactReceivers(const GridInputs &in, const std::vector<Light> &l
 }
 
 GridSHError ExactReceivers::ErrorOf(const SparseGridSH &grid) const {
-    const std::vector<std::byte> lump = EncodeSparseGrid(grid);
+    return ErrorOf(EncodeSparseGrid(grid));
+}
+
+GridSHError ExactReceivers::ErrorOf(std::span<const std::byte> lump) const {
     return GridComparison(*this, SparseReader(lump), radiance_).error;
 }
 

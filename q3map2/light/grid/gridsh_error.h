@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace q3 {
@@ -79,6 +80,8 @@ class ExactReceivers {
     double Noise() const { return noise_; }
     /// Error of a grid with Noise subtracted from its mean square; `doubled` and `order` are not set.
     GridSHError ErrorOf(const SparseGridSH &grid) const;
+    /// The same of the lump of any form.
+    GridSHError ErrorOf(std::span<const std::byte> lump) const;
 
   private:
     std::vector<Vec3f> positions_;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <numbers>
 
 namespace q3 {
 
@@ -276,6 +276,29 @@ NamedBeam LightTable::At(std::uint32_t number, const Vec3f &position) const {
     result.strength = MaxAbsComponent(Vec3f{color[0], color[1], color[2]});
     result.spread = beam.spread;
     return result;
+}
+
+Vec3f LightTable::RoughVector(std::uint32_t number, const Vec3f &position) const {
+    const GridLight &light = table_.lights[number];
+    const float color = MaxAbsComponent(Vec3f(light.color));
+    if (light.type != SHGRID_POLYGONS) {
+        const float at[3] = {position.x, position.y, position.z};
+        shgrid_beam_ beam;
+        shgrid_beam_at_(&reader_, number, at, &beam);
+        return Vec3f{beam.direction[0], beam.direction[1], beam.direction[2]} * (beam.strength * color);
+    }
+    Vec3f sum; // of area h / (pi d (d^2 + area / pi)), exact far away and above the middle of a disc
+    for (std::uint32_t i = light.firstPolygon; i < light.firstPolygon + light.polygonCount; ++i) {
+        const GridPolygon &polygon = table_.polygons[i];
+        const float height = Dot(Vec3f(polygon.normal), position) - polygon.dist;
+        if (height <= 0 && !(light.flags & SHGRID_TWO_SIDED))
+            continue;
+        const Vec3f to = Vec3f(polygon.center) - position;
+        const float square = Dot(to, to), disc = polygon.area / std::numbers::pi_v<float>;
+        if (square > 0)
+            sum = sum + to * (disc * std::abs(height) / (square * (square + disc)));
+    }
+    return sum * (light.intensity * color);
 }
 
 } // namespace q3

@@ -34,9 +34,17 @@ class LightTable {
     std::uint32_t NumberOf(const Light &light) const { return numberOf_[std::size_t(&light - lights_.data())]; }
     /// Style of a light of the table.
     int Style(std::uint32_t number) const { return table_.lights[number].style; }
+    /// Its color over the brightest channel of that.
+    Vec3f Tint(std::uint32_t number) const {
+        const Vec3f color(table_.lights[number].color);
+        const float brightest = MaxAbsComponent(color);
+        return brightest > 0 ? color / brightest : color;
+    }
     /// Whether some of it may be seen from a cluster, by visibility data.
     bool MaySee(std::uint32_t number, int cluster) const;
     NamedBeam At(std::uint32_t number, const Vec3f &position) const;
+    /// About the irradiance vector of At, of its brightest channel, in a fraction of the time.
+    Vec3f RoughVector(std::uint32_t number, const Vec3f &position) const;
 
   private:
     void Join();

@@ -3,8 +3,10 @@
 
 #include "common/log.h"
 #include "q3map2/bspfile/bspfile_named.h"
+#include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/grid/light_gridsh.h"
 
+#include <optional>
 #include <vector>
 
 namespace q3 {
@@ -14,9 +16,11 @@ struct NamedStats {
     std::size_t lights = 0;  ///< in the table
     std::size_t cells = 0;   ///< with open space
     std::size_t points = 0;  ///< stored
-    std::size_t names = 0;   ///< shares that are stored
+    std::size_t shares = 0;  ///< stored, of all points
     std::size_t samples = 0; ///< positions inside cells
     std::size_t bytes = 0;   ///< of the lump
+    double expectedError = 0;            ///< with -shadaptive: RMS, bytes, before the fit
+    std::optional<GridSHError> measured; ///< with -shadaptive
 };
 
 /// Bakes the grid with cells of a layout. Points hold the visible shares of the lights whose naming lowers the error

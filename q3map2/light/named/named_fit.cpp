@@ -1,0 +1,364 @@
+// GPL-2.0-or-later. Which lights the points of a grid name, their shares, and the rest of the light.
+#include "q3map2/light/named/named_fit.h"
+
+#include "q3map2/light/grid/gridsh_fit.h"
+#include "q3map2/light/sparse/least_squares.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+/// A light is named where that lowers the mean squared displayed error in the cell by more than this. Bytes^2.
+constexpr float kMinGain = 0.1f;
+/// RMS error, over all normals, of the L2 projection of light from one direction, as a fraction of it.
+constexpr float kDirectionFloor = 0.0325f;
+/// Mean squared light, over all normals, of light from one direction, as a fraction of its square.
+constexpr float kMeanSquareOfDirection = 1.0f / 6;
+/// Pull of a corner towards its own share, in terms of the weight that its light would have as a sample.
+constexpr float kSharePull = 0.5f;
+/// Pull of a corner towards its own rest, and of values that are not known, as a fraction of the weight of the samples.
+constexpr float kRestPull = 0.1f, kUnknownPull = 0.01f;
+constexpr int kShareSteps = 4, kRestSteps = 4;
+/// Samples that are dark, and shown with more than this light, count kLeakFactor times as much in a second fit. As a
+/// fraction of the mean light of all samples: dark below kDark of it, lit above kLit.
+constexpr float kDark = 0.01f, kLit = 0.03f;
+float kLeakFactor = getenv("NLEAK") ? float(atof(getenv("NLEAK"))) : 30;
+constexpr std::size_t kChunk = 64;
+
+float FitWeightOf(const SHFloats &light) {
+    return FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All);
+}
+
+/// A light with the blend of its shares.
+struct BlendedLight {
+    std::uint32_t light;
+    float share;
+};
+
+class NamedFit {
+  public:
+    NamedFit(const Octree &tree, const NamedCells &cells, CornerWeights &corners, std::size_t mostNames,
+             const JobPool &jobs)
+        : tree_(tree), cells_(cells), table_(cells.Table()), corners_(corners), mostNames_(mostNames), jobs_(jobs),
+          leafs_(tree.OpenLeafs()) {}
+
+    std::vector<NamedValue> Fit() {
+        SortSamples();
+        NameLights();
+        FitShares();
+        FitRest();
+        return Values();
+    }
+
+  private:
+    /// A receiver inside a leaf or on its boundary, with the combination of stored corners that readers blend there.
+    struct Sample {
+        const NamedReceiver *receiver;
+        std::uint32_t firstTerm = 0, termCount = 0;
+    };
+    void SortSamples();
+    void NameLights();
+    std::vector<std::uint32_t> ChooseNames(std::size_t leaf) const;
+    float GainOf(std::uint32_t light, const OctreeCell &cell, const CornerReceivers &corners,
+                 std::span<const Sample> samples) const;
+    void FitShares();
+    void FitRest();
+    std::vector<NamedValue> Values() const;
+    std::span<const CornerTerm> TermsOf(const Sample &sample) const {
+        return std::span(terms_).subspan(sample.firstTerm, sample.termCount);
+    }
+    std::span<const Sample> SamplesOf(std::size_t leaf) const {
+        return std::span(samples_).subspan(firstSample_[leaf], firstSample_[leaf + 1] - firstSample_[leaf]);
+    }
+    /// Index in slots_; SIZE_MAX: the corner does not name the light.
+    std::size_t SlotOf(std::uint32_t stored, std::uint32_t light) const {
+        const auto &names = names_[stored];
+        const auto at = std::lower_bound(names.begin(), names.end(), light);
+        return at != names.end() && *at == light ? firstSlot_[stored] + std::size_t(at - names.begin()) : SIZE_MAX;
+    }
+    /// The lights that the corners of a sample name.
+    void Blend(const Sample &sample, std::vector<BlendedLight> &lights) const;
+    const NamedReceiver *CornerAt(std::size_t stored) const { return cells_.ReceiverAt(corners_.Stored()[stored]); }
+
+    const Octree &tree_;
+    const NamedCells &cells_;
+    const LightTable &table_;
+    CornerWeights &corners_;
+    std::size_t mostNames_;
+    const JobPool &jobs_;
+    std::vector<std::size_t> leafs_;
+    std::vector<Sample> samples_; ///< by leaf
+    std::vector<std::size_t> firstSample_; ///< by leaf, and the end
+    std::vector<CornerTerm> terms_;
+    std::vector<std::vector<std::uint32_t>> names_; ///< by stored corner, sorted
+    std::vector<std::size_t> firstSlot_;            ///< by stored corner: of its first share
+    std::vector<float> slots_;                      ///< shares
+    std::vector<SHFloats> rest_;                    ///< by stored corner
+};
+
+void NamedFit::SortSamples() {
+    std::vector<std::uint32_t> leafNumber(tree_.Size(), 0);
+    for (std::size_t i = 0; i < leafs_.size(); ++i)
+        leafNumber[leafs_[i]] = std::uint32_t(i + 1);
+    std::vector<std::vector<const NamedReceiver *>> inLeaf(leafs_.size());
+    const auto add = [&](const NamedReceiver &receiver) {
+        const std::size_t leaf = tree_.LeafAt(CellAt(receiver.at));
+        if (leaf != Octree::kNone && leafNumber[leaf] > 0)
+            inLeaf[leafNumber[leaf] - 1].push_back(&receiver);
+    };
+    for (const NamedReceiver &sample : cells_.Samples())
+        add(sample);
+    for (std::uint32_t i = 0; i < cells_.Points().Size(); ++i) // those that pruning has made no corners
+        if (const NamedReceiver *point = cells_.ReceiverAt(i); point && !corners_.IsStored(i))
+            add(*point);
+    for (std::size_t i = 0; i < leafs_.size(); ++i) {
+        firstSample_.push_back(samples_.size());
+        for (const NamedReceiver *receiver : inLeaf[i]) {
+            const std::vector<CornerTerm> terms = corners_.TermsIn(tree_[leafs_[i]], receiver->at);
+            samples_.push_back({receiver, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
+            terms_.insert(terms_.end(), terms.begin(), terms.end());
+        }
+    }
+    firstSample_.push_back(samples_.size());
+}
+
+/// How much less the squared displayed error is, summed over the samples of a cell, if its corners name the light.
+float NamedFit::GainOf(std::uint32_t light, const OctreeCell &cell, const CornerReceivers &corners,
+                       std::span<const Sample> samples) const {
+    std::array<std::optional<LightHere>, 8> at;
+    for (std::size_t c = 0; c < 8; ++c)
+        if (corners[c])
+            at[c] = corners[c]->At(light, table_);
+    float gain = 0;
+    for (const Sample &sample : samples) {
+        const std::optional<LightHere> here = sample.receiver->At(light, table_);
+        if (!here)
+            continue;
+        Vec3f blend;
+        float share = 0, shareWeight = 0, total = 0;
+        for (std::size_t c = 0; c < 8; ++c) {
+            if (!at[c])
+                continue;
+            const float weight = cell.Weight(c, sample.receiver->at);
+            total += weight;
+            blend = blend + at[c]->vector * (weight * at[c]->share);
+            if (at[c]->Squared() >= kFaintest * kFaintest)
+                share += weight * at[c]->share, shareWeight += weight;
+        }
+        const Vec3f seen = here->vector * here->share;
+        if (table_.Style(light) != 0 && Dot(seen, seen) >= kFaintest * kFaintest)
+            return std::numeric_limits<float>::infinity(); // nothing else stores it
+        const float dim = ScreenFactor(sample.receiver->light) * 255;
+        const Vec3f off = seen - (total > 0 ? blend / total : blend);
+        const float wrong = shareWeight > 0 ? share / shareWeight - here->share : 0;
+        gain += dim * dim *
+                (kMeanSquareOfDirection * (Dot(off, off) - wrong * wrong * here->Squared()) +
+                 kDirectionFloor * kDirectionFloor * Dot(seen, seen));
+    }
+    return gain;
+}
+
+std::vector<std::uint32_t> NamedFit::ChooseNames(std::size_t leaf) const {
+    const OctreeCell &cell = tree_[leafs_[leaf]];
+    const CornerReceivers corners = cells_.CornersOf(cell);
+    const std::span<const Sample> samples = SamplesOf(leaf);
+    std::vector<std::uint32_t> candidates;
+    for (const NamedReceiver *corner : corners)
+        for (std::size_t i = 0; corner && i < corner->lights.size(); ++i)
+            candidates.push_back(corner->lights[i].light);
+    for (const Sample &sample : samples)
+        for (const LightHere &here : sample.receiver->lights)
+            candidates.push_back(here.light);
+    std::ranges::sort(candidates);
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    std::vector<std::pair<float, std::uint32_t>> gains;
+    for (const std::uint32_t light : candidates)
+        if (const float gain = GainOf(light, cell, corners, samples); gain > kMinGain * float(samples.size()))
+            gains.push_back({-gain, light});
+    std::ranges::sort(gains);
+    std::vector<std::uint32_t> names;
+    for (const auto &[gain, light] : gains)
+        if (names.size() < mostNames_ || table_.Style(light) != 0)
+            names.push_back(light);
+    return names;
+}
+
+void NamedFit::NameLights() {
+    std::vector<std::vector<std::uint32_t>> chosen(leafs_.size());
+    jobs_.For(std::int64_t((leafs_.size() + kChunk - 1) / kChunk), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kChunk, end = std::min(leafs_.size(), first + kChunk);
+        for (std::size_t i = first; i < end; ++i)
+            chosen[i] = ChooseNames(i);
+    });
+    names_.resize(corners_.Stored().size());
+    for (std::size_t i = 0; i < leafs_.size(); ++i)
+        for (std::size_t c = 0; c < 8 && !chosen[i].empty(); ++c)
+            for (const CornerTerm &term : corners_.TermsIn(tree_[leafs_[i]], tree_[leafs_[i]].Corner(c)))
+                names_[term.stored].insert(names_[term.stored].end(), chosen[i].begin(), chosen[i].end());
+    std::size_t slots = 0;
+    for (std::vector<std::uint32_t> &names : names_) {
+        std::ranges::sort(names);
+        names.erase(std::unique(names.begin(), names.end()), names.end());
+        firstSlot_.push_back(slots);
+        slots += names.size();
+    }
+    slots_.assign(slots, 0);
+}
+
+void NamedFit::Blend(const Sample &sample, std::vector<BlendedLight> &lights) const {
+    lights.clear();
+    for (const CornerTerm &term : TermsOf(sample))
+        for (std::size_t n = 0; n < names_[term.stored].size(); ++n) {
+            const std::uint32_t light = names_[term.stored][n];
+            const float share = term.weight * slots_[firstSlot_[term.stored] + n];
+            const auto at = std::ranges::find(lights, light, &BlendedLight::light);
+            if (at != lights.end())
+                at->share += share;
+            else
+                lights.push_back({light, share});
+        }
+}
+
+void NamedFit::FitShares() {
+    LeastSquares<float> system(slots_.size());
+    std::vector<float> sum(slots_.size()), weightSum(slots_.size()); // of the samples around a corner
+    std::vector<bool> known(slots_.size());
+    for (std::size_t i = 0; i < names_.size(); ++i)
+        for (std::size_t n = 0; n < names_[i].size() && CornerAt(i); ++n) {
+            const std::optional<LightHere> here = CornerAt(i)->At(names_[i][n], table_);
+            if (!here || here->Squared() < kFaintest * kFaintest)
+                continue;
+            const std::size_t slot = firstSlot_[i] + n;
+            known[slot] = true;
+            slots_[slot] = here->share;
+            system.SetPull(slot, kSharePull * here->Squared() * FitWeightOf(CornerAt(i)->light));
+        }
+    std::vector<BlendedLight> lights;
+    std::vector<UnknownTerm> terms;
+    for (const Sample &sample : samples_) {
+        Blend(sample, lights);
+        const float weight = FitWeightOf(sample.receiver->light);
+        for (const BlendedLight &one : lights) {
+            const std::optional<LightHere> here = sample.receiver->At(one.light, table_);
+            if (!here || here->Squared() < kFaintest * kFaintest)
+                continue;
+            terms.clear();
+            float named = 0; // weight of the corners that name it
+            for (const CornerTerm &term : TermsOf(sample))
+                if (const std::size_t slot = SlotOf(term.stored, one.light); slot != SIZE_MAX) {
+                    terms.push_back({std::uint32_t(slot), term.weight});
+                    named += term.weight;
+                    sum[slot] += term.weight * here->Squared() * here->share;
+                    weightSum[slot] += term.weight * here->Squared();
+                }
+            system.AddSample(here->share * named, weight * here->Squared(), terms);
+        }
+    }
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot)
+        if (!known[slot]) {
+            slots_[slot] = weightSum[slot] > 0 ? sum[slot] / weightSum[slot] : 0;
+            system.SetPull(slot, kUnknownPull * system.WeightOf(slot));
+        }
+    system.Solve(slots_, kShareSteps);
+    for (float &share : slots_) // as they are stored
+        share = std::round(std::clamp(share, 0.0f, 1.0f) * 255) / 255;
+}
+
+void NamedFit::FitRest() {
+    const std::size_t count = names_.size();
+    rest_.assign(count, SHFloats{});
+    std::vector<SHFloats> values(samples_.size()); // of the samples, without named lights
+    const auto chunks = [&](std::size_t of, const auto &use) {
+        jobs_.For(std::int64_t((of + kChunk - 1) / kChunk), [&](std::int64_t job, int) {
+            const std::size_t first = std::size_t(job) * kChunk, end = std::min(of, first + kChunk);
+            for (std::size_t i = first; i < end; ++i)
+                use(i);
+        });
+    };
+    chunks(count, [&](std::size_t i) {
+        if (!CornerAt(i))
+            return;
+        rest_[i] = CornerAt(i)->light;
+        for (std::size_t n = 0; n < names_[i].size(); ++n)
+            if (const float share = slots_[firstSlot_[i] + n]; share > 0 && table_.Style(names_[i][n]) == 0)
+                AddScaled(-share, table_.At(names_[i][n], CornerAt(i)->position).light, rest_[i]);
+    });
+    chunks(samples_.size(), [&](std::size_t i) {
+        std::vector<BlendedLight> lights;
+        Blend(samples_[i], lights);
+        values[i] = samples_[i].receiver->light;
+        for (const BlendedLight &one : lights)
+            if (one.share > 0 && table_.Style(one.light) == 0)
+                AddScaled(-one.share, table_.At(one.light, samples_[i].receiver->position).light, values[i]);
+    });
+    std::vector<float> factors(samples_.size(), 1);
+    double total = 0;
+    for (const Sample &sample : samples_)
+        total += double(std::min(1.0f, std::max(0.0f, MeanLight(sample.receiver->light))));
+    const float mean = samples_.empty() ? 0 : float(total / double(samples_.size()));
+    const std::vector<SHFloats> traced = rest_;
+    for (int round = 0; round < 2; ++round) {
+        rest_ = traced;
+        LeastSquares<SHFloats> system(count);
+        std::vector<SHFloats> sum(count);
+        std::vector<float> weightSum(count);
+        std::vector<UnknownTerm> terms;
+        for (std::size_t i = 0; i < samples_.size(); ++i) {
+            terms.clear();
+            const float weight = factors[i] * FitWeightOf(samples_[i].receiver->light);
+            for (const CornerTerm &term : TermsOf(samples_[i])) {
+                terms.push_back({term.stored, term.weight});
+                AddScaled(weight * term.weight, values[i], sum[term.stored]);
+                weightSum[term.stored] += weight * term.weight;
+            }
+            system.AddSample(values[i], weight, terms);
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            if (!CornerAt(i) && weightSum[i] > 0)
+                AddScaled(1 / weightSum[i], sum[i], rest_[i]);
+            system.SetPull(i, (CornerAt(i) ? kRestPull : kUnknownPull) * system.WeightOf(i));
+        }
+        system.Solve(rest_, kRestSteps);
+        if (kLeakFactor <= 1)
+            break;
+        bool leaks = false;
+        for (std::size_t i = 0; i < samples_.size(); ++i) {
+            const float truth = std::max(0.0f, MeanLight(samples_[i].receiver->light));
+            if (truth > kDark * mean)
+                continue;
+            SHFloats shown = samples_[i].receiver->light;
+            AddScaled(-1, values[i], shown);
+            for (const CornerTerm &term : TermsOf(samples_[i]))
+                AddScaled(term.weight, rest_[term.stored], shown);
+            if (MeanLight(shown) > kLit * mean)
+                factors[i] = kLeakFactor, leaks = true;
+        }
+        if (!leaks)
+            break;
+    }
+}
+
+std::vector<NamedValue> NamedFit::Values() const {
+    std::vector<NamedValue> values(names_.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values[i].rest = rest_[i];
+        for (std::size_t n = 0; n < names_[i].size(); ++n)
+            if (const auto share = std::uint8_t(std::lround(slots_[firstSlot_[i] + n] * 255)); share > 0) {
+                values[i].names.push_back(names_[i][n]);
+                values[i].shares.push_back(share);
+            }
+    }
+    return values;
+}
+
+} // namespace
+
+std::vector<NamedValue> FitNamedCorners(const Octree &tree, const NamedCells &cells, CornerWeights &corners,
+                                        std::size_t mostNames, const JobPool &jobs) {
+    return NamedFit(tree, cells, corners, mostNames, jobs).Fit();
+}
+
+} // namespace q3

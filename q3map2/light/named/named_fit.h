@@ -1,0 +1,28 @@
+// GPL-2.0-or-later. Which lights the points of a grid name, their shares, and the rest of the light.
+#pragma once
+
+#include "q3map2/light/named/named_cells.h"
+#include "q3map2/light/sparse/corner_fit.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace q3 {
+
+/// What is stored at a point.
+struct NamedValue {
+    std::vector<std::uint32_t> names;  ///< numbers of lights, in ascending order
+    std::vector<std::uint8_t> shares;  ///< by name, of 255
+    SHFloats rest{};                   ///< convolved with the cosine
+};
+
+/// Values of the stored corners of a tree, in the order of corners.Stored().
+///
+/// A cell names up to `mostNames` lights, those whose naming lowers the squared error at its samples most; its corners
+/// name them all. Shares, and then what named lights leave of the light, are least-squares fits to the samples, with a
+/// pull towards what was traced at the corners.
+std::vector<NamedValue> FitNamedCorners(const Octree &tree, const NamedCells &cells, CornerWeights &corners,
+                                        std::size_t mostNames, const JobPool &jobs);
+
+} // namespace q3

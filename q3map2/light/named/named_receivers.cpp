@@ -1,0 +1,57 @@
+// GPL-2.0-or-later. Receivers of a grid that names lights: what arrives there of all light, and of each light apart.
+#include "q3map2/light/named/named_receivers.h"
+
+#include <algorithm>
+
+namespace q3 {
+
+const LightHere *NamedReceiver::Find(std::uint32_t light) const {
+    const auto found = std::ranges::find(lights, light, &LightHere::light);
+    return found != lights.end() ? &*found : nullptr;
+}
+
+std::optional<LightHere> NamedReceiver::At(std::uint32_t light, const LightTable &table) const {
+    if (const LightHere *here = Find(light))
+        return *here;
+    const LightHere hidden{light, 0, table.RoughVector(light, position)};
+    if (hidden.Squared() < kFaintest * kFaintest || !table.MaySee(light, cluster))
+        return hidden;
+    return {};
+}
+
+void LightCollector::Add(std::uint32_t light, std::size_t receiver, float unshadowed, float visible) {
+    std::vector<Sum> &sums = sums_[receiver];
+    // Pieces of one lamp mostly follow each other.
+    auto at = std::find_if(sums.rbegin(), sums.rend(), [&](const Sum &sum) { return sum.light == light; });
+    if (at == sums.rend()) {
+        sums.push_back({light, 0, 0});
+        at = sums.rbegin();
+    }
+    at->unshadowed += unshadowed;
+    at->arrived += unshadowed * visible;
+}
+
+void LightCollector::See(const WeightedLight &light, std::span<const ReceiverBatch> blocks,
+                         std::span<const ProbeIncidentLight> incident) {
+    if (light.weight != 1) // one that represents others says nothing of itself
+        return;
+    const std::uint32_t number = table_.NumberOf(*light.light);
+    for (std::size_t block = 0; block < blocks.size(); ++block)
+        for (std::size_t i = 0; i < blocks[block].count; ++i)
+            if (incident[block].unshadowed[i] > 0)
+                Add(number, number_ == Number::ByIndex ? blocks[block].index[i] : block * kPacketSize + i,
+                    incident[block].unshadowed[i], incident[block].visible[i]);
+}
+
+std::vector<LightHere> LightCollector::Of(std::size_t receiver, const Vec3f &position) const {
+    std::vector<LightHere> lights;
+    for (const Sum &sum : sums_[receiver]) {
+        const LightHere here{sum.light, std::clamp(sum.arrived / sum.unshadowed, 0.0f, 1.0f),
+                             table_.RoughVector(sum.light, position)};
+        if (here.Squared() >= kFaintest * kFaintest)
+            lights.push_back(here);
+    }
+    return lights;
+}
+
+} // namespace q3
