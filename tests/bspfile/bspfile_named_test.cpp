@@ -259,6 +259,12 @@ TEST(NamedGridLump, BadGridsAreRefused) {
         {"first polygon", light(8, [](GridLight &one) { one.firstPolygon = 3; }), lights},
         {"last polygon", light(8, [](GridLight &one) { one.polygonCount = 2; }), lights},
         {"no polygon", light(8, [](GridLight &one) { one.polygonCount = 0; }), lights},
+        {"many polygons",
+         [](NamedGridSH &grid) {
+             grid.table.polygons.resize(65, grid.table.polygons[0]);
+             grid.table.lights[8].firstPolygon = 0, grid.table.lights[8].polygonCount = 65;
+         },
+         lights},
         {"polygon of a sun", light(6, [](GridLight &one) { one.polygonCount = 1; }), lights},
         {"sum that wraps", light(8, [](GridLight &one) { one.firstPolygon = 2, one.polygonCount = UINT32_MAX; }),
          lights},

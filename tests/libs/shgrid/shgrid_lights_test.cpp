@@ -136,6 +136,24 @@ TEST(NamedLights, ConesAreThoseOfTheProgram) {
         }
 }
 
+TEST(NamedLights, LightIsFiniteRightAtALight) {
+    for (const FalloffCurve curve : kCurves) {
+        LightPair pair(LightOfCurve(curve));
+        GridLight &record = pair.view.table.lights[0];
+        record.nearest = record.extraDist = record.constant = 0;
+        const shgrid_beam_ beam = pair.view.Beam(pair.light.origin);
+        EXPECT_TRUE(std::isfinite(beam.strength));
+        for (const float component : beam.direction)
+            EXPECT_EQ(component, 0);
+    }
+    GridLights table;
+    AddPolygonLight(table, "", {{0, 0, 0}, {0, 8, 0}, {8, 8, 0}, {8, 0, 0}});
+    const TableView view(table);
+    for (const Float3 &vertex : table.vertices)
+        EXPECT_TRUE(std::isfinite(view.Beam(Vec3f(vertex)).strength));
+    EXPECT_NEAR(view.Beam({4, 4, 1e-3f}).sh[0], 0.282094792 * 2 * kPi, 1e-2) << "half of all directions";
+}
+
 // ---- Polygons ----
 
 std::vector<Vec3f> Corners(const GridLights &table) {
