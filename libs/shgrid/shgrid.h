@@ -165,6 +165,7 @@ extern "C" {
 #define SHGRID_SPARSE_LEVELS 12        /* maximum */
 #define SHGRID_SPARSE_CELLS (1L << 24) /* maximum of the smallest cells on an axis */
 #define SHGRID_LIGHTS 65535            /* maximum of lights that a grid can name */
+#define SHGRID_LIGHT_POLYGONS 64       /* maximum of a light: more would be slow to sample */
 #define SHGRID_POLYGON_VERTICES 64     /* maximum of a polygon of a light */
 #define SHGRID_NAMES_AT_PLACE 64       /* lights that act at a place; a grid of this project has fewer */
 #define SHGRID_DIRECT_LIGHTS 32        /* maximum of directional lights for an entity */
@@ -204,11 +205,11 @@ typedef struct {
     float cell[3];     /* distance between points, world units; sparse: of the smallest cells */
     int32_t bounds[3]; /* points per axis, each at least 1; sparse: those that its smallest cells would have */
     int32_t count;     /* product of bounds; sparse: stored points */
-    const unsigned char *points; /* SHGRID_POINT_BYTES each, or SHGRID_SPARSE_POINT_BYTES; any alignment */
-    int32_t levels;              /* 0: uniform. Sparse: the edge of a root is 2^levels smallest cells */
-    int32_t nodeCount;           /* sparse */
-    int32_t nodeBytes;           /* sparse */
-    const unsigned char *nodes;  /* sparse: nodeBytes each */
+    const unsigned char *points;   /* SHGRID_POINT_BYTES each, or SHGRID_SPARSE_POINT_BYTES; any alignment */
+    int32_t levels;                /* 0: uniform. Sparse: the edge of a root is 2^levels smallest cells */
+    int32_t nodeCount;             /* sparse */
+    int32_t nodeBytes;             /* sparse */
+    const unsigned char *nodes;    /* sparse: nodeBytes each */
     int32_t lightCount, nameCount; /* of a grid that names lights */
     const unsigned char *lights, *polygons, *vertices, *names, *shares; /* of such a grid; else NULL */
     const char *text;                                                   /* names of lights */
@@ -379,7 +380,8 @@ static inline shgrid_result shgrid_check_lights_(const shgrid_grid *grid, uint32
         if (light[0] > SHGRID_POLYGONS || light[1] > SHGRID_POLYNOMIAL || light[2] > 63 || light[3] > 3 ||
             !shgrid_finite_(light + 4, 25) || bspx_u32(light + 112) >= textBytes)
             return SHGRID_BAD_LIGHTS;
-        if (first > polygonCount || count > polygonCount - first || (light[0] == SHGRID_POLYGONS) != (count > 0))
+        if (first > polygonCount || count > polygonCount - first || count > SHGRID_LIGHT_POLYGONS ||
+            (light[0] == SHGRID_POLYGONS) != (count > 0))
             return SHGRID_BAD_LIGHTS;
     }
     for (i = 0; i < polygonCount; i++) {
@@ -1115,7 +1117,7 @@ static inline void shgrid_polygon_beam_(const shgrid_grid *grid, const unsigned 
     int axis, k;
     shgrid_polygon_moments_(grid, light, position, &m);
     length = sqrt(shgrid_dot_(m.first, m.first));
-    if (!(length > 0) || !(m.solidAngle > 0))
+    if (!(length > 0) || !isfinite(length) || !(m.solidAngle > 0))
         return;
     cosine = length / m.solidAngle;
     directed = (cosine - largest) / (smallest - largest);
@@ -1170,7 +1172,7 @@ static inline void shgrid_beam_at_(const shgrid_grid *grid, uint32_t number, con
     beam->strength = shgrid_falloff_(light, distance);
     if (light[0] == SHGRID_SPOT)
         beam->strength *= shgrid_cone_(light, to, distance);
-    if (!(beam->strength > 0))
+    if (!(beam->strength > 0) || !isfinite(beam->strength)) /* no number, or right at a light that has no `nearest` */
         beam->strength = 0;
     for (axis = 0; axis < 3; axis++)
         beam->direction[axis] = distance > 0 ? to[axis] / distance : 0;
