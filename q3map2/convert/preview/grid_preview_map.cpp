@@ -71,9 +71,12 @@ Vec3f FromBytes(const std::array<std::uint8_t, 3> &bytes) {
 } // namespace
 
 SHPreview::SHPreview(const Bsp &bsp) {
-    if (bsp.sparseGridSH) {
-        sparseLump_ = EncodeSparseGrid(*bsp.sparseGridSH);
-        grid_ = SparseReader(sparseLump_);
+    if (bsp.namedGridSH) {
+        lump_ = EncodeNamedGrid(*bsp.namedGridSH);
+        grid_ = SparseReader(lump_);
+    } else if (bsp.sparseGridSH) {
+        lump_ = EncodeSparseGrid(*bsp.sparseGridSH);
+        grid_ = SparseReader(lump_);
     } else if (bsp.gridSH && !bsp.gridSH->points.empty()) {
         grid_ = UniformReader(*bsp.gridSH);
     } else {
@@ -89,16 +92,16 @@ SHPreview::SHPreview(const Bsp &bsp) {
 SHSample SHPreview::At(const Vec3f &position) const {
     const float at[3] = {position.x, position.y, position.z};
     SHSample sample{{}, tone_};
-    shgrid_sample(&grid_, at, &sample.coeffs);
+    shgrid_lights(&grid_, at, nullptr, &sample.lighting);
     if (needsConvolution_)
-        shgrid_convolve(&sample.coeffs);
+        shgrid_convolve(&sample.lighting.rest);
     return sample;
 }
 
 Vec3f LightOn(const SHSample &sample, const Vec3f &normal) {
     const float along[3] = {normal.x, normal.y, normal.z};
     float rgb[3];
-    shgrid_evaluate(&sample.coeffs, along, rgb);
+    shgrid_shade(&sample.lighting, along, rgb);
     if (sample.tone)
         shgrid_apply_tone(&*sample.tone, rgb);
     return {rgb[0], rgb[1], rgb[2]};

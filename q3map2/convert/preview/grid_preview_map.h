@@ -29,14 +29,14 @@ Vec3f SparseCellColor(int size);
 
 /// What an engine keeps of the SH grid for one object.
 struct SHSample {
-    shgrid_coeffs coeffs;
+    shgrid_lighting lighting;
     std::optional<shgrid_tone> tone; ///< tone of lightmaps and legacy grid; nothing if it is plain
 };
 /// Light on a surface with this unit normal; 1.0 is lightmap byte 255. With a tone: as a lightmap stores it. Without:
 /// linear and unclamped.
 Vec3f LightOn(const SHSample &sample, const Vec3f &normal);
 
-/// The SH grid through the engine-side reader, the sparse one if the map has it. Reads the points of the Bsp in place:
+/// The SH grid through the engine-side reader: the one that names lights if the map has it, else the sparse one. Reads the points of the Bsp in place:
 /// the Bsp must outlive this.
 class SHPreview {
   public:
@@ -49,7 +49,7 @@ class SHPreview {
     bool HasTone() const { return tone_.has_value(); }
 
   private:
-    std::vector<std::byte> sparseLump_;
+    std::vector<std::byte> lump_;
     shgrid_grid grid_{};
     bool needsConvolution_ = false; ///< the coefficients are radiance
     std::optional<shgrid_tone> tone_;

@@ -54,7 +54,6 @@ NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWe
             names.insert(names.end(), values[i].names.begin(), values[i].names.end());
         std::ranges::sort(names);
         names.erase(std::unique(names.begin(), names.end()), names.end());
-        names.resize(std::min<std::size_t>(names.size(), 255));
         node.nameCount = std::uint8_t(names.size());
         grid.names.insert(grid.names.end(), names.begin(), names.end());
         for (const std::uint32_t i : points) {
@@ -121,7 +120,7 @@ class NamedGridBuilder {
 NamedGridSH NamedGridBuilder::GridOf(const Octree &tree) {
     CornerWeights corners(tree, cells_.Points(), RulesOfCorners(tree, cells_, in_.jobs));
     const std::vector<NamedValue> values =
-        FitNamedCorners(tree, cells_, corners, std::size_t(in_.options.shNames), in_.jobs);
+        FitNamedCorners(tree, cells_, corners, std::size_t(in_.options.shNames), in_.jobs, result_.droppedNames);
     NamedGridSH grid = PackGrid(tree, cells_, corners, values);
     result_.lights = grid.table.lights.size(), result_.cells = tree.OpenLeafs().size();
     result_.points = grid.points.size(), result_.shares = grid.shares.size();
@@ -164,7 +163,7 @@ NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &w
         NamedGridSH grid = GridOf(pruned.tree);
         result_.expectedError = pruned.stats.error;
         if (exact.Size() > 0)
-            result_.measured = exact.ErrorOf(EncodeNamedGrid(grid));
+            result_.measured = ErrorOfNamedGrid(exact, grid);
         bytesPerLeaf_ = double(result_.bytes) / double(std::max<std::size_t>(1, pruned.stats.leafs));
         if (result_.measured && pruned.stats.error > 0)
             errorRatio_ = result_.measured->rms / pruned.stats.error;
@@ -184,14 +183,21 @@ NamedGridSH BakeNamedGrid(const GridInputs &in, const GridLayout &layout, const 
     NamedCells cells(in, layout, lights, table, in.options.shAdaptive ? CellSizes::Adaptive : CellSizes::Uniform);
     cells.Start(work);
     NamedGridBuilder builder(in, cells, layout.Count(), result);
-    if (!in.options.shAdaptive) { // all cells are needed
-        NamedGridSH grid = builder.Uniform();
-            return grid;
+    if (!in.options.shAdaptive) {
+        return builder.Uniform();
     }
     std::vector<Light> steady = lights;
     std::erase_if(steady, [](const Light &light) { return light.style != 0; });
     const ExactReceivers exact(in, steady);
     return builder.Adaptive(exact, work);
+}
+
+GridSHError ErrorOfNamedGrid(const ExactReceivers &exact, const NamedGridSH &grid) {
+    NamedGridSH steady = grid;
+    for (GridLight &light : steady.table.lights)
+        if (light.style != 0)
+            light.color = {};
+    return exact.ErrorOf(EncodeNamedGrid(steady));
 }
 
 void PrintNamedStats(const NamedStats &stats, Log &log) {

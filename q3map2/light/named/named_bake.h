@@ -6,6 +6,8 @@
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/grid/light_gridsh.h"
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -19,6 +21,7 @@ struct NamedStats {
     std::size_t shares = 0;  ///< stored, of all points
     std::size_t samples = 0; ///< positions inside cells
     std::size_t bytes = 0;   ///< of the lump
+    std::map<std::uint32_t, std::size_t> droppedNames; ///< lights with a style that some cells do not name: cells
     double expectedError = 0;            ///< with -shadaptive: RMS, bytes, before the fit
     std::optional<GridSHError> measured; ///< with -shadaptive
 };
@@ -28,6 +31,9 @@ struct NamedStats {
 /// does not depend on the number of threads.
 NamedGridSH BakeNamedGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                           GridStats &work, NamedStats &result);
+
+/// Error of the grid at random receivers, without lights that have a style. exact: of the others.
+GridSHError ErrorOfNamedGrid(const ExactReceivers &exact, const NamedGridSH &grid);
 
 void PrintNamedStats(const NamedStats &stats, Log &log);
 

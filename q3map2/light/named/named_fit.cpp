@@ -13,6 +13,9 @@ namespace {
 
 /// A light is named where that lowers the mean squared displayed error in the cell by more than this. Bytes^2.
 constexpr float kMinNameGain = 0.1f;
+/// Lights with a style that a cell names at most, and names of a corner: the eight points of a node then have at most
+/// 248 together.
+constexpr std::size_t kMostStyled = 16, kMostAtCorner = 31;
 /// RMS error, over all normals, of the L2 projection of light from one direction, as a fraction of it.
 constexpr float kDirectionFloor = 0.0325f;
 /// Mean squared light, over all normals, of light from one direction, as a fraction of its square.
@@ -49,9 +52,9 @@ class NamedFit {
         : tree_(tree), cells_(cells), table_(cells.Table()), corners_(corners), mostNames_(mostNames), jobs_(jobs),
           leafs_(tree.OpenLeafs()) {}
 
-    std::vector<NamedValue> Fit() {
+    std::vector<NamedValue> Fit(std::map<std::uint32_t, std::size_t> &dropped) {
         SortSamples();
-        NameLights();
+        NameLights(dropped);
         FitShares();
         FitRest();
         return Values();
@@ -65,8 +68,14 @@ class NamedFit {
         std::uint32_t firstTerm = 0, termCount = 0;
     };
     void SortSamples();
-    void NameLights();
-    std::vector<std::uint32_t> ChooseNames(std::size_t leaf) const;
+    /// How many lights a cell names.
+    struct MostNames {
+        std::size_t steady, styled;
+    };
+    void NameLights(std::map<std::uint32_t, std::size_t> &dropped);
+    std::vector<std::uint32_t> RankLights(std::size_t leaf) const;
+    void SetNames(std::span<const std::vector<std::uint32_t>> ranked, const MostNames &most);
+    bool AreNamesReadable() const;
     float GainOf(std::uint32_t light, const OctreeCell &cell, const CornerReceivers &corners,
                  std::span<const Sample> samples) const;
     void FitShares();
@@ -182,7 +191,8 @@ float NamedFit::GainOf(std::uint32_t light, const OctreeCell &cell, const Corner
     return gain;
 }
 
-std::vector<std::uint32_t> NamedFit::ChooseNames(std::size_t leaf) const {
+/// The lights worth naming in a cell, the best first.
+std::vector<std::uint32_t> NamedFit::RankLights(std::size_t leaf) const {
     const OctreeCell &cell = tree_[leafs_[leaf]];
     const CornerReceivers corners = cells_.CornersOf(cell);
     const std::span<const Sample> samples = SamplesOf(leaf);
@@ -200,29 +210,68 @@ std::vector<std::uint32_t> NamedFit::ChooseNames(std::size_t leaf) const {
         if (const float gain = GainOf(light, cell, corners, samples); gain > kMinNameGain * float(samples.size()))
             gains.push_back({-gain, light});
     std::ranges::sort(gains);
-    std::vector<std::uint32_t> names;
+    std::vector<std::uint32_t> lights;
     for (const auto &[gain, light] : gains)
-        if (names.size() < mostNames_ || table_.Style(light) != 0)
-            names.push_back(light);
-    return names;
+        lights.push_back(light);
+    return lights;
 }
 
-void NamedFit::NameLights() {
-    std::vector<std::vector<std::uint32_t>> chosen(leafs_.size());
-    jobs_.For(std::int64_t((leafs_.size() + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(leafs_.size(), first + kFitChunk);
-        for (std::size_t i = first; i < end; ++i)
-            chosen[i] = ChooseNames(i);
-    });
-    names_.resize(corners_.Stored().size());
-    for (std::size_t i = 0; i < leafs_.size(); ++i)
-        for (std::size_t c = 0; c < 8 && !chosen[i].empty(); ++c)
+/// Gives the corners of each cell the names of its best lights.
+void NamedFit::SetNames(std::span<const std::vector<std::uint32_t>> ranked, const MostNames &most) {
+    names_.assign(corners_.Stored().size(), {});
+    for (std::size_t i = 0; i < leafs_.size(); ++i) {
+        std::vector<std::uint32_t> names;
+        std::size_t steady = 0, styled = 0;
+        for (const std::uint32_t light : ranked[i])
+            if (table_.Style(light) != 0 ? styled++ < most.styled : steady++ < most.steady)
+                names.push_back(light);
+        for (std::size_t c = 0; c < 8 && !names.empty(); ++c)
             for (const CornerTerm &term : corners_.TermsIn(tree_[leafs_[i]], tree_[leafs_[i]].Corner(c)))
-                names_[term.stored].insert(names_[term.stored].end(), chosen[i].begin(), chosen[i].end());
-    std::size_t slots = 0;
+                names_[term.stored].insert(names_[term.stored].end(), names.begin(), names.end());
+    }
     for (std::vector<std::uint32_t> &names : names_) {
         std::ranges::sort(names);
         names.erase(std::unique(names.begin(), names.end()), names.end());
+    }
+}
+
+/// Whether readers find all names at each place, and a node has at most 255.
+bool NamedFit::AreNamesReadable() const {
+    for (const std::vector<std::uint32_t> &names : names_)
+        if (names.size() > kMostAtCorner)
+            return false;
+    std::vector<std::uint32_t> all;
+    for (const std::size_t leaf : leafs_) {
+        all.clear();
+        for (std::size_t c = 0; c < 8; ++c)
+            for (const CornerTerm &term : corners_.TermsIn(tree_[leaf], tree_[leaf].Corner(c)))
+                all.insert(all.end(), names_[term.stored].begin(), names_[term.stored].end());
+        std::ranges::sort(all);
+        if (std::unique(all.begin(), all.end()) - all.begin() > SHGRID_NAMES_AT_PLACE)
+            return false;
+    }
+    return true;
+}
+
+void NamedFit::NameLights(std::map<std::uint32_t, std::size_t> &dropped) {
+    std::vector<std::vector<std::uint32_t>> ranked(leafs_.size());
+    jobs_.For(std::int64_t((leafs_.size() + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(leafs_.size(), first + kFitChunk);
+        for (std::size_t i = first; i < end; ++i)
+            ranked[i] = RankLights(i);
+    });
+    MostNames most{mostNames_, kMostStyled};
+    for (SetNames(ranked, most); !AreNamesReadable() && most.styled > 0; SetNames(ranked, most))
+        most.steady > 0 ? --most.steady : most.styled /= 2;
+    dropped.clear();
+    for (const std::vector<std::uint32_t> &lights : ranked) {
+        std::size_t styled = 0;
+        for (const std::uint32_t light : lights)
+            if (table_.Style(light) != 0 && styled++ >= most.styled)
+                ++dropped[light];
+    }
+    std::size_t slots = 0;
+    for (const std::vector<std::uint32_t> &names : names_) {
         firstSlot_.push_back(slots);
         slots += names.size();
     }
@@ -413,8 +462,9 @@ std::vector<CornerWeights::Rule> RulesOfCorners(const Octree &tree, const NamedC
 }
 
 std::vector<NamedValue> FitNamedCorners(const Octree &tree, const NamedCells &cells, CornerWeights &corners,
-                                        std::size_t mostNames, const JobPool &jobs) {
-    return NamedFit(tree, cells, corners, mostNames, jobs).Fit();
+                                        std::size_t mostNames, const JobPool &jobs,
+                                        std::map<std::uint32_t, std::size_t> &dropped) {
+    return NamedFit(tree, cells, corners, mostNames, jobs).Fit(dropped);
 }
 
 } // namespace q3

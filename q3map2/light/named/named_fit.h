@@ -5,6 +5,7 @@
 #include "q3map2/light/sparse/corner_fit.h"
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -27,7 +28,11 @@ std::vector<CornerWeights::Rule> RulesOfCorners(const Octree &tree, const NamedC
 /// A cell names up to `mostNames` lights, those whose naming lowers the squared error at its samples most; its corners
 /// name them all. Shares, and then what named lights leave of the light, are least-squares fits to the samples, with a
 /// pull towards what was traced at the corners.
+///
+/// A light with a style is named wherever it shines. Where readers would find too many names, cells name fewer; dropped:
+/// by light with a style, the cells that cannot name it.
 std::vector<NamedValue> FitNamedCorners(const Octree &tree, const NamedCells &cells, CornerWeights &corners,
-                                        std::size_t mostNames, const JobPool &jobs);
+                                        std::size_t mostNames, const JobPool &jobs,
+                                        std::map<std::uint32_t, std::size_t> &dropped);
 
 } // namespace q3

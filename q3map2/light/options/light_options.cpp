@@ -51,15 +51,22 @@ void ApplyInclusions(LightOptions &o) {
 void CheckCombinations(const LightOptions &o) {
     if (!o.shFill && o.shFit > 0)
         throw Error("-shfit and -noshfill exclude each other");
-    const std::pair<std::string_view, bool> wantsSH[] = {{"-shdering", o.shDering},
-                                                         {"-sherror", o.shError},
-                                                         {"-shfit", o.shFit > 0},
-                                                         {"-shpreview", !o.previewFile.empty()}};
-    for (const auto &[name, given] : wantsSH)
-        if (given && !o.sh && !o.shAdaptive)
-            throw Error("{} needs -sh or -shadaptive", name);
-    if (o.cubesFromSH && !o.sh && !o.shAdaptive)
-        throw Error("-ambientcubesfrom sh needs -sh or -shadaptive");
+    if (o.shRadiance && o.shLights)
+        throw Error("-shradiance and -shlights exclude each other: a grid that names lights stores irradiance");
+    const bool hasCoefficients = o.sh || (o.shAdaptive && !o.shLights); // a grid of nothing else
+    struct Need {
+        std::string_view name;
+        bool given, worksWithLights;
+    };
+    const Need needs[] = {{"-shdering", o.shDering, false},
+                          {"-sherror", o.shError, true},
+                          {"-shfit", o.shFit > 0, false},
+                          {"-ambientcubesfrom sh", o.cubesFromSH, false},
+                          {"-shpreview", !o.previewFile.empty(), true}};
+    for (const Need &need : needs)
+        if (need.given && !hasCoefficients && !(o.shLights && need.worksWithLights))
+            throw Error("{} needs -sh or -shadaptive{}", need.name,
+                        need.worksWithLights ? " or -shlights" : o.shLights ? ", without -shlights" : "");
     if (o.textureShadows && !o.staticPropPolys)
         throw Error("-textureshadows needs -staticproppolys");
     if (o.staticPropFiles && !o.staticPropLighting)
@@ -168,9 +175,20 @@ Group SparseGridSH() {
                           "sparse grid that the file had, with a warning."},
               &LightOptions::shAdaptive},
              {{.name = "-shlights",
-               .help = "Bake the SH light as a grid that names its strongest lights, into a BSPX lump"},
+               .help = "Bake the SH light as a grid that names its strongest lights, into a BSPX lump",
+               .details = "Points hold which share of each named light arrives there, and SH coefficients of all other "
+                          "light; engines work named lights out at the place of the model: "
+                          "[light_grid_sh.md](light_grid_sh.md#a-grid-that-names-lights). Cells are those of `-gridsh`. "
+                          "With `-shadaptive` cells are split and joined instead, as `-sherrortarget` or `-shbudget` "
+                          "say, from first cells of twice that edge, and there is no other sparse grid. Lights with a "
+                          "style are named wherever they shine, so engines can switch them. Excludes `-shradiance`."},
               &LightOptions::shLights},
-             {{.name = "-shnames", .values = "N", .range = {1, 32}, .help = "Most lights that a cell names"},
+             {{.name = "-shnames",
+               .values = "N",
+               .kind = SettingKind::Integer,
+               .unit = "lights",
+               .range = {1, 16},
+               .help = "Most lights without a style that a cell names, of -shlights"},
               &LightOptions::shNames},
              ErrorTargetSetting<LightOptions>(
                  "Error that the sparse grid may have on a screen at random positions of players: RMS; includes "

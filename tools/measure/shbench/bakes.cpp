@@ -127,28 +127,6 @@ ShownLight ShownBySH(const Bsp &bsp) {
     };
 }
 
-/// Through the reader for engines, from the bytes of the lump.
-ShownLight ShownByNamed(const Bsp &bsp) {
-    const auto lump = std::make_shared<const std::vector<std::byte>>(EncodeNamedGrid(*bsp.namedGridSH));
-    shgrid_grid grid;
-    if (const shgrid_result result = shgrid_parse(lump->data(), lump->size(), &grid); result != SHGRID_OK)
-        throw Error("SH grid that names lights: {}", shgrid_message(result));
-    return [lump, grid](const Vec3f &position) {
-        const float at[3] = {position.x, position.y, position.z};
-        shgrid_lighting lighting;
-        shgrid_lights(&grid, at, nullptr, &lighting);
-        NormalLight light;
-        for (std::size_t i = 0; i < kNormals; ++i) {
-            const Vec3f n(Normals()[i]);
-            const float normal[3] = {n.x, n.y, n.z};
-            float rgb[3];
-            shgrid_shade(&lighting, normal, rgb);
-            light[i] = {rgb[0], rgb[1], rgb[2]};
-        }
-        return light;
-    };
-}
-
 ShownLight ShownByLegacy(const Bsp &bsp) {
     const auto view = LegacyPreview::Make(bsp);
     if (!view)
@@ -191,7 +169,6 @@ ShownLight ShownByCubes(const Bsp &bsp) {
 ShownLight ShownBy(BakedFormat format, const Bsp &bsp) {
     return format == BakedFormat::LegacyGrid     ? ShownByLegacy(bsp)
            : format == BakedFormat::AmbientCubes ? ShownByCubes(bsp)
-           : format == BakedFormat::NamedGridSH  ? ShownByNamed(bsp)
                                                  : ShownBySH(bsp);
 }
 
