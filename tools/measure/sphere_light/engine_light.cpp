@@ -68,14 +68,14 @@ EngineLight SHGridLight(const std::vector<std::byte> &file, const Bsp &bsp, int 
     const bool isRadiance = world.Value(kGridSHKey) == kRadiance;
     return [grid, tone, isRadiance, shift](const Vec3f &position) -> NormalColor {
         const float at[3] = {position.x, position.y, position.z};
-        shgrid_coeffs coeffs;
-        shgrid_sample(&grid, at, &coeffs);
+        shgrid_lighting lighting;
+        shgrid_lights(&grid, at, nullptr, &lighting); // the engine limits their number: that counts as a difference
         if (isRadiance)
-            shgrid_convolve(&coeffs);
-        return [coeffs, tone, shift](const Vec3f &normal) {
+            shgrid_convolve(&lighting.rest);
+        return [lighting, tone, shift](const Vec3f &normal) {
             const float n[3] = {normal.x, normal.y, normal.z};
             float rgb[3];
-            shgrid_evaluate(&coeffs, n, rgb);
+            shgrid_shade(&lighting, n, rgb);
             shgrid_apply_tone(&tone, rgb);
             return HueLimited(Vec3f{rgb[0], rgb[1], rgb[2]} * std::ldexp(255.0f, shift));
         };

@@ -25,6 +25,7 @@ The SH light grid of the map: loading, sampling, and the scale of lightmaps.
 
 cvar_t	*r_shgrid;
 cvar_t	*r_showshgrid;
+cvar_t	*r_shgridStyles;
 
 shGridWorld_t	shGridWorld;
 
@@ -50,6 +51,7 @@ R_RegisterSHGrid
 void R_RegisterSHGrid( void ) {
 	r_shgrid = ri.Cvar_Get( "r_shgrid", "1", CVAR_ARCHIVE );
 	r_showshgrid = ri.Cvar_Get( "r_showshgrid", "0", CVAR_CHEAT );
+	r_shgridStyles = ri.Cvar_Get( "r_shgridStyles", "m", 0 );
 }
 
 /*
@@ -98,6 +100,9 @@ Where the lump was found
 ===============
 */
 static const char *R_SHGridForm( const byte *file, const byte *lump ) {
+	if ( shGridWorld.grid.lights ) {
+		return "BSPX LIGHTGRID_SH_LIGHTS";
+	}
 	if ( shGridWorld.grid.levels ) {
 		return "BSPX LIGHTGRID_SH_SPARSE";
 	}
@@ -152,13 +157,70 @@ void R_LoadSHGrid( const char *mapName, const byte *file, long fileBytes, int sh
 
 /*
 ===============
+R_SHGridStyleWord
+
+One word of r_shgridStyles; tenth: the tenth of a second
+===============
+*/
+static void R_SHGridStyleWord( const char *word, unsigned tenth, float styles[SHGRID_STYLES] ) {
+	const char	*letters = strchr( word, ':' );
+	int			first = 1, last = SHGRID_STYLES - 1, style;
+	float		brightness;
+	char		letter;
+
+	if ( letters ) {
+		first = last = atoi( word );
+		word = letters + 1;
+	}
+	if ( !*word || first < 0 || last >= SHGRID_STYLES ) {
+		return;
+	}
+
+	letter = word[tenth % strlen( word )];
+	brightness = letter >= 'a' && letter <= 'z' ? ( letter - 'a' ) / 12.0f : letter == '0' ? 0 : 1;
+	for ( style = first ; style <= last ; style++ ) {
+		styles[style] = brightness;
+	}
+}
+
+/*
+===============
+R_SHGridStyles
+===============
+*/
+const float *R_SHGridStyles( int time ) {
+	static float	styles[SHGRID_STYLES];
+	static int		lastTenth, lastCount = -1;
+	char	*p, *token;
+	int		i;
+
+	// the words are read anew only when the letter changes, or they do
+	if ( lastCount == r_shgridStyles->modificationCount && lastTenth == time / 100 ) {
+		return styles;
+	}
+	lastCount = r_shgridStyles->modificationCount;
+	lastTenth = time / 100;
+
+	for ( i = 0 ; i < SHGRID_STYLES ; i++ ) {
+		styles[i] = 1;
+	}
+	p = r_shgridStyles->string;
+	while ( *( token = COM_ParseExt( &p, qtrue ) ) ) {
+		R_SHGridStyleWord( token, (unsigned)lastTenth, styles );
+	}
+	return styles;
+}
+
+/*
+===============
 R_SHGridSample
 ===============
 */
-void R_SHGridSample( const vec3_t origin, shgrid_coeffs *coeffs ) {
-	shgrid_sample( &shGridWorld.grid, origin, coeffs );
+void R_SHGridSample( const vec3_t origin, int time, shgrid_lighting *lighting ) {
+	shgrid_lights( &shGridWorld.grid, origin, shGridWorld.grid.lights ? R_SHGridStyles( time ) : NULL, lighting );
+	shgrid_limit_lights( lighting, SHGRID_ENTITY_LIGHTS );
 	if ( shGridWorld.isRadiance ) {
-		shgrid_convolve( coeffs );
+		shgrid_convolve( &lighting->rest );
 	}
 }
 
@@ -167,11 +229,11 @@ void R_SHGridSample( const vec3_t origin, shgrid_coeffs *coeffs ) {
 R_SHGridAt
 ===============
 */
-qboolean R_SHGridAt( const vec3_t origin, shgrid_coeffs *coeffs ) {
+qboolean R_SHGridAt( const vec3_t origin, int time, shgrid_lighting *lighting ) {
 	if ( !shGridWorld.grid.points || !r_shgrid->integer ) {
 		return qfalse;
 	}
-	R_SHGridSample( origin, coeffs );
+	R_SHGridSample( origin, time, lighting );
 	return qtrue;
 }
 
@@ -180,13 +242,13 @@ qboolean R_SHGridAt( const vec3_t origin, shgrid_coeffs *coeffs ) {
 R_SetupSHGridEntity
 ===============
 */
-qboolean R_SetupSHGridEntity( shGridEntity_t *ent, qboolean hasWorld, const vec3_t origin,
+qboolean R_SetupSHGridEntity( shGridEntity_t *ent, qboolean hasWorld, int time, const vec3_t origin,
 	vec3_t ambient, vec3_t directed, vec3_t dir ) {
 	VectorClear( ent->dynamicLight );
 	VectorClear( ent->dynamicDir );
-	ent->lit = hasWorld && R_SHGridAt( origin, &ent->coeffs );
+	ent->lit = hasWorld && R_SHGridAt( origin, time, &ent->lighting );
 	if ( ent->lit ) {
-		R_SHGridSplit( &ent->coeffs, ambient, directed, dir );
+		R_SHGridSplit( &ent->lighting, ambient, directed, dir );
 	}
 	return ent->lit;
 }
@@ -211,19 +273,14 @@ int R_SHGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
 
 /*
 ===============
-R_SHGridTurn
+R_SHGridTurnCoeffs
 
 Band 1 is a vector, and band 2 is n . M n with a symmetric, traceless matrix M: in model axes its elements are
 axis[i] . M axis[j]
 ===============
 */
-void R_SHGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out ) {
-	vec3_t	unit[3];
+static void R_SHGridTurnCoeffs( const shgrid_coeffs *in, const vec3_t unit[3], shgrid_coeffs *out ) {
 	int		i, c;
-
-	for ( i = 0 ; i < 3 ; i++ ) {
-		VectorNormalize2( axis[i], unit[i] );
-	}
 
 	for ( c = 0 ; c < 3 ; c++ ) {
 		const vec3_t	linear = { in->c[3][c], in->c[1][c], in->c[2][c] };
@@ -245,6 +302,29 @@ void R_SHGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs 
 		out->c[6][c] = DotProduct( unit[2], turned[2] ) * ( 0.5f / SH_ZZ );
 		out->c[7][c] = DotProduct( unit[0], turned[2] ) * ( 2 / SH_XY );
 		out->c[8][c] = ( DotProduct( unit[0], turned[0] ) - DotProduct( unit[1], turned[1] ) ) * ( 0.5f / SH_XX_YY );
+	}
+}
+
+/*
+===============
+R_SHGridTurn
+===============
+*/
+void R_SHGridTurn( const shgrid_lighting *in, const vec3_t axis[3], shgrid_lighting *out ) {
+	vec3_t	unit[3];
+	int		i;
+
+	for ( i = 0 ; i < 3 ; i++ ) {
+		VectorNormalize2( axis[i], unit[i] );
+	}
+
+	R_SHGridTurnCoeffs( &in->rest, (const vec3_t *)unit, &out->rest );
+	out->count = in->count;
+	for ( i = 0 ; i < in->count ; i++ ) {
+		const float	*dir = in->direct[i].direction;
+
+		out->direct[i] = in->direct[i];
+		VectorSet( out->direct[i].direction, DotProduct( dir, unit[0] ), DotProduct( dir, unit[1] ), DotProduct( dir, unit[2] ) );
 	}
 }
 
@@ -272,9 +352,55 @@ static void R_SHGridBytes( vec3_t rgb ) {
 R_SHGridLight
 ===============
 */
-void R_SHGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb ) {
-	shgrid_evaluate( coeffs, normal, rgb );
+void R_SHGridLight( const shgrid_lighting *lighting, const vec3_t normal, vec3_t rgb ) {
+	shgrid_shade( lighting, normal, rgb );
 	R_SHGridBytes( rgb );
+}
+
+/*
+===============
+R_SHGridLightMany
+===============
+*/
+void R_SHGridLightMany( const shgrid_lighting *lighting, const float *normals, int stride, int count, vec3_t *rgb ) {
+	int		i;
+
+	shgrid_shade_many( lighting, normals, stride, count, rgb[0], 3 );
+	for ( i = 0 ; i < count ; i++ ) {
+		R_SHGridBytes( rgb[i] );
+	}
+}
+
+/*
+===============
+R_SHGridStrongest
+
+The light that the grid names which is stronger than the light of the rest from one direction, and than all others.
+NULL: there is none
+===============
+*/
+static const shgrid_direct *R_SHGridStrongest( const shgrid_lighting *lighting ) {
+	const shgrid_direct	*strongest = NULL;
+	vec3_t	linear;
+	float	most;
+	int		i;
+
+	for ( i = 0 ; i < 3 ; i++ ) {
+		const float	*band = lighting->rest.c[i + 1];
+
+		linear[i] = band[0] + band[1] + band[2];
+	}
+	most = 2 * SH_BAND1 * VectorNormalize( linear );
+
+	for ( i = 0 ; i < lighting->count ; i++ ) {
+		const float	*color = lighting->direct[i].color;
+
+		if ( color[0] + color[1] + color[2] > most ) {
+			strongest = &lighting->direct[i];
+			most = color[0] + color[1] + color[2];
+		}
+	}
+	return strongest;
 }
 
 /*
@@ -284,22 +410,39 @@ R_SHGridSplit
 The clamped cosine has the mean 1/4 and band 1 is 1/2 n . dir
 ===============
 */
-void R_SHGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir ) {
-	const float	*x = coeffs->c[3], *y = coeffs->c[1], *z = coeffs->c[2];
+void R_SHGridSplit( const shgrid_lighting *lighting, vec3_t ambient, vec3_t directed, vec3_t dir ) {
+	const shgrid_direct	*strongest = R_SHGridStrongest( lighting );
+	const float	*x, *y, *z;
+	shgrid_lighting	others;
 	int			i;
 
+	// all but the strongest light become coefficients
+	others.rest = lighting->rest;
+	others.count = 0;
+	for ( i = 0 ; i < lighting->count ; i++ ) {
+		if ( &lighting->direct[i] != strongest ) {
+			others.direct[others.count++] = lighting->direct[i];
+		}
+	}
+	shgrid_limit_lights( &others, 0 );
+	x = others.rest.c[3];
+	y = others.rest.c[1];
+	z = others.rest.c[2];
+
 	VectorSet( dir, x[0] + x[1] + x[2], y[0] + y[1] + y[2], z[0] + z[1] + z[2] );
-	if ( !VectorNormalize( dir ) ) {
+	if ( strongest ) {
+		VectorSet( dir, strongest->direction[0], strongest->direction[1], strongest->direction[2] );
+	} else if ( !VectorNormalize( dir ) ) {
 		VectorSet( dir, 0, 0, 1 );
 	}
 
 	for ( i = 0 ; i < 3 ; i++ ) {
-		float	mean = SH_BAND0 * coeffs->c[0][i];
+		float	mean = SH_BAND0 * others.rest.c[0][i];
 		float	slope = SH_BAND1 * ( x[i] * dir[0] + y[i] * dir[1] + z[i] * dir[2] );
 
 		directed[i] = Com_Clamp( 0, 4 * MAX( mean, 0 ), 2 * slope );
 		ambient[i] = MAX( mean, 0 ) - directed[i] / 4;
-		directed[i] += ambient[i];
+		directed[i] += ambient[i] + ( strongest ? strongest->color[i] : 0 );
 	}
 
 	// the tone is not linear: it applies to the light of the bright side, not to the directed part alone
