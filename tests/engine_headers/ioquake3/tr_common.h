@@ -25,7 +25,8 @@ typedef enum { qfalse, qtrue } qboolean;
 typedef unsigned char byte;
 typedef float vec3_t[3];
 typedef struct {
-    int integer;
+    int integer, modificationCount;
+    char *string;
 } cvar_t;
 typedef enum { PRINT_ALL, PRINT_DEVELOPER, PRINT_WARNING } printParm_t;
 typedef struct {
