@@ -1507,14 +1507,16 @@ static inline float shgrid_brightness_(const shgrid_direct *direct) {
    the kept ones, those less than a quarter brighter than the brightest of the others go in part, so that nothing jumps
    where two lights change their places. */
 static inline void shgrid_limit_lights(shgrid_lighting *lighting, int count) {
-    float sorted[SHGRID_DIRECT_LIGHTS], gone;
+    float sorted[SHGRID_DIRECT_LIGHTS], gone; /* the brightest so far, at most count + 1 */
     int i, kept = 0, channel;
     count = count > 0 ? count : 0;
     if (lighting->count <= count)
         return;
     for (i = 0; i < lighting->count; i++) {
         const float brightness = shgrid_brightness_(lighting->direct + i);
-        int at = i;
+        int at = i < count ? i : count;
+        if (i > count && !(brightness > sorted[count]))
+            continue;
         for (; at > 0 && sorted[at - 1] < brightness; at--)
             sorted[at] = sorted[at - 1];
         sorted[at] = brightness;

@@ -162,7 +162,8 @@ static void TestTurn(void) {
     for (k = 0; k < 9; k++)
         for (channel = 0; channel < 3; channel++)
             lighting.rest.c[k][channel] = k ? 0.1f * (float)((7 * k + 3 * channel) % 11 - 5) : 8.0f;
-    R_SHGridTurn(&lighting, axis, &turned);
+    turned = lighting;
+    R_SHGridTurn(&turned, axis);
     CHECK(turned.count == 1 && turned.direct[0].style == 7 && turned.direct[0].light == 3);
     for (i = 0; i < 200; i++) {
         const float z = cosf(0.1f * (float)i), r = sinf(0.1f * (float)i);

@@ -310,7 +310,8 @@ static void R_SHGridTurnCoeffs( const shgrid_coeffs *in, const vec3_t unit[3], s
 R_SHGridTurn
 ===============
 */
-void R_SHGridTurn( const shgrid_lighting *in, const vec3_t axis[3], shgrid_lighting *out ) {
+void R_SHGridTurn( shgrid_lighting *lighting, const vec3_t axis[3] ) {
+	const shgrid_coeffs	rest = lighting->rest;
 	vec3_t	unit[3];
 	int		i;
 
@@ -318,13 +319,12 @@ void R_SHGridTurn( const shgrid_lighting *in, const vec3_t axis[3], shgrid_light
 		VectorNormalize2( axis[i], unit[i] );
 	}
 
-	R_SHGridTurnCoeffs( &in->rest, (const vec3_t *)unit, &out->rest );
-	out->count = in->count;
-	for ( i = 0 ; i < in->count ; i++ ) {
-		const float	*dir = in->direct[i].direction;
+	R_SHGridTurnCoeffs( &rest, (const vec3_t *)unit, &lighting->rest );
+	for ( i = 0 ; i < lighting->count ; i++ ) {
+		float			*to = lighting->direct[i].direction;
+		const vec3_t	dir = { to[0], to[1], to[2] };
 
-		out->direct[i] = in->direct[i];
-		VectorSet( out->direct[i].direction, DotProduct( dir, unit[0] ), DotProduct( dir, unit[1] ), DotProduct( dir, unit[2] ) );
+		VectorSet( to, DotProduct( dir, unit[0] ), DotProduct( dir, unit[1] ), DotProduct( dir, unit[2] ) );
 	}
 }
 
@@ -412,37 +412,35 @@ The clamped cosine has the mean 1/4 and band 1 is 1/2 n . dir
 */
 void R_SHGridSplit( const shgrid_lighting *lighting, vec3_t ambient, vec3_t directed, vec3_t dir ) {
 	const shgrid_direct	*strongest = R_SHGridStrongest( lighting );
-	const float	*x, *y, *z;
-	shgrid_lighting	others;
-	int			i;
+	vec3_t	mean, linear[3];	// of all but the strongest light: mean, and coefficients of band 1 as a vector
+	int		i, c;
 
-	// all but the strongest light become coefficients
-	others.rest = lighting->rest;
-	others.count = 0;
-	for ( i = 0 ; i < lighting->count ; i++ ) {
-		if ( &lighting->direct[i] != strongest ) {
-			others.direct[others.count++] = lighting->direct[i];
-		}
+	for ( c = 0 ; c < 3 ; c++ ) {
+		const shgrid_coeffs	*rest = &lighting->rest;
+
+		mean[c] = SH_BAND0 * rest->c[0][c];
+		VectorSet( linear[c], rest->c[3][c], rest->c[1][c], rest->c[2][c] );
 	}
-	shgrid_limit_lights( &others, 0 );
-	x = others.rest.c[3];
-	y = others.rest.c[1];
-	z = others.rest.c[2];
+	for ( i = 0 ; i < lighting->count ; i++ ) {
+		const shgrid_direct	*light = &lighting->direct[i];
 
-	VectorSet( dir, x[0] + x[1] + x[2], y[0] + y[1] + y[2], z[0] + z[1] + z[2] );
-	if ( strongest ) {
-		VectorSet( dir, strongest->direction[0], strongest->direction[1], strongest->direction[2] );
-	} else if ( !VectorNormalize( dir ) ) {
-		VectorSet( dir, 0, 0, 1 );
+		for ( c = 0 ; light != strongest && c < 3 ; c++ ) {
+			mean[c] += light->color[c] * ( 0.25f + light->spread * light->spread / 12 );
+			VectorMA( linear[c], 0.5f / SH_BAND1 * light->color[c], light->direction, linear[c] );
+		}
 	}
 
 	for ( i = 0 ; i < 3 ; i++ ) {
-		float	mean = SH_BAND0 * others.rest.c[0][i];
-		float	slope = SH_BAND1 * ( x[i] * dir[0] + y[i] * dir[1] + z[i] * dir[2] );
+		dir[i] = strongest ? strongest->direction[i] : linear[0][i] + linear[1][i] + linear[2][i];
+	}
+	if ( !strongest && !VectorNormalize( dir ) ) {
+		VectorSet( dir, 0, 0, 1 );
+	}
 
-		directed[i] = Com_Clamp( 0, 4 * MAX( mean, 0 ), 2 * slope );
-		ambient[i] = MAX( mean, 0 ) - directed[i] / 4;
-		directed[i] += ambient[i] + ( strongest ? strongest->color[i] : 0 );
+	for ( c = 0 ; c < 3 ; c++ ) {
+		directed[c] = Com_Clamp( 0, 4 * MAX( mean[c], 0 ), 2 * ( SH_BAND1 * DotProduct( linear[c], dir ) ) );
+		ambient[c] = MAX( mean[c], 0 ) - directed[c] / 4;
+		directed[c] += ambient[c] + ( strongest ? strongest->color[c] : 0 );
 	}
 
 	// the tone is not linear: it applies to the light of the bright side, not to the directed part alone

@@ -83,8 +83,8 @@ int			R_SHGridNear( const vec3_t origin, float radius, int max, vec3_t *points )
 // made on the first call
 const shGridSphere_t	*R_SHGridSphere( void );
 
-// light for normals in the axes of a model, whatever the length of the axes
-void		R_SHGridTurn( const shgrid_lighting *in, const vec3_t axis[3], shgrid_lighting *out );
+// turns light into the axes of a model, whatever their length, for normals in these axes
+void		R_SHGridTurn( shgrid_lighting *lighting, const vec3_t axis[3] );
 
 // light on a surface with that unit normal, 0 to 255: what a lightmap texel of a wall with that normal becomes
 // in R_ColorShiftLightingBytes

@@ -27,10 +27,9 @@ Into the axes of the model, so that vertexes need no transformation of their own
 =================
 */
 void R_TurnEntitySHGrid( trRefEntity_t *ent ) {
-	shgrid_lighting	world = ent->shGrid.lighting;
-	vec3_t			dir;
+	vec3_t	dir;
 
-	R_SHGridTurn( &world, (const vec3_t *)ent->e.axis, &ent->shGrid.lighting );
+	R_SHGridTurn( &ent->shGrid.lighting, (const vec3_t *)ent->e.axis );
 
 	VectorNormalize2( ent->shGrid.dynamicDir, dir );
 	VectorSet( ent->shGrid.dynamicDir, DotProduct( dir, ent->e.axis[0] ), DotProduct( dir, ent->e.axis[1] ),
