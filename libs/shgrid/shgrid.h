@@ -962,6 +962,22 @@ static inline double shgrid_arctangent_(double tangent) {
            (1 - t * (1.0 / 3 - t * (1.0 / 5 - t * (1.0 / 7 - t * (1.0 / 9 - t * (1.0 / 11 - t * (1.0 / 13)))))));
 }
 
+/* Half of the angle between two unit vectors over its sine. Up to 36 degrees by a series in the square of the sine of
+   half the angle, exact to 1e-9. */
+static inline double shgrid_angle_over_sine_(double cosine, const double cross[3]) {
+    const double t = 0.5 - 0.5 * cosine;
+    double sine;
+    if (t < 0.1)
+        return 0.5 +
+               t * (1.0 / 3 +
+                    t * (4.0 / 15 +
+                         t * (8.0 / 35 + t * (64.0 / 315 +
+                                              t * (128.0 / 693 + t * (512.0 / 3003 + t * (1024.0 / 6435 +
+                                                                                          t * (16384.0 / 109395))))))));
+    sine = sqrt(shgrid_dot_(cross, cross));
+    return sine > 0 ? atan2(sine, cosine) / (2 * sine) : 0;
+}
+
 /* The unit vector from a position to a vertex. */
 static inline void shgrid_unit_to_(const unsigned char *vertex, const float position[3], double unit[3]) {
     double inverse;
@@ -974,26 +990,27 @@ static inline void shgrid_unit_to_(const unsigned char *vertex, const float posi
         unit[axis] *= inverse;
 }
 
-/* Takes six times the integral of w w^T along an edge of a polygon, without the identity matrix. */
-static inline void shgrid_add_arc_(const double a[3], const double b[3], const double outward[3], double sine,
-                                   double cosine, shgrid_moments_ *m) {
-    double arc[3], difference[3];
+/* Adds six times the integral of w w^T along an edge of a polygon, without the identity matrix. */
+static inline void shgrid_add_arc_(const double a[3], const double b[3], const double cross[3], double cosine,
+                                   shgrid_moments_ *m) {
+    const double sine = sqrt(shgrid_dot_(cross, cross)), scale = cosine > 0 ? 1 / (1 + cosine) : 1 / sine;
+    double arc[3], difference[3], inward[3];
     int axis;
-    if (cosine > 0) {
-        const double factor = sine / (1 + cosine);
-        for (axis = 0; axis < 3; axis++)
-            arc[axis] = (a[axis] + b[axis]) * factor;
-    } else {
-        for (axis = 0; axis < 3; axis++)
-            difference[axis] = b[axis] - a[axis];
-        shgrid_cross_(outward, difference, arc);
+    if (!(sine > 0))
+        return;
+    for (axis = 0; axis < 3; axis++) {
+        inward[axis] = cross[axis] * scale;
+        arc[axis] = a[axis] + b[axis];
+        difference[axis] = a[axis] - b[axis];
     }
-    m->xx -= 2 * arc[0] * outward[0];
-    m->yy -= 2 * arc[1] * outward[1];
-    m->zz -= 2 * arc[2] * outward[2];
-    m->xy -= arc[0] * outward[1] + arc[1] * outward[0];
-    m->yz -= arc[1] * outward[2] + arc[2] * outward[1];
-    m->xz -= arc[0] * outward[2] + arc[2] * outward[0];
+    if (!(cosine > 0)) /* the same vector, exact for obtuse angles */
+        shgrid_cross_(inward, difference, arc);
+    m->xx += 2 * arc[0] * inward[0];
+    m->yy += 2 * arc[1] * inward[1];
+    m->zz += 2 * arc[2] * inward[2];
+    m->xy += arc[0] * inward[1] + arc[1] * inward[0];
+    m->yz += arc[1] * inward[2] + arc[2] * inward[1];
+    m->xz += arc[0] * inward[2] + arc[2] * inward[0];
 }
 
 /* Adds `weight` times the moments of a polygon in closed form: integrals along its edges, which are arcs of great
@@ -1014,28 +1031,22 @@ static inline void shgrid_add_polygon_(const shgrid_grid *grid, const unsigned c
     shgrid_unit_to_(vertices + 12 * (size_t)(behind ? 0 : count - 1), position, a);
     heightA = shgrid_dot_(normal, a);
     for (i = 0; i < count; i++) {
-        double b[3], cross[3], outward[3], heightB, sine, cosine, angle, x, y, t;
+        double b[3], cross[3], heightB, cosine, weightOfEdge, x, y, t;
         shgrid_unit_to_(vertices + 12 * (size_t)(behind ? count - 1 - i : i), position, b);
         heightB = shgrid_dot_(normal, b);
         shgrid_cross_(a, b, cross);
-        sine = sqrt(shgrid_dot_(cross, cross));
         cosine = shgrid_dot_(a, b);
-        if (sine > 0) {
-            const double inverse = -1 / sine;
-            for (axis = 0; axis < 3; axis++)
-                outward[axis] = cross[axis] * inverse;
-            angle = cosine > 0 ? shgrid_arctangent_(sine / (1 + cosine)) : atan2(sine, cosine) / 2;
-            for (axis = 0; axis < 3; axis++)
-                m.first[axis] -= outward[axis] * angle;
-            if (second)
-                shgrid_add_arc_(a, b, outward, sine, cosine, &m);
-            /* The product of complex numbers whose arguments are half the solid angles of the triangles. */
-            x = 1 + heightA + heightB + cosine;
-            y = shgrid_dot_(normal, cross);
-            t = re * x - im * y;
-            im = re * y + im * x;
-            re = t;
-        }
+        weightOfEdge = shgrid_angle_over_sine_(cosine, cross);
+        for (axis = 0; axis < 3; axis++)
+            m.first[axis] += cross[axis] * weightOfEdge;
+        if (second)
+            shgrid_add_arc_(a, b, cross, cosine, &m);
+        /* The product of complex numbers whose arguments are half the solid angles of the triangles. */
+        x = 1 + heightA + heightB + cosine;
+        y = shgrid_dot_(normal, cross);
+        t = re * x - im * y;
+        im = re * y + im * x;
+        re = t;
         memcpy(a, b, sizeof a);
         heightA = heightB;
     }
@@ -1047,6 +1058,8 @@ static inline void shgrid_add_polygon_(const shgrid_grid *grid, const unsigned c
     sum->solidAngle += weight * m.solidAngle;
     for (axis = 0; axis < 3; axis++)
         sum->first[axis] += weight * m.first[axis];
+    if (!second)
+        return;
     sum->xx += weight * (m.xx / 6 + m.solidAngle / 3);
     sum->yy += weight * (m.yy / 6 + m.solidAngle / 3);
     sum->zz += weight * (m.zz / 6 + m.solidAngle / 3);
@@ -1175,22 +1188,23 @@ static inline void shgrid_polygon_beam_(const shgrid_grid *grid, const unsigned 
     const double smallest = 0.883, largest = 0.821;
     const float intensity = shgrid_f32_(light + 40);
     shgrid_moments_ m;
-    double length, cosine, directed, alpha;
+    double length, inverse, cosine, directed, alpha;
     int axis;
     shgrid_polygon_moments_(grid, light, position, 0, &m);
     length = sqrt(shgrid_dot_(m.first, m.first));
     if (!(length > 0) || !(m.solidAngle > 0))
         return;
     cosine = length / m.solidAngle;
-    directed = (cosine - largest) / (smallest - largest);
+    directed = (cosine - largest) * (1 / (smallest - largest));
     directed = directed < 0 ? 0 : directed < 1 ? directed : 1;
     directed = directed * directed * (3 - 2 * directed);
     if (directed > 0) {
         alpha = 2 * cosine - 1;
         beam->strength = (float)(directed * intensity * length * (1 / 3.14159265358979));
         beam->spread = (float)sqrt(alpha < 1 ? 1 - alpha * alpha : 0);
+        inverse = 1 / length;
         for (axis = 0; axis < 3; axis++)
-            beam->direction[axis] = (float)(m.first[axis] / length);
+            beam->direction[axis] = (float)(m.first[axis] * inverse);
     }
     if (directed < 1)
         shgrid_polygon_coeffs_(grid, light, position, (1 - directed) * intensity, beam);
