@@ -19,6 +19,8 @@ LIGHT OF ENTITIES
 =============================================================================
 */
 
+#define	SHGRID_VERTEX_LIGHTS	4		// named lights of an entity: each costs time at every vertex
+
 /*
 =================
 R_TurnEntitySHGrid
@@ -29,6 +31,7 @@ Into the axes of the model, so that vertexes need no transformation of their own
 void R_TurnEntitySHGrid( trRefEntity_t *ent ) {
 	vec3_t	dir;
 
+	shgrid_limit_lights( &ent->shGrid.lighting, SHGRID_VERTEX_LIGHTS );
 	R_SHGridTurn( &ent->shGrid.lighting, (const vec3_t *)ent->e.axis );
 
 	VectorNormalize2( ent->shGrid.dynamicDir, dir );
