@@ -165,6 +165,7 @@ extern "C" {
 #define SHGRID_SPARSE_LEVELS 12        /* maximum */
 #define SHGRID_SPARSE_CELLS (1L << 24) /* maximum of the smallest cells on an axis */
 #define SHGRID_LIGHTS 65535            /* maximum of lights that a grid can name */
+#define SHGRID_LIGHT_POLYGONS 64       /* maximum of a light: more would be slow to sample */
 #define SHGRID_POLYGON_VERTICES 64     /* maximum of a polygon of a light */
 #define SHGRID_NAMES_AT_PLACE 64       /* lights that act at a place; a grid of this project has fewer */
 #define SHGRID_DIRECT_LIGHTS 32        /* maximum of directional lights for an entity */
@@ -379,7 +380,8 @@ static inline shgrid_result shgrid_check_lights_(const shgrid_grid *grid, uint32
         if (light[0] > SHGRID_POLYGONS || light[1] > SHGRID_POLYNOMIAL || light[2] > 63 || light[3] > 3 ||
             !shgrid_finite_(light + 4, 25) || bspx_u32(light + 112) >= textBytes)
             return SHGRID_BAD_LIGHTS;
-        if (first > polygonCount || count > polygonCount - first || (light[0] == SHGRID_POLYGONS) != (count > 0))
+        if (first > polygonCount || count > polygonCount - first || count > SHGRID_LIGHT_POLYGONS ||
+            (light[0] == SHGRID_POLYGONS) != (count > 0))
             return SHGRID_BAD_LIGHTS;
     }
     for (i = 0; i < polygonCount; i++) {
@@ -1192,7 +1194,7 @@ static inline void shgrid_polygon_beam_(const shgrid_grid *grid, const unsigned 
     int axis;
     shgrid_polygon_moments_(grid, light, position, 0, &m);
     length = sqrt(shgrid_dot_(m.first, m.first));
-    if (!(length > 0) || !(m.solidAngle > 0))
+    if (!(length > 0) || !isfinite(length) || !(m.solidAngle > 0))
         return;
     cosine = length / m.solidAngle;
     directed = (cosine - largest) * (1 / (smallest - largest));
@@ -1235,7 +1237,7 @@ static inline void shgrid_beam_at_(const shgrid_grid *grid, uint32_t number, con
     beam->strength = shgrid_falloff_(light, distance);
     if (light[0] == SHGRID_SPOT)
         beam->strength *= shgrid_cone_(light, to, distance);
-    if (!(beam->strength > 0))
+    if (!(beam->strength > 0) || !isfinite(beam->strength)) /* no number, or right at a light that has no `nearest` */
         beam->strength = 0;
     for (axis = 0; axis < 3; axis++)
         beam->direction[axis] = distance > 0 ? to[axis] / distance : 0;

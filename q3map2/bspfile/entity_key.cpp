@@ -217,12 +217,12 @@ std::string DarkKey(int style) {
 }
 
 int StyleOfKey(std::string_view key, std::string_view beginning, std::string_view end) {
-    constexpr int kLastStyle = 254; // 0 and 255 stand for constant light
+    constexpr int kLargestOfKeys = 254; // 0 and 255 stand for constant light
     if (key.size() <= beginning.size() + end.size() || !StartsWithNoCase(key, beginning) || !EndsWithNoCase(key, end))
         return -1;
     key = key.substr(beginning.size(), key.size() - beginning.size() - end.size());
     const std::optional<int> number = StrictInteger(key);
-    return number && *number > 0 && *number <= kLastStyle ? *number : -1;
+    return number && *number > 0 && *number <= kLargestOfKeys ? *number : -1;
 }
 
 bool IsStyleKey(std::string_view key) {

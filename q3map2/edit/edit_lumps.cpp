@@ -301,8 +301,42 @@ void TransformSparseGrid(const AxisTransform &transform, Bsp &bsp) {
         grid.cell[i] = float(double(grid.cell[i]) * transform.factors[i]);
 }
 
-/// Moves a grid with its lights. An even scaling keeps their light: with lengths times f, an inverse square light needs
-/// f^2 times the photons, and distances in falloff and cones grow by f.
+/// A direction that moves with the map, and stays as it is unless axes are scaled by different factors.
+void TransformDirection(const AxisTransform &transform, Float3 &direction) {
+    if (!transform.IsUniform() && direction != Float3{})
+        direction = Vec3f(Normalize(Vec3d(direction) * transform.factors)).Array();
+}
+
+/// Lengths of falloff and cone times `f`. Light stays the same at positions that are as many times as far away: what
+/// falls off with the square of the distance needs f^2 times the photons.
+void ScaleLight(float f, GridLight &light) {
+    const bool hasPlace = light.type == SHGRID_POINT || light.type == SHGRID_SPOT;
+    if (hasPlace && (light.curve == SHGRID_INVERSE_SQUARE || light.curve == SHGRID_WINDOWED))
+        light.intensity *= f * f;
+    for (float *length :
+         {&light.extraDist, &light.end, &light.fadeFrom, &light.flatFrom, &light.nearest, &light.coneFade})
+        *length *= f;
+    light.fade /= f, light.linear /= f, light.quadratic /= f * f;
+}
+
+/// The plane of a polygon whose vertices move, and its size.
+void TransformPolygon(const AxisTransform &transform, GridPolygon &polygon) {
+    const Vec3d &factors = transform.factors;
+    // Points p of the plane have (normal / factors) . (factors p) = dist.
+    const Vec3d normal = Vec3d(polygon.normal) * Vec3d{1 / factors.x, 1 / factors.y, 1 / factors.z};
+    const double length = Length(normal);
+    if (length > 0) {
+        if (!transform.IsUniform())
+            polygon.normal = Vec3f(normal / length).Array();
+        polygon.dist = float(double(polygon.dist) / length + Dot(Vec3d(polygon.normal), transform.shift));
+        polygon.area = float(double(polygon.area) * (factors.x * factors.y * factors.z * length));
+    }
+    polygon.center = transform.Apply(polygon.center);
+    polygon.radius = float(double(polygon.radius) * std::max({factors.x, factors.y, factors.z}));
+}
+
+/// Moves a grid with its lights. An even scaling keeps their light; with another one it is that of lights of a mean
+/// size, and polygons stay planar.
 void TransformNamedGrid(const AxisTransform &transform, Bsp &bsp) {
     NamedGridSH &grid = *bsp.namedGridSH;
     grid.mins = transform.Apply(grid.mins);
@@ -311,20 +345,13 @@ void TransformNamedGrid(const AxisTransform &transform, Bsp &bsp) {
     const auto f = float(std::cbrt(transform.factors[0] * transform.factors[1] * transform.factors[2]));
     for (GridLight &light : grid.table.lights) {
         light.origin = transform.Apply(light.origin);
-        if (light.type == SHGRID_POINT || light.type == SHGRID_SPOT)
-            light.intensity *= light.curve == SHGRID_INVERSE_SQUARE || light.curve == SHGRID_WINDOWED ? f * f : 1;
-        for (float *length : {&light.extraDist, &light.end, &light.fadeFrom, &light.flatFrom, &light.nearest,
-                              &light.coneFade})
-            *length *= f;
-        light.fade /= f, light.linear /= f, light.quadratic /= f * f;
+        TransformDirection(transform, light.normal);
+        ScaleLight(f, light);
     }
     for (Float3 &vertex : grid.table.vertices)
         vertex = transform.Apply(vertex);
-    for (GridPolygon &polygon : grid.table.polygons) {
-        polygon.center = transform.Apply(polygon.center);
-        polygon.dist = float(Dot(Vec3d(polygon.normal), Vec3d(polygon.center)));
-        polygon.area *= f * f, polygon.radius *= f;
-    }
+    for (GridPolygon &polygon : grid.table.polygons)
+        TransformPolygon(transform, polygon);
 }
 
 // ---- Merged maps ----

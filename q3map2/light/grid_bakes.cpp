@@ -46,11 +46,15 @@ SparseGridSH BakeSparse(const GridInputs &from, const std::vector<Light> &lights
 
 } // namespace
 
-std::vector<Light> LightsForSH(const LightSetup &setup, Log &log) {
+std::vector<Light> LightsForSH(const LightSetup &setup, StyledLights styles, Log &log) {
     int culled = 0;
     auto lights =
         SetupEnvelopes(setup.lights, LightPass::GridSH, setup.options, setup.space, setup.skySeenFrom, culled);
-    if (const auto styled = std::erase_if(lights, [](const Light &light) { return light.style != 0; }); styled > 0) {
+    const auto isStyled = [](const Light &light) { return light.style != 0; };
+    if (styles == StyledLights::Keep) {
+        if (const auto styled = std::ranges::count_if(lights, isStyled); styled > 0)
+            log.Count(styled, "lights of other styles than 0, named wherever they shine");
+    } else if (const auto styled = std::erase_if(lights, isStyled); styled > 0) {
         log.Count(styled, "lights of other styles than 0 left out: they change while the game runs");
         if (lights.empty())
             log.Warn(
@@ -107,17 +111,10 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     const LightOptions &options = setup.options;
     log.Section("TraceGridSH");
     const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
-    const std::vector<Light> lights = LightsForSH(setup, log);
+    const std::vector<Light> lights = LightsForSH(setup, StyledLights::LeaveOut, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
-    if (options.shLights && !options.sh) {
-        NamedStats named;
-        BakedGridSH baked;
-        baked.named = BakeNamedGrid(in, layout, lights, stats, named);
-        PrintNamedStats(named, log);
-        return baked;
-    }
     GridSHTracer tracer(in, layout, lights);
-    BakedGridSH baked{tracer.TraceGridSH(stats), {}, {}};
+    BakedGridSH baked{tracer.TraceGridSH(stats), {}};
     GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
     const GridPointCounts counts = CountGridPoints(setup.bsp, baked.uniform);
     shown.open = std::int64_t(counts.open);
@@ -125,7 +122,7 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     shown.moved = 0;
     shown.Print(log);
     SparseStats sparse;
-    if (options.shAdaptive)
+    if (options.shAdaptive && !options.shLights)
         baked.sparse = BakeSparse(in, lights, tracer.Weak(), baked.uniform, log, stats, sparse);
     if (options.shDering) {
         const DeringStats changed = DeringGridSH(baked.uniform, options.shRadiance, jobs);
@@ -139,6 +136,28 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     return baked;
 }
 
+NamedGridSH BakeNamedGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+                            GridStats &stats) {
+    const LightOptions &options = setup.options;
+    log.Section("TraceNamedGridSH");
+    const CpuTimer timer;
+    // Adaptive cells begin at twice the edge: where lights are named, few need to be smaller.
+    const float scale = options.shAdaptive ? 2.0f : 1.0f;
+    Float3 size = CellOfGridSH(setup.layout.size, options);
+    for (float &edge : size)
+        edge *= scale;
+    const GridLayout layout = LayoutGridSH(setup.bsp, size);
+    log.Print("{} of {:g} {:g} {:g}\n", options.shAdaptive ? "First cells" : "Cells", layout.size[0], layout.size[1],
+              layout.size[2]);
+    const std::vector<Light> lights = LightsForSH(setup, StyledLights::Keep, log);
+    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    NamedStats named;
+    NamedGridSH grid = BakeNamedGrid(in, layout, lights, stats, named);
+    PrintNamedStats(named, log);
+    log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+    return grid;
+}
+
 std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const IndirectLight *indirect,
                                              const LightGridSH *gridSH, const JobPool &jobs, Log &log,
                                              GridStats &stats) {
@@ -146,7 +165,7 @@ std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const Indi
     log.Section("TraceAmbientCubes");
     const CpuTimer timer;
     const LightGridSH *from = options.cubesFromSH ? gridSH : nullptr;
-    const std::vector<Light> lights = from ? std::vector<Light>{} : LightsForSH(setup, log);
+    const std::vector<Light> lights = from ? std::vector<Light>{} : LightsForSH(setup, StyledLights::LeaveOut, log);
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
     const LeafCubes leafs = SampleLeafs(in, lights, from, stats);
     auto cubes = StoreCubes(setup.space, leafs, options.cubeTolerance, jobs, log);

@@ -9,9 +9,10 @@
 
 namespace q3 {
 
-/// Lights prepared for SH grid and ambient cubes. Lights of styles other than 0 are left out: the formats cannot hold
-/// them.
-std::vector<Light> LightsForSH(const LightSetup &setup, Log &log);
+/// What becomes of lights of styles other than 0: only grids that name lights can hold them.
+enum class StyledLights { LeaveOut, Keep };
+/// Lights prepared for SH grids and ambient cubes.
+std::vector<Light> LightsForSH(const LightSetup &setup, StyledLights styles, Log &log);
 
 /// Bounced light for grids.
 struct BouncedLight {
@@ -27,11 +28,14 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Bounc
 struct BakedGridSH {
     LightGridSH uniform;
     std::optional<SparseGridSH> sparse; ///< with -shadaptive
-    std::optional<NamedGridSH> named;   ///< with -shlights
 };
 /// The SH grid, with bounced light unless that is null.
 BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
                        GridStats &stats);
+
+/// The SH grid that names lights, likewise. Bounced light of lights with a style is left out.
+NamedGridSH BakeNamedGridSH(const LightSetup &setup, const IndirectLight *indirect, const JobPool &jobs, Log &log,
+                            GridStats &stats);
 
 /// Ambient cubes of the leafs, likewise. gridSH: that of this run, for -ambientcubesfrom sh; else not used. Empty if
 /// the map has no open leaf. Errors: too many leafs, see StoreCubes.

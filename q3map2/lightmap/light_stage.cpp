@@ -227,15 +227,16 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     RecordTone(ToneText(setup.options.tone, lightmap.brightness), lightmap, options, setup.bspEntities.front(), log);
     if (!options.noGrid)
         bsp.gridPoints = LightLegacyGrid(setup, bounced, jobs, log, result.grid);
-    if (options.sh || options.shAdaptive || options.shLights) {
+    if (options.sh || (options.shAdaptive && !options.shLights)) {
         BakedGridSH baked = BakeGridSH(setup, bounced.steady.get(), jobs, log, result.gridSH);
         bsp.gridSH = std::move(baked.uniform);
         bsp.gridSHContainer = options.shBspx || options.styleSlots ? GridSHContainer::Bspx : GridSHContainer::Lump;
         bsp.sparseGridSH = std::move(baked.sparse);
-        bsp.namedGridSH = std::move(baked.named);
         if (options.shRadiance)
             setup.bspEntities.front().Set(kGridSHKey, kRadiance);
     }
+    if (options.shLights)
+        bsp.namedGridSH = BakeNamedGridSH(setup, bounced.steady.get(), jobs, log, result.gridSH);
     if (options.ambientCubes)
         bsp.ambientCubes =
             BakeAmbientCubes(setup, bounced.steady.get(), bsp.gridSH ? &*bsp.gridSH : nullptr, jobs, log, result.cubes);

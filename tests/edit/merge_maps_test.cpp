@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Two maps in one.
+#include "common/error.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/edit/merge_maps.h"
 #include "tests/support/small_bsp.h"

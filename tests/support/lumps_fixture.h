@@ -3,6 +3,7 @@
 
 #include "q3map2/bspfile/bspx_lumps.h"
 #include "q3map2/bspfile/prop_light.h"
+#include "tests/support/named_grid.h"
 #include "tests/support/small_bsp.h"
 
 namespace q3::test {
@@ -44,6 +45,9 @@ inline void AddLump(Bsp &bsp, BspxId id, std::uint32_t first) {
         bsp.sparseGridSH = PackSparseGrid(tree);
         break;
     }
+    case BspxId::NamedGridSH:
+        bsp.namedGridSH = SmallNamedGrid(float(first));
+        break;
     case BspxId::AmbientCubes:
         bsp.ambientCubes = AmbientCubes{{{0, 1}, {1, 0}, {0, 1}}, std::vector<bspCubeSample_t>(1)};
         bsp.ambientCubes->samples[0].sides[0] = {std::uint8_t(first), 2, 3, 4};

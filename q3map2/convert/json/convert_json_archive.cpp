@@ -3,6 +3,8 @@
 
 #include "common/error.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -106,6 +108,10 @@ JsonRecordReader::JsonRecordReader(const JsonRecord &record, const JsonReadRules
         record.Fail("nanBits: expected an array of bits such as \"0x7fc00001\"");
 }
 
+bool JsonRecordReader::Has(std::string_view name) const {
+    return record_.nodes[0].kind == JsonNode::Object && record_.Find(object_, name) != 0;
+}
+
 std::size_t JsonRecordReader::Require(std::string_view name) const {
     if (record_.nodes[0].kind != JsonNode::Object)
         record_.Fail("expected an object");
@@ -159,6 +165,17 @@ bool JsonRecordReader::Read(std::size_t node, std::uint8_t &value) const {
 
 void JsonRecordReader::Text(std::string_view name, std::string &value) {
     value = RequireText(name);
+}
+
+void JsonRecordReader::Word(bool isNeeded, std::string_view name, std::uint8_t &value,
+                            std::span<const std::string_view> words) {
+    value = 0;
+    if (!isNeeded && !Has(name))
+        return;
+    const auto found = std::ranges::find(words, RequireText(name));
+    if (found == words.end())
+        Fail(name, fmt::format("expected one of: {}", fmt::join(words, ", ")));
+    value = std::uint8_t(found - words.begin());
 }
 
 void JsonRecordReader::OneOf(std::string_view first, std::string &value, std::string_view second, std::string &other) {

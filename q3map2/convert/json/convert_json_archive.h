@@ -6,9 +6,12 @@
 #include "q3map2/convert/json/convert_json_read.h"
 #include "q3map2/convert/json/convert_json_write.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -31,6 +34,12 @@ class JsonRecordWriter {
         writer_.Value(value);
         NoteNans(value);
     }
+    /// A member that not every record needs: left out if it is not needed and all its bytes are 0.
+    template <typename T> void FieldIf(bool isNeeded, std::string_view name, const T &value) {
+        const auto bytes = std::as_bytes(std::span(&value, 1));
+        if (isNeeded || std::ranges::any_of(bytes, [](std::byte byte) { return byte != std::byte{}; }))
+            Field(name, value);
+    }
     /// Writes the record as a bare value instead of an object.
     template <typename T> void Whole(const T &value) {
         isBareValue_ = true;
@@ -45,6 +54,11 @@ class JsonRecordWriter {
         writer_.EndObject();
     }
     void Text(std::string_view name, const std::string &value) { Field(name, std::string_view(value)); }
+    /// A word of a table: that at index `value`, which is in it. Left out if it is not needed and the first.
+    void Word(bool isNeeded, std::string_view name, std::uint8_t value, std::span<const std::string_view> words) {
+        if (isNeeded || value != 0)
+            Field(name, words[value]);
+    }
     /// Writes member `second` if `other` is not empty, else member `first`.
     void OneOf(std::string_view first, const std::string &value, std::string_view second, const std::string &other) {
         other.empty() ? Text(first, value) : Text(second, other);
@@ -100,6 +114,12 @@ class JsonRecordReader {
         if (!Read(Require(name), value))
             Fail(name, "expected " + Expected<T>());
     }
+    template <typename T> void FieldIf(bool isNeeded, std::string_view name, T &value) {
+        if (isNeeded || Has(name))
+            Field(name, value);
+        else
+            value = {};
+    }
     template <typename T> void Whole(T &value) {
         if (!Read(0, value))
             record_.Fail("expected " + Expected<T>());
@@ -115,6 +135,7 @@ class JsonRecordReader {
         group_ = {};
     }
     void Text(std::string_view name, std::string &value);
+    void Word(bool isNeeded, std::string_view name, std::uint8_t &value, std::span<const std::string_view> words);
     void OneOf(std::string_view first, std::string &value, std::string_view second, std::string &other);
     void Name(std::string_view name, std::array<char, 64> &field);
     void Flags(std::string_view name, std::uint32_t &value, FlagKind kind);
@@ -169,6 +190,7 @@ class JsonRecordReader {
                                                                  : " in -2147483648..2147483647");
     }
 
+    bool Has(std::string_view name) const;
     std::size_t Require(std::string_view name) const;
     std::string_view RequireText(std::string_view name) const;
     std::uint32_t FlagBits(std::string_view member, const JsonNode &node, FlagKind kind) const;

@@ -44,6 +44,9 @@ void WriteJsonSparseGrid(const std::filesystem::path &path, const Bsp &bsp, cons
 void ReadJsonSparseGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 void WriteJsonNamedGrid(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
 void ReadJsonNamedGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
+/// Whether names and vertices are stored in the order of lights and polygons, without gaps, as this program does.
+bool NamedFitsJson(const Bsp &bsp, Log &log);
+void ReadNamedBytes(std::span<const std::byte> bytes, Bsp &bsp);
 void WriteJsonCubes(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
 void ReadJsonCubes(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 void WriteJsonProps(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
@@ -58,7 +61,8 @@ inline constexpr JsonLump kJsonLumps[] = {
     {BspxId::VertexE5bgr9, "DrawVertE5BGR9.json", WriteJsonVertexLight, ReadJsonVertexLight, nullptr, nullptr},
     {BspxId::Rnm, "LightTexelsRNM.json", WriteJsonRnm, ReadJsonRnm, nullptr, nullptr},
     {BspxId::SparseGridSH, "GridPointsSHSparse.json", WriteJsonSparseGrid, ReadJsonSparseGrid, nullptr, nullptr},
-    {BspxId::NamedGridSH, "GridPointsSHLights.json", WriteJsonNamedGrid, ReadJsonNamedGrid, nullptr, nullptr},
+    {BspxId::NamedGridSH, "GridPointsSHLights.json", WriteJsonNamedGrid, ReadJsonNamedGrid, NamedFitsJson,
+     ReadNamedBytes},
     {BspxId::AmbientCubes, "AmbientCubes.json", WriteJsonCubes, ReadJsonCubes, nullptr, nullptr},
     {BspxId::PropLight, "PropLight.json", WriteJsonProps, ReadJsonProps, PropsFitJson, ReadPropBytes},
 };

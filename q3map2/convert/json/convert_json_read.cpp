@@ -217,9 +217,9 @@ bool SpecialNumber(std::string_view text, float &value) {
 /// Receives the tokens of nlohmann's parser and builds one record at a time.
 class RecordBuilder {
   public:
-    RecordBuilder(const std::filesystem::path &path, std::string_view list,
+    RecordBuilder(const std::filesystem::path &path, std::span<const std::string_view> lists,
                   const std::function<void(const JsonRecord &)> &record)
-        : list_(list), deliver_(record) {
+        : lists_(lists), deliver_(record) {
         record_.file = path.string();
     }
 
@@ -267,7 +267,7 @@ class RecordBuilder {
         return Open(JsonNode::Object);
     }
     bool start_array(std::size_t) {
-        if (depth_ == 1 && open_.empty() && !list_.empty() && record_.name == list_) {
+        if (depth_ == 1 && open_.empty() && std::ranges::find(lists_, record_.name) != lists_.end()) {
             record_.inList = true;
             listedCount_ = 0;
             depth_ = 2;
@@ -358,7 +358,7 @@ class RecordBuilder {
         return true;
     }
 
-    std::string_view list_;
+    std::span<const std::string_view> lists_;
     const std::function<void(const JsonRecord &)> &deliver_;
     JsonRecord record_;
     std::vector<std::size_t> open_;                 ///< objects and arrays of the record that are not closed
@@ -391,8 +391,13 @@ void JsonRecord::Fail(std::string_view text) const {
 
 void ReadJsonRecords(const std::filesystem::path &path, std::string_view list,
                      const std::function<void(const JsonRecord &)> &record) {
+    ReadJsonRecords(path, std::span(&list, list.empty() ? 0 : 1), record);
+}
+
+void ReadJsonRecords(const std::filesystem::path &path, std::span<const std::string_view> lists,
+                     const std::function<void(const JsonRecord &)> &record) {
     JsonFilter filter(path);
-    RecordBuilder builder(path, list, record);
+    RecordBuilder builder(path, lists, record);
     nlohmann::json::sax_parse(JsonFilterIterator(filter), JsonFilterIterator(), &builder);
 }
 

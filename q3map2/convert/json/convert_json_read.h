@@ -10,6 +10,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -132,6 +133,9 @@ struct JsonRecord {
 /// for every element of it. Memory use does not grow with the number of records. Errors: Error naming file and member:
 /// no such file, not JSON, no object, nested too deep.
 void ReadJsonRecords(const std::filesystem::path &path, std::string_view list,
+                     const std::function<void(const JsonRecord &)> &record);
+/// The same for a file with several such lists.
+void ReadJsonRecords(const std::filesystem::path &path, std::span<const std::string_view> lists,
                      const std::function<void(const JsonRecord &)> &record);
 
 /// Text of a file, shortened to one line for messages.

@@ -46,9 +46,10 @@ class JsonWriter {
     void Value(float value) { AppendJsonFloat(buffer_, value); }
     void Value(std::string_view value) { AppendJsonString(buffer_, value); }
     /// An array on one line.
-    template <typename T, std::size_t N> void Value(const std::array<T, N> &values) {
+    template <typename T, std::size_t N> void Value(const std::array<T, N> &values) { Value(std::span(values)); }
+    template <typename T, std::size_t N> void Value(std::span<T, N> values) {
         buffer_ += '[';
-        for (std::size_t i = 0; i < N; i++) {
+        for (std::size_t i = 0; i < values.size(); i++) {
             if (i > 0)
                 buffer_ += ", ";
             Value(values[i]);

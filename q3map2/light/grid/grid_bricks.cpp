@@ -164,7 +164,7 @@ LightsInReach::LightsInReach(const PassLights &lights, const BrickExtent &brick,
         }
         const Light &light = lights.Lights()[number];
         const float bound = LightBound(light, brick.box);
-        if (!(bound <= choice.minBound))
+        if (!(bound <= choice.minBound) || light.style != 0)
             list_.push_back({&light, 1, bound});
     };
     if (skip.pvs)
@@ -172,7 +172,7 @@ LightsInReach::LightsInReach(const PassLights &lights, const BrickExtent &brick,
     else
         for (std::size_t i = 0; i < lights.Lights().size(); ++i)
             use(i);
-    const auto isFaint = [&](const WeightedLight &one) { return one.bound < faint; };
+    const auto isFaint = [&](const WeightedLight &one) { return one.bound < faint && one.light->style == 0; };
     if (!skip.faint || std::count_if(list_.begin(), list_.end(), isFaint) <= kFewFaint)
         return;
     hasManyFaint_ = true;
@@ -180,7 +180,7 @@ LightsInReach::LightsInReach(const PassLights &lights, const BrickExtent &brick,
     const std::size_t before = list_.size();
     std::size_t kept = 0;
     for (WeightedLight one : list_)
-        if (SelectFaintLight(faint, one.bound, faintResidual, one.weight))
+        if (!isFaint(one) || SelectFaintLight(faint, one.bound, faintResidual, one.weight))
             list_[kept++] = one;
     list_.resize(kept);
     work.skippedFaint += before - kept;

@@ -222,8 +222,14 @@ class IncidentLightTracer {
         LightSettings pass = settings_;
         pass.faint = lights.HasManyFaint() ? faint_ : 0;
         pass.part = part;
+        LightSettings whole = pass;
+        whole.faint = 0, whole.part = LightPart::Whole;
         for (const WeightedLight &one : lights.List()) {
-            LightContributionToPoint(*one.light, one.weight, pass, in_.scene, blocks, incident, work.counts);
+            const bool isStyled = one.light->style != 0; // it changes in the game, so it is never a part of others
+            if (isStyled && part == LightPart::Weak)
+                continue;
+            LightContributionToPoint(*one.light, one.weight, isStyled ? whole : pass, in_.scene, blocks, incident,
+                                     work.counts);
             use(one, incident);
         }
     }

@@ -87,12 +87,17 @@ GridLayout LayoutGridSH(const Bsp &bsp, Float3 size) {
     return layout;
 }
 
-GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log) {
+Float3 CellOfGridSH(const Float3 &legacySize, const LightOptions &options) {
     Float3 size{};
     for (std::size_t i = 0; i < 3; ++i) {
         const float wanted = options.gridSizeSH ? (*options.gridSizeSH)[i] : legacySize[i] / options.gridScaleSH;
         size[i] = std::max(kMinCell, wanted);
     }
+    return size;
+}
+
+GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log) {
+    Float3 size = CellOfGridSH(legacySize, options);
     const GridLayout layout = LayoutGridSH(bsp, size);
     const Float3 asked = std::exchange(size, layout.size);
     if (size != asked)

@@ -129,7 +129,8 @@ std::vector<ChannelSums> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &block
     std::vector<ChannelSums> sums(blocks.size());
     const auto add = [&](const WeightedLight &one, const std::vector<ProbeIncidentLight> &incident) {
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
-        for (std::size_t block = 0; block < blocks.size(); ++block)
+        // Lights with a style change in the game: the observer keeps them apart.
+        for (std::size_t block = 0; block < blocks.size() && one.light->style == 0; ++block)
             if (incident[block].live.Any())
                 AddLight(scale, incident[block], sums[block]);
         if (observer)

@@ -1,7 +1,6 @@
 // GPL-2.0-or-later. Bakes the SH light grid that names lights.
 #include "q3map2/light/named/named_bake.h"
 
-#include "common/platform/platform.h"
 #include "q3map2/light/named/named_cells.h"
 #include "q3map2/light/named/named_fit.h"
 
@@ -24,9 +23,17 @@ constexpr int kBisections = 12;
 constexpr float kPriceRange = 65536;
 /// First guesses of the bytes of a leaf, and of the measured error over the expected one.
 constexpr double kBytesPerLeaf = 36, kErrorRatio = 0.6;
+/// Without a budget the lump has at most this fraction of the bytes of a uniform grid with cells half as large as the
+/// first ones, or kSmallLump bytes if that is more.
+constexpr double kMaxFractionOfUniform = 0.1, kSmallLump = 80e3;
+/// Refinement to an error target ends where a further leaf reduces the squared error by less than this fraction of the
+/// mean squared error of a leaf.
+constexpr double kMinGain = 0.25;
 /// At most so many grids are made to meet the goal as measured, to this factor.
 constexpr int kMaxRounds = 3;
-constexpr double kTargetSlack = 1.03, kBudgetUse = 0.97;
+constexpr double kTargetSlack = 1.03;
+/// Of a limit of bytes: the fraction that is aimed at, and the least that uses it.
+constexpr double kBudgetUse = 0.97, kLeastBudgetUse = 0.9;
 
 /// The lump of a tree.
 NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWeights &corners,
@@ -67,8 +74,11 @@ NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWe
 /// Makes grids of a tree of cells, pruned to a goal. Keeps references.
 class NamedGridBuilder {
   public:
-    NamedGridBuilder(const GridInputs &in, NamedCells &cells, NamedStats &result)
-        : in_(in), cells_(cells), result_(result) {}
+    /// points: of the uniform grid of the first cells.
+    NamedGridBuilder(const GridInputs &in, NamedCells &cells, std::int64_t points, NamedStats &result)
+        : in_(in), cells_(cells), result_(result),
+          maxBytes_(in.options.sparseGoal.budget.value_or(std::max(
+              kSmallLump, kMaxFractionOfUniform * 8 * double(points) * double(sizeof(bspGridPointSH_t))))) {}
 
     NamedGridSH Uniform() { return GridOf(cells_.Tree()); }
     NamedGridSH Adaptive(const ExactReceivers &exact, GridStats &work);
@@ -83,11 +93,19 @@ class NamedGridBuilder {
         pruned.stats = PruneOctree(pruned.tree, price);
         return pruned;
     }
+    bool IsFull(const PruningStats &stats) const {
+        return double(stats.leafs) * bytesPerLeaf_ >= kBudgetUse * maxBytes_;
+    }
     bool MeetsGoal(const PruningStats &stats) const {
         const SparseGoal &goal = in_.options.sparseGoal;
-        return goal.budget ? double(stats.leafs) * bytesPerLeaf_ >= kBudgetUse * *goal.budget
-                           : stats.error * errorRatio_ <= double(goal.error);
+        return IsFull(stats) || (!goal.budget && stats.error * errorRatio_ <= double(goal.error));
     }
+    /// Whether smaller cells hardly reduce the error.
+    bool GainsLittle(const PruningStats &stats) const {
+        return !in_.options.sparseGoal.budget &&
+               double(minPrice_) * double(stats.leafs) < kMinGain * stats.error * stats.error * stats.volume;
+    }
+    void Refine(GridStats &work);
     float FindPrice() const;
     NamedGridSH GridOf(const Octree &tree);
 
@@ -95,11 +113,13 @@ class NamedGridBuilder {
     NamedCells &cells_;
     NamedStats &result_;
     double bytesPerLeaf_ = kBytesPerLeaf, errorRatio_ = kErrorRatio;
-    float minPrice_ = 0; ///< of a leaf: the tree is not refined for lower ones
+    double maxBytes_;     ///< of the lump
+    float threshold_ = 0; ///< the next one, bytes^2 times smallest cells
+    float minPrice_ = 0;  ///< of a leaf: the tree is not refined for lower ones
 };
 
 NamedGridSH NamedGridBuilder::GridOf(const Octree &tree) {
-    CornerWeights corners(tree, cells_.Points());
+    CornerWeights corners(tree, cells_.Points(), RulesOfCorners(tree, cells_, in_.jobs));
     const std::vector<NamedValue> values =
         FitNamedCorners(tree, cells_, corners, std::size_t(in_.options.shNames), in_.jobs);
     NamedGridSH grid = PackGrid(tree, cells_, corners, values);
@@ -120,21 +140,26 @@ float NamedGridBuilder::FindPrice() const {
     return low;
 }
 
-NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &work) {
+/// Splits cells until pruning can meet the goal, or more cells do not help.
+void NamedGridBuilder::Refine(GridStats &work) {
     const Vec3f &cell = cells_.Lattice().Cell();
-    const float unit = kThresholdVolume / (cell.x * cell.y * cell.z); // smallest cells
-    float threshold = kFirstThreshold * unit;
-    const auto refine = [&] {
-        for (;; threshold /= kThresholdStep) {
-            minPrice_ = threshold * kThresholdStep / kLeafsPerSplit;
-            if (MeetsGoal(Pruned(minPrice_).stats) || threshold < kLastThreshold * unit)
-                return;
-            while (cells_.Split(threshold, work)) {
-            }
+    const float unit = kThresholdVolume / (cell.x * cell.y * cell.z);
+    if (threshold_ == 0)
+        threshold_ = kFirstThreshold * unit;
+    for (;; threshold_ /= kThresholdStep) {
+        minPrice_ = threshold_ * kThresholdStep / kLeafsPerSplit;
+        const PruningStats stats = Pruned(minPrice_).stats;
+        if (MeetsGoal(stats) || threshold_ < kLastThreshold * unit || GainsLittle(stats))
+            return;
+        while (cells_.Split(threshold_, work)) {
         }
-    };
+    }
+}
+
+NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &work) {
+    const SparseGoal &goal = in_.options.sparseGoal;
     for (int round = 1;; ++round) {
-        refine();
+        Refine(work);
         const PrunedTree pruned = Pruned(FindPrice());
         NamedGridSH grid = GridOf(pruned.tree);
         result_.expectedError = pruned.stats.error;
@@ -143,10 +168,10 @@ NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &w
         bytesPerLeaf_ = double(result_.bytes) / double(std::max<std::size_t>(1, pruned.stats.leafs));
         if (result_.measured && pruned.stats.error > 0)
             errorRatio_ = result_.measured->rms / pruned.stats.error;
-        const SparseGoal &goal = in_.options.sparseGoal;
-        const bool isDone = goal.budget ? double(result_.bytes) <= *goal.budget && double(result_.bytes) > 0.9 * *goal.budget
+        const bool fits = double(result_.bytes) <= maxBytes_;
+        const bool isGood = goal.budget ? double(result_.bytes) > kLeastBudgetUse * maxBytes_
                                         : !result_.measured || result_.measured->rms <= kTargetSlack * double(goal.error);
-        if (isDone || round == kMaxRounds || threshold < kLastThreshold * unit)
+        if ((fits && (isGood || IsFull(pruned.stats) || GainsLittle(pruned.stats))) || round == kMaxRounds)
             return grid;
     }
 }
@@ -156,26 +181,17 @@ NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &w
 NamedGridSH BakeNamedGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                           GridStats &work, NamedStats &result) {
     const LightTable table(lights, in.options.PositiveGridScale());
-    const CpuTimer timer;
-    double last = 0;
-    const auto lap = [&](const char *what) { if (getenv("NTIME")) fprintf(stderr, "%8.2f %s\n", timer.Seconds() - last, what); last = timer.Seconds(); };
     NamedCells cells(in, layout, lights, table, in.options.shAdaptive ? CellSizes::Adaptive : CellSizes::Uniform);
-    lap("tracer");
     cells.Start(work);
-    lap("start");
-    NamedGridBuilder builder(in, cells, result);
-    if (!in.options.shAdaptive) {
+    NamedGridBuilder builder(in, cells, layout.Count(), result);
+    if (!in.options.shAdaptive) { // all cells are needed
         NamedGridSH grid = builder.Uniform();
-        lap("grid");
-        return grid;
+            return grid;
     }
     std::vector<Light> steady = lights;
     std::erase_if(steady, [](const Light &light) { return light.style != 0; });
     const ExactReceivers exact(in, steady);
-    lap("exact");
-    NamedGridSH grid = builder.Adaptive(exact, work);
-    lap("adaptive");
-    return grid;
+    return builder.Adaptive(exact, work);
 }
 
 void PrintNamedStats(const NamedStats &stats, Log &log) {

@@ -5,15 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <iterator>
+#include <limits>
 
 namespace q3 {
 
 namespace {
 
-/// Samples in each leaf, and candidates drawn at most for each.
-int kSamplesPerLeaf = getenv("NSAMP") ? atoi(getenv("NSAMP")) : 4;
-constexpr int kMaxTries = 4;
+/// Samples in each leaf, and positions from which they are drawn.
+constexpr int kSamplesPerLeaf = 4;
+constexpr int kCandidates = 16;
+/// Candidates that count as fitting in a leaf that has open space, but none where a player fits.
+constexpr float kLittle = 1e-3f;
 /// Receivers that are traced together.
 constexpr std::size_t kBrickReceivers = 256;
 /// Leafs whose samples are drawn in one job.
@@ -39,47 +42,62 @@ template <typename Use> void ForChunks(const JobPool &jobs, std::size_t count, s
     });
 }
 
-} // namespace
+/// A light that some corner of a cell knows, with its shares at all corners that know it.
+struct CornerShares {
+    std::uint32_t light;
+    std::array<float, 8> share{};
+    std::array<bool, 8> known{};
+};
 
-SHFloats NamedPrediction(const OctreeCell &cell, const CornerReceivers &corners, const NamedReceiver &receiver,
-                         const LightTable &table) {
+std::vector<CornerShares> SharesOf(const CornerReceivers &corners, const LightTable &table) {
+    std::vector<CornerShares> shares;
+    for (const NamedReceiver *corner : corners)
+        for (std::size_t i = 0; corner && i < corner->lights.size(); ++i)
+            if (std::ranges::find(shares, corner->lights[i].light, &CornerShares::light) == shares.end())
+                shares.push_back({corner->lights[i].light, {}, {}});
+    for (CornerShares &one : shares)
+        for (std::size_t c = 0; c < 8; ++c)
+            if (const auto here = corners[c] ? corners[c]->At(one.light, table) : std::nullopt;
+                here && here->Squared() >= kFaintest * kFaintest)
+                one.share[c] = here->share, one.known[c] = true;
+    return shares;
+}
+
+/// Blend of the corners of a cell at a receiver in it, with all lights named that they know, as readers blend.
+SHFloats Blend(const OctreeCell &cell, const CornerReceivers &corners, std::span<const CornerShares> shares,
+               const NamedReceiver &receiver, const LightTable &table) {
     SHFloats sum{};
-    float total = 0;
     std::array<float, 8> weights{};
-    std::vector<std::uint32_t> names;
-    for (std::size_t c = 0; c < 8; ++c) {
-        if (!corners[c])
-            continue;
-        weights[c] = cell.Weight(c, receiver.at);
-        total += weights[c];
-        AddScaled(weights[c], corners[c]->light, sum);
-        for (const LightHere &here : corners[c]->lights) {
-            AddVector(-weights[c] * here.share, here.vector, table.Tint(here.light), sum);
-            if (std::ranges::find(names, here.light) == names.end())
-                names.push_back(here.light);
+    float total = 0;
+    for (std::size_t c = 0; c < 8; ++c)
+        if (corners[c]) {
+            weights[c] = cell.Weight(c, receiver.at);
+            total += weights[c];
+            AddScaled(weights[c], corners[c]->rest, sum);
         }
-    }
-    if (!(total > 0))
+    if (!(total > 0)) // nothing is known: no smaller cell would help
         return receiver.light;
     for (float &value : sum)
         value /= total;
-    for (const std::uint32_t name : names) {
+    for (const CornerShares &one : shares) {
         float share = 0, weight = 0;
         for (std::size_t c = 0; c < 8; ++c)
-            if (corners[c])
-                if (const auto here = corners[c]->At(name, table); here && here->Squared() >= kFaintest * kFaintest)
-                    share += weights[c] * here->share, weight += weights[c];
-        const LightHere *known = receiver.Find(name);
-        if (weight > 0)
-            AddVector(share / weight, known ? known->vector : table.RoughVector(name, receiver.position),
-                      table.Tint(name), sum);
+            if (one.known[c])
+                share += weights[c] * one.share[c], weight += weights[c];
+        if (!(share > 0))
+            continue;
+        const LightHere *known = receiver.Find(one.light);
+        AddVector(share / weight, known ? known->vector : table.RoughVector(one.light, receiver.position),
+                  table.Tint(one.light), sum);
     }
     return sum;
 }
 
+} // namespace
+
 NamedCells::NamedCells(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                        const LightTable &table, CellSizes sizes)
-    : in_(in), layout_(layout), table_(table),
+    : in_(in), layout_(layout), table_(table), world_{Vec3f(in.space.Map().models[0].mins), Vec3f(in.space.Map().models[0].maxs)},
       lattice_(sizes == CellSizes::Uniform
                    ? SparseLattice::OfUniformCells({layout.mins, layout.size, layout.bounds, 0})
                    : SparseLattice::Cubic({layout.mins, layout.size, layout.bounds, 0})),
@@ -91,17 +109,23 @@ void NamedCells::Start(GridStats &work) {
     light_.emplace(integrator_, tracer_.Weak());
     for (std::size_t i = 0; i < tree_.Size(); ++i) {
         const OctreeCell &cell = tree_[i];
-        const bool open = in_.space.AnyOpen(lattice_.PositionOf(cell.origin), lattice_.PositionOf(cell.Corner(7)), kClearance);
+        const bool open = HasOpenSpace(cell);
         tree_[i].openFraction = open ? 1.0f : 0.0f;
         if (open && cell.level > lattice_.BaseLevel())
             tree_.Split(i);
     }
     SetUniformPoints(grid, collector, tracer_.States());
-    for (std::size_t i = 0; i < tree_.Size(); ++i)
-        SetOpenFraction(tree_[i]);
     SampleLeafs(tree_.OpenLeafs(), work);
-    if (lattice_.BaseLevel() > 0)
-        MeasureErrors(0);
+    if (lattice_.BaseLevel() == 0)
+        return;
+    SetRest(0);
+    // Cells above the leafs have their samples. Parents come before children.
+    for (std::size_t i = tree_.Size(); i-- > 0;)
+        for (std::size_t c = 0; c < 8 && tree_[i].child != 0; ++c) {
+            const auto &below = samplesOf_[tree_[i].child + c];
+            samplesOf_[i].insert(samplesOf_[i].end(), below.begin(), below.end());
+        }
+    MeasureErrors(0);
 }
 
 void NamedCells::SetUniformPoints(const LightGridSH &grid, const LightCollector &collector,
@@ -135,17 +159,6 @@ void NamedCells::SetUniformPoints(const LightGridSH &grid, const LightCollector 
                            collector.Of(index, position)};
         }
     });
-}
-
-void NamedCells::SetOpenFraction(OctreeCell &cell) const {
-    if (!(cell.openFraction > 0))
-        return;
-    float fraction = 0;
-    for (std::size_t c = 0; c < 8; ++c) {
-        const std::uint32_t number = points_.Find(cell.Corner(c));
-        fraction += number != LatticePoints::kUnknown && points_[number].traced ? 1.0f / 8 : 0;
-    }
-    cell.openFraction = std::max(fraction, 1.0f / 8); // all corners may be in solids
 }
 
 /// Traces lattice points from number `first` on that are in the open or a small step from it.
@@ -196,39 +209,73 @@ void NamedCells::TraceReceivers(std::span<NamedReceiver> receivers, GridStats &w
         work.Add(part);
 }
 
-/// Positions where a player fits: x and y from a low-discrepancy sequence, z stratified. have: samples in the leaf.
-std::vector<NamedReceiver> NamedCells::DrawSamples(const OctreeCell &leaf, std::size_t have) const {
+bool NamedCells::HasOpenSpace(const OctreeCell &cell) const {
+    Vec3f mins = lattice_.PositionOf(cell.origin), maxs = lattice_.PositionOf(cell.Corner(7));
+    for (std::size_t axis = 0; axis < 3; ++axis) { // what lies outside the world may be in an open leaf
+        mins[axis] = std::max(mins[axis], world_.mins[axis]);
+        maxs[axis] = std::min(maxs[axis], world_.maxs[axis]);
+        if (mins[axis] >= maxs[axis])
+            return false;
+    }
+    return in_.space.AnyOpen(mins, maxs, kClearance);
+}
+
+/// Positions where a player fits: x and y from a low-discrepancy sequence, z stratified. Sets the open fraction of the
+/// leaf to the fraction of candidates that fit, so that errors count where players can be. have: samples in the leaf.
+std::vector<NamedReceiver> NamedCells::DrawSamples(OctreeCell &leaf, std::size_t have) const {
     std::vector<NamedReceiver> samples;
     const auto seed = std::uint32_t(HashIndex(KeyOf(leaf.origin) * 32 + std::uint64_t(leaf.level)));
     const int wanted = kSamplesPerLeaf - int(std::min(have, std::size_t(kSamplesPerLeaf)));
-    for (int i = 0; i < wanted * kMaxTries && int(samples.size()) < wanted; ++i) {
+    int fitting = 0;
+    for (int i = 0; i < kCandidates; ++i) {
         const Sample2 s = PlasticSample(std::uint32_t(i), seed);
         const double height = UnitFromHash(HashIndex((std::uint64_t(seed) << 16) + std::uint64_t(i)));
         NamedReceiver sample;
         sample.at = LatticePosition(leaf.origin) +
-                    Vec3f{float(s.u), float(s.v), float((i % wanted + height) / wanted)} * float(leaf.Edge());
+                    Vec3f{float(s.u), float(s.v), float((i % kSamplesPerLeaf + height) / kSamplesPerLeaf)} *
+                        float(leaf.Edge());
         sample.position = lattice_.PositionOf(sample.at);
         sample.cluster = in_.space.ClusterAt(sample.position, kClearance);
-        if (sample.cluster >= 0 && in_.space.PlayerFits(sample.position))
+        if (!world_.Contains(sample.position) || sample.cluster < 0 || !in_.space.PlayerFits(sample.position))
+            continue;
+        ++fitting;
+        if (int(samples.size()) < wanted)
             samples.push_back(std::move(sample));
     }
+    leaf.openFraction = std::max(float(fitting), kLittle) / kCandidates;
     return samples;
 }
 
 void NamedCells::SampleLeafs(std::span<const std::size_t> leafs, GridStats &work) {
-    samplesOfLeaf_.resize(tree_.Size());
+    samplesOf_.resize(tree_.Size());
     std::vector<std::vector<NamedReceiver>> drawn((leafs.size() + kLeafChunk - 1) / kLeafChunk);
     ForChunks(in_.jobs, leafs.size(), kLeafChunk, [&](std::size_t first, std::size_t end, int) {
         for (std::size_t i = first; i < end; ++i)
-            for (NamedReceiver &sample : DrawSamples(tree_[leafs[i]], samplesOfLeaf_[leafs[i]]))
+            for (NamedReceiver &sample : DrawSamples(tree_[leafs[i]], samplesOf_[leafs[i]].size()))
                 drawn[first / kLeafChunk].push_back(std::move(sample));
     });
     const std::size_t before = samples_.size();
     for (std::vector<NamedReceiver> &part : drawn)
         std::ranges::move(part, std::back_inserter(samples_));
     TraceReceivers(std::span(samples_).subspan(before), work);
-    for (std::size_t i = before; i < samples_.size(); ++i)
-        ++samplesOfLeaf_[tree_.LeafAt(CellAt(samples_[i].at))];
+    TakeSamples(before);
+}
+
+/// Sorts the samples from number `first` on into the cells that they are in.
+void NamedCells::TakeSamples(std::size_t first) {
+    for (std::size_t i = first; i < samples_.size(); ++i)
+        samplesOf_[tree_.LeafAt(CellAt(samples_[i].at))].push_back(std::uint32_t(i));
+}
+
+void NamedCells::SetRest(std::size_t firstPoint) {
+    ForChunks(in_.jobs, points_.Size() - firstPoint, kBrickReceivers, [&](std::size_t first, std::size_t end, int) {
+        for (std::size_t i = firstPoint + first; i < firstPoint + end; ++i) {
+            NamedReceiver &corner = corners_[i];
+            corner.rest = corner.light;
+            for (const LightHere &here : corner.lights)
+                AddVector(-here.share, here.vector, table_.Tint(here.light), corner.rest);
+        }
+    });
 }
 
 CornerReceivers NamedCells::CornersOf(const OctreeCell &cell) const {
@@ -239,34 +286,28 @@ CornerReceivers NamedCells::CornersOf(const OctreeCell &cell) const {
     return corners;
 }
 
+float NamedCells::ErrorOf(const OctreeCell &cell, std::span<const std::uint32_t> samples) const {
+    for (std::size_t c = 0; c < 8; ++c)
+        if (points_.Find(cell.Corner(c)) == LatticePoints::kUnknown)
+            return std::numeric_limits<float>::infinity(); // it cannot be a leaf
+    const CornerReceivers corners = CornersOf(cell);
+    const std::vector<CornerShares> shares = SharesOf(corners, table_);
+    double sum = 0;
+    for (const std::uint32_t i : samples)
+        sum += double(screen_.Squared(Blend(cell, corners, shares, samples_[i], table_), samples_[i].light));
+    return samples.empty() ? 0 : float(sum / double(samples.size()));
+}
+
+float NamedCells::SquaredErrorAt(const OctreeCell &cell, const NamedReceiver &receiver) const {
+    const CornerReceivers corners = CornersOf(cell);
+    return screen_.Squared(Blend(cell, corners, SharesOf(corners, table_), receiver, table_), receiver.light);
+}
+
+/// Sets the errors of the cells from number `firstCell` on.
 void NamedCells::MeasureErrors(std::size_t firstCell) {
-    // The sums of the cells above a leaf: each receiver is blended in all of them.
-    std::vector<std::vector<std::uint32_t>> inside(tree_.Size());
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-        std::size_t cell = tree_.RootAt(samples_[i].at);
-        for (;;) {
-            inside[cell].push_back(std::uint32_t(i));
-            if (tree_[cell].child == 0)
-                break;
-            const LatticePoint p = CellAt(samples_[i].at);
-            const int bit = tree_[cell].level - 1;
-            cell = tree_[cell].child +
-                   std::size_t((p[0] >> bit & 1) | (p[1] >> bit & 1) << 1 | (p[2] >> bit & 1) << 2);
-        }
-    }
     ForChunks(in_.jobs, tree_.Size() - firstCell, kLeafChunk, [&](std::size_t first, std::size_t end, int) {
-        for (std::size_t i = firstCell + first; i < firstCell + end; ++i) {
-            OctreeCell &cell = tree_[i];
-            const CornerReceivers corners = CornersOf(cell);
-            double sum = 0;
-            for (const std::uint32_t sample : inside[i])
-                sum += double(screen_.Squared(NamedPrediction(cell, corners, samples_[sample], table_),
-                                              samples_[sample].light));
-            cell.error = inside[i].empty() ? 0 : float(sum / double(inside[i].size()));
-            for (std::size_t c = 0; c < 8; ++c) // cannot be a leaf
-                if (points_.Find(cell.Corner(c)) == LatticePoints::kUnknown)
-                    cell.error = std::numeric_limits<float>::infinity();
-        }
+        for (std::size_t i = firstCell + first; i < firstCell + end; ++i)
+            tree_[i].error = ErrorOf(tree_[i], samplesOf_[i]);
     });
 }
 
@@ -296,16 +337,17 @@ bool NamedCells::Split(float threshold, GridStats &work) {
         tree_.Split(i);
         for (std::size_t c = 0; c < 8; ++c) {
             OctreeCell &child = tree_[tree_[i].child + c];
-            const bool open = in_.space.AnyOpen(lattice_.PositionOf(child.origin), lattice_.PositionOf(child.Corner(7)), kClearance);
+            const bool open = HasOpenSpace(child);
             child.openFraction = open ? 1.0f : 0.0f;
-            SetOpenFraction(child);
             if (open)
                 children.push_back(tree_[i].child + c);
         }
     }
-    samplesOfLeaf_.assign(tree_.Size(), 0);
-    for (const NamedReceiver &sample : samples_)
-        ++samplesOfLeaf_[tree_.LeafAt(CellAt(sample.at))];
+    SetRest(firstNew);
+    samplesOf_.resize(tree_.Size());
+    for (const std::size_t parent : cells)
+        for (const std::uint32_t i : samplesOf_[parent])
+            samplesOf_[tree_.LeafAt(CellAt(samples_[i].at))].push_back(i);
     SampleLeafs(children, work);
     MeasureErrors(firstChild);
     return true;

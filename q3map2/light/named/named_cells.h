@@ -42,6 +42,8 @@ class NamedCells {
         return points_[point].traced ? &corners_[point] : nullptr;
     }
     CornerReceivers CornersOf(const OctreeCell &cell) const;
+    /// Squared displayed error of a blend of the corners of a cell at a receiver in it, with all lights named. Bytes^2.
+    float SquaredErrorAt(const OctreeCell &cell, const NamedReceiver &receiver) const;
     /// Receivers inside cells.
     std::span<const NamedReceiver> Samples() const { return samples_; }
 
@@ -49,15 +51,19 @@ class NamedCells {
     void SetUniformPoints(const LightGridSH &grid, const LightCollector &collector, const std::vector<PointState> &states);
     void TracePoints(std::size_t first, GridStats &work);
     void SampleLeafs(std::span<const std::size_t> leafs, GridStats &work);
-    std::vector<NamedReceiver> DrawSamples(const OctreeCell &leaf, std::size_t have) const;
+    std::vector<NamedReceiver> DrawSamples(OctreeCell &leaf, std::size_t have) const;
     void TraceReceivers(std::span<NamedReceiver> receivers, GridStats &work) const;
+    void TakeSamples(std::size_t first);
+    void SetRest(std::size_t firstPoint);
     void MeasureErrors(std::size_t firstCell);
-    void SetOpenFraction(OctreeCell &cell) const;
+    float ErrorOf(const OctreeCell &cell, std::span<const std::uint32_t> samples) const;
+    bool HasOpenSpace(const OctreeCell &cell) const;
     bool CanSplit(const OctreeCell &cell) const;
 
     const GridInputs &in_;
     const GridLayout &layout_;
     const LightTable &table_;
+    Boundsf world_; ///< of model 0
     SparseLattice lattice_;
     GridSHTracer tracer_;
     ProbeIntegrator integrator_;
@@ -66,12 +72,8 @@ class NamedCells {
     LatticePoints points_;
     std::vector<NamedReceiver> corners_; ///< by lattice point
     std::vector<NamedReceiver> samples_;
-    std::vector<std::uint32_t> samplesOfLeaf_; ///< by cell: how many it has
+    std::vector<std::vector<std::uint32_t>> samplesOf_; ///< by cell: those inside when it was a leaf
     ScreenError screen_;
 };
-
-/// Blend of the corners of a cell at a position in it, with all lights named that they know, as readers blend.
-SHFloats NamedPrediction(const OctreeCell &cell, const CornerReceivers &corners, const NamedReceiver &receiver,
-                         const LightTable &table);
 
 } // namespace q3

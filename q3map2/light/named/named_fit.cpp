@@ -12,7 +12,7 @@ namespace q3 {
 namespace {
 
 /// A light is named where that lowers the mean squared displayed error in the cell by more than this. Bytes^2.
-constexpr float kMinGain = 0.1f;
+constexpr float kMinNameGain = 0.1f;
 /// RMS error, over all normals, of the L2 projection of light from one direction, as a fraction of it.
 constexpr float kDirectionFloor = 0.0325f;
 /// Mean squared light, over all normals, of light from one direction, as a fraction of its square.
@@ -25,8 +25,12 @@ constexpr int kShareSteps = 4, kRestSteps = 4;
 /// Samples that are dark, and shown with more than this light, count kLeakFactor times as much in a second fit. As a
 /// fraction of the mean light of all samples: dark below kDark of it, lit above kLit.
 constexpr float kDark = 0.01f, kLit = 0.03f;
-float kLeakFactor = getenv("NLEAK") ? float(atof(getenv("NLEAK"))) : 30;
-constexpr std::size_t kChunk = 64;
+constexpr float kLeakFactor = 10;
+constexpr std::size_t kFitChunk = 64;
+/// Corners hang on larger leafs unless that changes displayed light there by more than this. RMS, bytes.
+constexpr float kMaxHangingError = 1;
+/// Corners in solids are left out where the others have at least this weight together at all samples.
+constexpr float kLeastWeight = 0.1f;
 
 float FitWeightOf(const SHFloats &light) {
     return FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All);
@@ -57,6 +61,7 @@ class NamedFit {
     /// A receiver inside a leaf or on its boundary, with the combination of stored corners that readers blend there.
     struct Sample {
         const NamedReceiver *receiver;
+        float volume; ///< open volume that it stands for
         std::uint32_t firstTerm = 0, termCount = 0;
     };
     void SortSamples();
@@ -93,6 +98,7 @@ class NamedFit {
     std::vector<Sample> samples_; ///< by leaf
     std::vector<std::size_t> firstSample_; ///< by leaf, and the end
     std::vector<CornerTerm> terms_;
+    std::vector<float> volumes_; ///< by stored corner: mean of Sample::volume around it
     std::vector<std::vector<std::uint32_t>> names_; ///< by stored corner, sorted
     std::vector<std::size_t> firstSlot_;            ///< by stored corner: of its first share
     std::vector<float> slots_;                      ///< shares
@@ -117,12 +123,27 @@ void NamedFit::SortSamples() {
     for (std::size_t i = 0; i < leafs_.size(); ++i) {
         firstSample_.push_back(samples_.size());
         for (const NamedReceiver *receiver : inLeaf[i]) {
-            const std::vector<CornerTerm> terms = corners_.TermsIn(tree_[leafs_[i]], receiver->at);
-            samples_.push_back({receiver, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
+            std::vector<CornerTerm> terms = corners_.TermsIn(tree_[leafs_[i]], receiver->at);
+            float total = 0;
+            for (const CornerTerm &term : terms)
+                total += term.weight;
+            for (CornerTerm &term : terms)
+                term.weight /= total;
+            if (terms.empty())
+                continue;
+            samples_.push_back({receiver, tree_[leafs_[i]].Volume() / float(inLeaf[i].size()),
+                                std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
             terms_.insert(terms_.end(), terms.begin(), terms.end());
         }
     }
     firstSample_.push_back(samples_.size());
+    std::vector<float> weights(corners_.Stored().size());
+    volumes_.assign(weights.size(), 0);
+    for (const Sample &sample : samples_)
+        for (const CornerTerm &term : TermsOf(sample))
+            volumes_[term.stored] += term.weight * sample.volume, weights[term.stored] += term.weight;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        volumes_[i] = weights[i] > 0 ? volumes_[i] / weights[i] : 0;
 }
 
 /// How much less the squared displayed error is, summed over the samples of a cell, if its corners name the light.
@@ -176,7 +197,7 @@ std::vector<std::uint32_t> NamedFit::ChooseNames(std::size_t leaf) const {
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
     std::vector<std::pair<float, std::uint32_t>> gains;
     for (const std::uint32_t light : candidates)
-        if (const float gain = GainOf(light, cell, corners, samples); gain > kMinGain * float(samples.size()))
+        if (const float gain = GainOf(light, cell, corners, samples); gain > kMinNameGain * float(samples.size()))
             gains.push_back({-gain, light});
     std::ranges::sort(gains);
     std::vector<std::uint32_t> names;
@@ -188,8 +209,8 @@ std::vector<std::uint32_t> NamedFit::ChooseNames(std::size_t leaf) const {
 
 void NamedFit::NameLights() {
     std::vector<std::vector<std::uint32_t>> chosen(leafs_.size());
-    jobs_.For(std::int64_t((leafs_.size() + kChunk - 1) / kChunk), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kChunk, end = std::min(leafs_.size(), first + kChunk);
+    jobs_.For(std::int64_t((leafs_.size() + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(leafs_.size(), first + kFitChunk);
         for (std::size_t i = first; i < end; ++i)
             chosen[i] = ChooseNames(i);
     });
@@ -234,13 +255,13 @@ void NamedFit::FitShares() {
             const std::size_t slot = firstSlot_[i] + n;
             known[slot] = true;
             slots_[slot] = here->share;
-            system.SetPull(slot, kSharePull * here->Squared() * FitWeightOf(CornerAt(i)->light));
+            system.SetPull(slot, kSharePull * here->Squared() * volumes_[i] * FitWeightOf(CornerAt(i)->light));
         }
     std::vector<BlendedLight> lights;
     std::vector<UnknownTerm> terms;
     for (const Sample &sample : samples_) {
         Blend(sample, lights);
-        const float weight = FitWeightOf(sample.receiver->light);
+        const float weight = sample.volume * FitWeightOf(sample.receiver->light);
         for (const BlendedLight &one : lights) {
             const std::optional<LightHere> here = sample.receiver->At(one.light, table_);
             if (!here || here->Squared() < kFaintest * kFaintest)
@@ -272,8 +293,8 @@ void NamedFit::FitRest() {
     rest_.assign(count, SHFloats{});
     std::vector<SHFloats> values(samples_.size()); // of the samples, without named lights
     const auto chunks = [&](std::size_t of, const auto &use) {
-        jobs_.For(std::int64_t((of + kChunk - 1) / kChunk), [&](std::int64_t job, int) {
-            const std::size_t first = std::size_t(job) * kChunk, end = std::min(of, first + kChunk);
+        jobs_.For(std::int64_t((of + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
+            const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(of, first + kFitChunk);
             for (std::size_t i = first; i < end; ++i)
                 use(i);
         });
@@ -308,7 +329,7 @@ void NamedFit::FitRest() {
         std::vector<UnknownTerm> terms;
         for (std::size_t i = 0; i < samples_.size(); ++i) {
             terms.clear();
-            const float weight = factors[i] * FitWeightOf(samples_[i].receiver->light);
+            const float weight = factors[i] * samples_[i].volume * FitWeightOf(samples_[i].receiver->light);
             for (const CornerTerm &term : TermsOf(samples_[i])) {
                 terms.push_back({term.stored, term.weight});
                 AddScaled(weight * term.weight, values[i], sum[term.stored]);
@@ -322,8 +343,6 @@ void NamedFit::FitRest() {
             system.SetPull(i, (CornerAt(i) ? kRestPull : kUnknownPull) * system.WeightOf(i));
         }
         system.Solve(rest_, kRestSteps);
-        if (kLeakFactor <= 1)
-            break;
         bool leaks = false;
         for (std::size_t i = 0; i < samples_.size(); ++i) {
             const float truth = std::max(0.0f, MeanLight(samples_[i].receiver->light));
@@ -355,6 +374,43 @@ std::vector<NamedValue> NamedFit::Values() const {
 }
 
 } // namespace
+
+std::vector<CornerWeights::Rule> RulesOfCorners(const Octree &tree, const NamedCells &cells, const JobPool &jobs) {
+    using enum CornerWeights::Rule;
+    std::vector<CornerWeights::Rule> rules(cells.Points().Size(), HangOrStore);
+    const CornerWeights plain(tree, cells.Points());
+    jobs.For(std::int64_t((rules.size() + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(rules.size(), first + kFitChunk);
+        for (std::size_t i = first; i < end; ++i) {
+            const NamedReceiver *corner = cells.ReceiverAt(std::uint32_t(i));
+            // A leaf with open space owns its lower corner alone: nothing can be said of other points in it.
+            const std::size_t owner = tree.LeafAt(cells.Points()[i].at);
+            if (owner != Octree::kNone && tree[owner].openFraction > 0 && tree[owner].origin != cells.Points()[i].at)
+                continue;
+            if (!corner) {
+                rules[i] = LeaveOut;
+                continue;
+            }
+            const std::size_t leaf = plain.LeafHungOn(cells.Points()[i].at);
+            if (leaf != Octree::kNone && cells.SquaredErrorAt(tree[leaf], *corner) > kMaxHangingError * kMaxHangingError)
+                rules[i] = Store;
+        }
+    });
+    std::vector<bool> isThin(tree.Size());
+    for (const NamedReceiver &sample : cells.Samples()) {
+        const std::size_t leaf = tree.LeafAt(CellAt(sample.at));
+        const CornerReceivers corners = cells.CornersOf(tree[leaf]);
+        float weight = 0;
+        for (std::size_t c = 0; c < 8; ++c)
+            weight += corners[c] ? tree[leaf].Weight(c, sample.at) : 0;
+        isThin[leaf] = isThin[leaf] || weight < kLeastWeight;
+    }
+    for (const std::size_t leaf : tree.OpenLeafs())
+        for (std::size_t c = 0; c < 8 && isThin[leaf]; ++c)
+            if (CornerWeights::Rule &rule = rules[cells.Points().Find(tree[leaf].Corner(c))]; rule == LeaveOut)
+                rule = HangOrStore;
+    return rules;
+}
 
 std::vector<NamedValue> FitNamedCorners(const Octree &tree, const NamedCells &cells, CornerWeights &corners,
                                         std::size_t mostNames, const JobPool &jobs) {

@@ -17,6 +17,11 @@ struct NamedValue {
     SHFloats rest{};                   ///< convolved with the cosine
 };
 
+/// What becomes of corners, by lattice point. Those in solids are left out, except where the others would have little
+/// weight at a sample. Those that could hang are stored where the larger leaf is wrong about their light, since it is on
+/// the other side of a wall, or of a shadow edge.
+std::vector<CornerWeights::Rule> RulesOfCorners(const Octree &tree, const NamedCells &cells, const JobPool &jobs);
+
 /// Values of the stored corners of a tree, in the order of corners.Stored().
 ///
 /// A cell names up to `mostNames` lights, those whose naming lowers the squared error at its samples most; its corners

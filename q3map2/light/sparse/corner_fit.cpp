@@ -13,8 +13,24 @@ namespace q3 {
 
 // ---- Stored and hanging corners ----
 
-CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points)
-    : tree_(tree), points_(points), storedOf_(points.Size(), LatticePoints::kUnknown), terms_(points.Size()) {
+std::vector<LatticePoint> ParentsOf(const LatticePoint &p) {
+    const int power = std::countr_zero(std::uint32_t(p[0] | p[1] | p[2]));
+    std::vector<LatticePoint> parents{p};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if ((p[axis] >> power & 1) == 0)
+            continue;
+        const std::size_t count = parents.size();
+        for (std::size_t i = 0; i < count; ++i) {
+            parents.push_back(parents[i]);
+            parents[i][axis] -= 1 << power;
+            parents.back()[axis] += 1 << power;
+        }
+    }
+    return parents;
+}
+
+CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules)
+    : tree_(tree), points_(points), rules_(std::move(rules)), storedOf_(points.Size(), LatticePoints::kUnknown), terms_(points.Size()) {
     for (const std::size_t leaf : tree.OpenLeafs())
         for (std::size_t c = 0; c < 8; ++c)
             TermsOf(tree[leaf].Corner(c));
@@ -31,32 +47,57 @@ std::size_t CornerWeights::LeafHungOn(const LatticePoint &p) const {
 
 const std::vector<CornerTerm> &CornerWeights::TermsOf(const LatticePoint &corner) {
     const std::uint32_t number = points_.Find(corner);
-    if (!terms_[number].empty())
+    if (!terms_[number].empty() || IsLeftOut(number))
         return terms_[number];
-    const std::size_t leaf = LeafHungOn(corner);
+    const std::size_t leaf =
+        !rules_.empty() && rules_[number] == Rule::Store ? Octree::kNone : LeafHungOn(corner);
     if (leaf != Octree::kNone)
-        return terms_[number] = TermsIn(tree_[leaf], corner);
+        return terms_[number] = rules_.empty() ? TermsIn(tree_[leaf], corner) : TermsOfParents(corner);
     storedOf_[number] = std::uint32_t(stored_.size());
     stored_.push_back(number);
     return terms_[number] = {{storedOf_[number], 1.0f}};
 }
 
+void CornerWeights::AddTerms(float weight, std::span<const CornerTerm> terms, std::vector<CornerTerm> &sum) {
+    for (const CornerTerm &term : terms) {
+        const auto same =
+            std::find_if(sum.begin(), sum.end(), [&](const CornerTerm &t) { return t.stored == term.stored; });
+        if (same == sum.end())
+            sum.push_back({term.stored, weight * term.weight});
+        else
+            same->weight += weight * term.weight;
+    }
+}
+
+/// What a hanging point gets where some corners on larger leafs are stored: readers take these before others.
+std::vector<CornerTerm> CornerWeights::TermsOfParents(const LatticePoint &p) {
+    std::vector<CornerTerm> sum;
+    const std::vector<LatticePoint> parents = ParentsOf(p);
+    for (const LatticePoint &parent : parents) {
+        const float weight = 1 / float(parents.size());
+        const std::uint32_t number = points_.Find(parent);
+        if (number != LatticePoints::kUnknown && (IsLeftOut(number) || LeafHasCorner(parent)))
+            AddTerms(weight, TermsOf(parent), sum);
+        else
+            AddTerms(weight, TermsOfParents(parent), sum);
+    }
+    return sum;
+}
+
 std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec3f &at) {
     std::vector<CornerTerm> combined;
-    for (std::size_t c = 0; c < 8; ++c) {
-        const float weight = leaf.Weight(c, at);
-        if (weight == 0)
-            continue;
-        for (const CornerTerm &term : TermsOf(leaf.Corner(c))) {
-            const auto same = std::find_if(combined.begin(), combined.end(),
-                                           [&](const CornerTerm &t) { return t.stored == term.stored; });
-            if (same == combined.end())
-                combined.push_back({term.stored, weight * term.weight});
-            else
-                same->weight += weight * term.weight;
-        }
-    }
+    for (std::size_t c = 0; c < 8; ++c)
+        if (const float weight = leaf.Weight(c, at); weight != 0)
+            AddTerms(weight, TermsOf(leaf.Corner(c)), combined);
     return combined;
+}
+
+/// Whether a point is a corner of an open leaf.
+bool CornerWeights::LeafHasCorner(const LatticePoint &p) const {
+    for (const std::size_t leaf : tree_.LeafsAround(p))
+        if (leaf != Octree::kNone && tree_[leaf].openFraction > 0 && tree_[leaf].HasCorner(p))
+            return true;
+    return false;
 }
 
 // ---- Least-squares fit of the stored corners to the light inside the cells ----
@@ -240,7 +281,7 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points
 namespace {
 
 /// What the file says of the lower corner of a leaf.
-enum class CornerRecord : std::uint8_t { Nothing, Stored, Hanging };
+enum class CornerRecord : std::uint8_t { Nothing, Stored, Hanging, LeftOut };
 
 /// Marks the lower corners of leafs, then writes the nodes breadth first. The lattice point at the lower corner of a
 /// cell is the only one that the cell can record.
@@ -251,9 +292,14 @@ class TreeWriter {
         for (const std::uint32_t number : corners.Stored())
             Place(points[number].at, CornerRecord::Stored);
         for (const std::size_t leaf : tree_.OpenLeafs())
-            for (std::size_t c = 0; c < 8; ++c)
-                if (const LatticePoint p = tree_[leaf].Corner(c); !corners.IsStored(points.Find(p)))
+            for (std::size_t c = 0; c < 8; ++c) {
+                const LatticePoint p = tree_[leaf].Corner(c);
+                const std::uint32_t number = points.Find(p);
+                if (corners.IsLeftOut(number))
+                    Place(p, CornerRecord::LeftOut);
+                else if (!corners.IsStored(number))
                     PlaceHanging(p);
+            }
     }
 
     StoredTree Write() const;
@@ -278,28 +324,16 @@ class TreeWriter {
         if (recordOfLeaf_[leaf] == CornerRecord::Nothing)
             recordOfLeaf_[leaf] = what;
     }
-    /// Places a hanging point and its parents, the points between which readers interpolate it. With 2^power the
-    /// greatest power of two that divides all three coordinates, the parents are p +- 2^power along each axis on which
-    /// the coordinate is an odd multiple of 2^power: 2 to 8 points. Parents that are not stored hang in turn.
+    /// Places a hanging point and its parents. Those that are not stored hang in turn.
     void PlaceHanging(const LatticePoint &p) {
         if (!hanging_.insert(KeyOf(p)).second)
             return;
         Place(p, CornerRecord::Hanging);
-        const int power = std::countr_zero(std::uint32_t(p[0] | p[1] | p[2]));
-        std::vector<LatticePoint> parents{p};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            if ((p[axis] >> power & 1) == 0)
-                continue;
-            const std::size_t count = parents.size();
-            for (std::size_t i = 0; i < count; ++i) {
-                parents.push_back(parents[i]);
-                parents[i][axis] -= 1 << power;
-                parents.back()[axis] += 1 << power;
-            }
-        }
-        for (const LatticePoint &parent : parents) {
+        for (const LatticePoint &parent : ParentsOf(p)) {
             const std::uint32_t number = points_.Find(parent);
-            if (number == LatticePoints::kUnknown || !corners_.IsStored(number))
+            if (number != LatticePoints::kUnknown && corners_.IsLeftOut(number))
+                Place(parent, CornerRecord::LeftOut);
+            else if (number == LatticePoints::kUnknown || !corners_.IsStored(number))
                 PlaceHanging(parent);
         }
     }
@@ -344,7 +378,7 @@ StoredTree TreeWriter::Write() const {
                     nextLevel.push_back(child);
                 } else if (used[child] && recordOfLeaf_[child] == CornerRecord::Hanging)
                     node.hanging |= bit;
-                else if (used[child]) {
+                else if (used[child] && recordOfLeaf_[child] == CornerRecord::Stored) {
                     node.stored |= bit;
                     file.order.push_back(storedOf[points_.Find(tree_[child].origin)]);
                 }

@@ -18,16 +18,28 @@ struct CornerTerm {
     float weight = 0;
 };
 
+/// The points between which readers interpolate a hanging point. With 2^power the greatest power of two that divides all
+/// three coordinates, they are p +- 2^power along each axis on which the coordinate is an odd multiple of 2^power: 2 to 8
+/// points of equal weight.
+std::vector<LatticePoint> ParentsOf(const LatticePoint &p);
+
 /// The corners of the open leafs of a tree. A corner that lies on the boundary of a larger open leaf, but is not a
 /// corner of it, is *hanging*: its value is interpolated in the larger leaf, so that light is continuous. All other
 /// corners are stored. Keeps references.
+///
+/// A caller may choose otherwise, by point. Where a corner is left out it has no value, and readers make the weights of
+/// the others add up to 1. Where one is stored although it could hang, light jumps between the leafs.
 class CornerWeights {
   public:
-    CornerWeights(const Octree &tree, const LatticePoints &points);
+    enum class Rule : std::uint8_t { HangOrStore, Store, LeaveOut };
+    /// rules: by point; empty: HangOrStore for all.
+    CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules = {});
     /// Numbers, in LatticePoints, of the stored points.
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
     bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
+    bool IsLeftOut(std::uint32_t point) const { return !rules_.empty() && rules_[point] == Rule::LeaveOut; }
     /// The interpolated value at a point inside or on the boundary of an open leaf, as a combination of stored values.
+    /// Where corners are left out, the weights add up to less than 1.
     std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const LatticePoint &p) {
         return TermsIn(leaf, LatticePosition(p));
     }
@@ -39,9 +51,13 @@ class CornerWeights {
     /// The value of a corner as a combination of stored values. A corner that does not hang becomes a stored one when
     /// it is met first.
     const std::vector<CornerTerm> &TermsOf(const LatticePoint &corner);
+    std::vector<CornerTerm> TermsOfParents(const LatticePoint &p);
+    bool LeafHasCorner(const LatticePoint &p) const;
+    static void AddTerms(float weight, std::span<const CornerTerm> terms, std::vector<CornerTerm> &sum);
 
     const Octree &tree_;
     const LatticePoints &points_;
+    std::vector<Rule> rules_; ///< by point; may be empty
     std::vector<std::uint32_t> stored_;
     std::vector<std::uint32_t> storedOf_;        ///< by point: index in stored_, or kUnknown
     std::vector<std::vector<CornerTerm>> terms_; ///< by point; empty: not yet known

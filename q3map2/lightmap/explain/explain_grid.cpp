@@ -99,7 +99,7 @@ GridLayout LayoutOf(const LightSetup &setup) {
 GridExplainer::GridExplainer(const LightSetup &setup, const ObstacleFinder &obstacles, const JobPool &jobs)
     : setup_(setup), obstacles_(obstacles), jobs_(jobs), layout_(LayoutOf(setup)) {
     Log quiet(Log::Nowhere());
-    lights_ = LightsForSH(setup, quiet);
+    lights_ = LightsForSH(setup, StyledLights::LeaveOut, quiet);
     int culled = 0;
     legacyLights_ =
         SetupEnvelopes(setup.lights, LightPass::LegacyGrid, setup.options, setup.space, setup.skySeenFrom, culled);

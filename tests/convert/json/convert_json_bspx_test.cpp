@@ -111,7 +111,7 @@ TEST_F(LumpsTest, BakesDropWhatTheyMakeWrong) {
     for (const BspxRow &row : BspxRows())
         AddLump(bsp, row.id, 7);
     DropStaleLumps(bsp, StaleAfter::EveryBake);
-    EXPECT_FALSE(bsp.gridSH || bsp.sparseGridSH || bsp.ambientCubes);
+    EXPECT_FALSE(bsp.gridSH || bsp.sparseGridSH || bsp.namedGridSH || bsp.ambientCubes);
     EXPECT_TRUE(bsp.rnm && bsp.propLight && !bsp.lightmapsE5bgr9.empty() && !bsp.vertexE5bgr9.empty());
     DropStaleLumps(bsp, StaleAfter::SurfaceBake);
     EXPECT_EQ(BytesOfBspx(bsp), 0u);

@@ -82,7 +82,6 @@ ShownErrors MeasureErrors(const Truth &truth, const ShownLight &shown) {
                 squares += difference * difference, gridSquares += toProjection * toProjection;
                 unclampedSquares += unclamped * unclamped, referenceSquares += double(reference) * double(reference);
             }
-        if (getenv("LEAKS") && IsLeak(MeanDisplayed(point.light), MeanDisplayed(light), mean)) printf("leak %g %g %g truth %.3f shown %.3f mean %.2f\n", double(point.position.x), double(point.position.y), double(point.position.z), 1*MeanDisplayed(point.light), 1*MeanDisplayed(light), mean);
         leaks += IsLeak(MeanDisplayed(point.light), MeanDisplayed(light), mean) ? 1 : 0;
     }
     const double count = double(differences.size());
