@@ -2,14 +2,41 @@
 // Light is linear, 1.0 is lightmap byte 255; normals are unit vectors in map axes. In ES all samplers and numbers need
 // highp.
 
-// Light on a surface with that normal, from the nine coefficients of shgrid_sample: shgrid_evaluate.
-vec3 ShgridLight(vec3 sh[9], vec3 n)
+// The sum over the basis, which may be below zero.
+vec3 ShgridSum(vec3 sh[9], vec3 n)
 {
     vec3 light = sh[0] * 0.282094792;
     light += (sh[1] * n.y + sh[2] * n.z + sh[3] * n.x) * 0.488602512;
     light += (sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) + sh[7] * (n.x * n.z)) * 1.092548431;
     light += sh[6] * (0.315391565 * (3.0 * n.z * n.z - 1.0));
     light += sh[8] * (0.546274215 * (n.x * n.x - n.y * n.y));
+    return light;
+}
+
+// Light on a surface with that normal, from the nine coefficients of shgrid_sample: shgrid_evaluate.
+vec3 ShgridLight(vec3 sh[9], vec3 n)
+{
+    return max(ShgridSum(sh, n), vec3(0.0));
+}
+
+// ---- lights that the grid names ----
+
+// Light of one of shgrid_lights, to be added to ShgridSum of the rest. A light with an extent, spread being the sine of
+// its angular radius, sets behind the horizon of the surface step by step.
+vec3 ShgridDirect(vec3 direction, float spread, vec3 color, vec3 n)
+{
+    float s = spread + 1e-6;
+    float above = max(dot(direction, n) + s, 0.0);
+    float low = min(above, 2.0 * s);
+    return color * (low * low * (0.25 / s) + (above - low));
+}
+
+// Light on a surface with that normal: shgrid_shade after shgrid_limit_lights(&lighting, 8). directions: spread in w.
+vec3 ShgridShade(vec3 rest[9], vec4 directions[8], vec3 colors[8], int count, vec3 n)
+{
+    vec3 light = ShgridSum(rest, n);
+    for (int i = 0; i < count; i++)
+        light += ShgridDirect(vec3(directions[i].x, directions[i].y, directions[i].z), directions[i].w, colors[i], n);
     return max(light, vec3(0.0));
 }
 

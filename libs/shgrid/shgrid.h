@@ -675,13 +675,17 @@ typedef struct {
     float total; /* weight */
     int names;   /* number of lights that are named by points so far */
     uint32_t light[SHGRID_NAMES_AT_PLACE];
-    float share[SHGRID_NAMES_AT_PLACE]; /* of each: weighted sum of its visible shares */
+    float share[SHGRID_NAMES_AT_PLACE];      /* of each: weighted sum of its visible shares */
+    unsigned char at[SHGRID_NAMES_AT_PLACE]; /* by the last bits of a number: where that light was named last, or */
 } shgrid_sum_;
+
+#define SHGRID_NOWHERE 255 /* no light with these bits was named */
 
 static inline void shgrid_clear_(shgrid_sum_ *sum) {
     memset(&sum->coeffs, 0, sizeof sum->coeffs);
     sum->total = 0;
     sum->names = 0;
+    memset(sum->at, SHGRID_NOWHERE, sizeof sum->at);
 }
 
 /* Adds weight times a quantized point of a node with that scale. Coefficients of bands 1 and 2 are stored over the
@@ -707,14 +711,34 @@ static inline void shgrid_add_point_(const unsigned char *p, unsigned scale, flo
 /* The same for a grid that names lights: a byte for the scale, then 27 signed bytes. */
 static inline void shgrid_add_named_point_(const unsigned char *p, float weight, shgrid_coeffs *sum) {
     const float unit = weight * shgrid_scale_(p[0]) / 127;
+    int8_t q[27];
     int k, channel;
+    memcpy(q, p + 1, sizeof q);
     for (k = 0; k < 9; k++) {
         const float step = unit * (k == 0 ? 1 : k < 4 ? 1.15470054f : 0.559016994f);
-        for (channel = 0; channel < 3; channel++) {
-            const int code8 = p[1 + 3 * k + channel], q = code8 < 128 ? code8 : code8 == 128 ? -127 : code8 - 256;
-            sum->c[k][channel] += step * (float)q;
-        }
+        for (channel = 0; channel < 3; channel++)
+            sum->c[k][channel] += step * (float)(q[3 * k + channel] < -127 ? -127 : q[3 * k + channel]);
     }
+}
+
+/* Where a light is among those that are named so far, or is added; -1: there is no room for it. */
+static inline int shgrid_name_(shgrid_sum_ *sum, uint32_t light) {
+    unsigned char *guess = sum->at + light % SHGRID_NAMES_AT_PLACE;
+    int at = *guess;
+    if (at != SHGRID_NOWHERE && sum->light[at] == light)
+        return at;
+    at = at == SHGRID_NOWHERE ? sum->names : 0;
+    while (at < sum->names && sum->light[at] != light)
+        at++;
+    if (at == SHGRID_NAMES_AT_PLACE)
+        return -1;
+    if (at == sum->names) {
+        sum->light[at] = light;
+        sum->share[at] = 0;
+        sum->names++;
+    }
+    *guess = (unsigned char)at;
+    return at;
 }
 
 /* Adds weight times the shares of point number `point` of a node. */
@@ -723,23 +747,14 @@ static inline void shgrid_add_shares_(const shgrid_grid *grid, const unsigned ch
     const uint32_t count = node[11];
     const unsigned char *names = grid->names + 2 * (size_t)bspx_u32(node + 12),
                         *shares = grid->shares + bspx_u32(node + 16) + (size_t)count * point;
+    const float unit = weight / 255;
     uint32_t i;
-    for (i = 0; i < count; i++) {
-        const uint32_t light = shgrid_u16_(names + 2 * i);
-        int at = 0;
-        if (shares[i] == 0)
-            continue;
-        while (at < sum->names && sum->light[at] != light)
-            at++;
-        if (at == SHGRID_NAMES_AT_PLACE)
-            continue;
-        if (at == sum->names) {
-            sum->light[at] = light;
-            sum->share[at] = 0;
-            sum->names++;
+    for (i = 0; i < count; i++)
+        if (shares[i] != 0) {
+            const int at = shgrid_name_(sum, shgrid_u16_(names + 2 * i));
+            if (at >= 0)
+                sum->share[at] += unit * (float)shares[i];
         }
-        sum->share[at] += weight * (float)shares[i] / 255;
-    }
 }
 
 /* The nodes from a root down to the one that owns the cell found last. The next search starts at the deepest of them
@@ -940,66 +955,104 @@ static inline void shgrid_cross_(const double a[3], const double b[3], double ou
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* The angle with that tangent, which is above 0. Up to 20 degrees by a series, exact to 1e-8. */
+static inline double shgrid_arctangent_(double tangent) {
+    const double t = tangent * tangent;
+    if (t > 0.1325)
+        return atan(tangent);
+    return tangent *
+           (1 - t * (1.0 / 3 - t * (1.0 / 5 - t * (1.0 / 7 - t * (1.0 / 9 - t * (1.0 / 11 - t * (1.0 / 13)))))));
+}
+
+/* Half of the angle between two unit vectors over its sine. Up to 36 degrees by a series in the square of the sine of
+   half the angle, exact to 1e-9. */
+static inline double shgrid_angle_over_sine_(double cosine, const double cross[3]) {
+    const double t = 0.5 - 0.5 * cosine;
+    double sine;
+    if (t < 0.1)
+        return 0.5 +
+               t * (1.0 / 3 +
+                    t * (4.0 / 15 +
+                         t * (8.0 / 35 + t * (64.0 / 315 +
+                                              t * (128.0 / 693 + t * (512.0 / 3003 + t * (1024.0 / 6435 +
+                                                                                          t * (16384.0 / 109395))))))));
+    sine = sqrt(shgrid_dot_(cross, cross));
+    return sine > 0 ? atan2(sine, cosine) / (2 * sine) : 0;
+}
+
+/* The unit vector from a position to a vertex. */
+static inline void shgrid_unit_to_(const unsigned char *vertex, const float position[3], double unit[3]) {
+    double inverse;
+    int axis;
+    for (axis = 0; axis < 3; axis++)
+        unit[axis] = (double)shgrid_f32_(vertex + 4 * axis) - position[axis];
+    inverse = shgrid_dot_(unit, unit);
+    inverse = inverse > 0 ? 1 / sqrt(inverse) : 0;
+    for (axis = 0; axis < 3; axis++)
+        unit[axis] *= inverse;
+}
+
+/* Adds six times the integral of w w^T along an edge of a polygon, without the identity matrix. */
+static inline void shgrid_add_arc_(const double a[3], const double b[3], const double cross[3], double cosine,
+                                   shgrid_moments_ *m) {
+    const double sine = sqrt(shgrid_dot_(cross, cross)), scale = cosine > 0 ? 1 / (1 + cosine) : 1 / sine;
+    double arc[3], difference[3], inward[3];
+    int axis;
+    if (!(sine > 0))
+        return;
+    for (axis = 0; axis < 3; axis++) {
+        inward[axis] = cross[axis] * scale;
+        arc[axis] = a[axis] + b[axis];
+        difference[axis] = a[axis] - b[axis];
+    }
+    if (!(cosine > 0)) /* the same vector, exact for obtuse angles */
+        shgrid_cross_(inward, difference, arc);
+    m->xx += 2 * arc[0] * inward[0];
+    m->yy += 2 * arc[1] * inward[1];
+    m->zz += 2 * arc[2] * inward[2];
+    m->xy += arc[0] * inward[1] + arc[1] * inward[0];
+    m->yz += arc[1] * inward[2] + arc[2] * inward[1];
+    m->xz += arc[0] * inward[2] + arc[2] * inward[0];
+}
+
 /* Adds `weight` times the moments of a polygon in closed form: integrals along its edges, which are arcs of great
    circles (by the divergence theorem), and its solid angle as the sum of triangles from the foot of the perpendicular.
-   The position is in front, or behind a polygon that shines to both sides. */
+   The position is in front, or behind a polygon that shines to both sides. second: w w^T too. */
 static inline void shgrid_add_polygon_(const shgrid_grid *grid, const unsigned char *polygon, const float position[3],
-                                       int behind, double weight, shgrid_moments_ *sum) {
+                                       int behind, int second, double weight, shgrid_moments_ *sum) {
     const uint32_t count = bspx_u32(polygon + 4);
     const unsigned char *vertices = grid->vertices + 12 * (size_t)bspx_u32(polygon);
     const double side = behind ? 1 : -1;
-    double normal[3], a[3], la, re = 1, im = 0;
+    double normal[3], a[3], heightA, re = 1, im = 0;
     shgrid_moments_ m;
     uint32_t i;
     int axis;
     memset(&m, 0, sizeof m);
-    for (axis = 0; axis < 3; axis++) {
+    for (axis = 0; axis < 3; axis++)
         normal[axis] = side * shgrid_f32_(polygon + 8 + 4 * axis);
-        a[axis] = (double)shgrid_f32_(vertices + 12 * (behind ? 0 : count - 1) + 4 * axis) - position[axis];
-    }
-    la = sqrt(shgrid_dot_(a, a));
+    shgrid_unit_to_(vertices + 12 * (size_t)(behind ? 0 : count - 1), position, a);
+    heightA = shgrid_dot_(normal, a);
     for (i = 0; i < count; i++) {
-        const unsigned char *vertex = vertices + 12 * (size_t)(behind ? count - 1 - i : i);
-        double b[3], cross[3], outward[3], arc[3], lb, sine, cosine, angle, factor, x, y, t;
-        for (axis = 0; axis < 3; axis++)
-            b[axis] = (double)shgrid_f32_(vertex + 4 * axis) - position[axis];
-        lb = sqrt(shgrid_dot_(b, b));
+        double b[3], cross[3], heightB, cosine, weightOfEdge, x, y, t;
+        shgrid_unit_to_(vertices + 12 * (size_t)(behind ? count - 1 - i : i), position, b);
+        heightB = shgrid_dot_(normal, b);
         shgrid_cross_(a, b, cross);
-        sine = sqrt(shgrid_dot_(cross, cross));
         cosine = shgrid_dot_(a, b);
-        if (sine > 0) {
-            for (axis = 0; axis < 3; axis++)
-                outward[axis] = cross[axis] / -sine;
-            if (cosine > 0) {
-                factor = sine / (la * lb + cosine);
-                for (axis = 0; axis < 3; axis++)
-                    arc[axis] = (a[axis] / la + b[axis] / lb) * factor;
-            } else {
-                double difference[3];
-                for (axis = 0; axis < 3; axis++)
-                    difference[axis] = b[axis] / lb - a[axis] / la;
-                shgrid_cross_(outward, difference, arc);
-            }
-            angle = atan2(sine, cosine) / 2;
-            for (axis = 0; axis < 3; axis++)
-                m.first[axis] -= outward[axis] * angle;
-            m.xx -= arc[0] * outward[0] / 3;
-            m.yy -= arc[1] * outward[1] / 3;
-            m.zz -= arc[2] * outward[2] / 3;
-            m.xy -= (arc[0] * outward[1] + arc[1] * outward[0]) / 6;
-            m.yz -= (arc[1] * outward[2] + arc[2] * outward[1]) / 6;
-            m.xz -= (arc[0] * outward[2] + arc[2] * outward[0]) / 6;
-            /* The product of complex numbers whose arguments are half the solid angles of the triangles. */
-            x = 1 + (shgrid_dot_(normal, a) / la + shgrid_dot_(normal, b) / lb) + cosine / (la * lb);
-            y = shgrid_dot_(normal, cross) / (la * lb);
-            t = re * x - im * y;
-            im = re * y + im * x;
-            re = t;
-        }
+        weightOfEdge = shgrid_angle_over_sine_(cosine, cross);
+        for (axis = 0; axis < 3; axis++)
+            m.first[axis] += cross[axis] * weightOfEdge;
+        if (second)
+            shgrid_add_arc_(a, b, cross, cosine, &m);
+        /* The product of complex numbers whose arguments are half the solid angles of the triangles. */
+        x = 1 + heightA + heightB + cosine;
+        y = shgrid_dot_(normal, cross);
+        t = re * x - im * y;
+        im = re * y + im * x;
+        re = t;
         memcpy(a, b, sizeof a);
-        la = lb;
+        heightA = heightB;
     }
-    m.solidAngle = 2 * atan2(im, re);
+    m.solidAngle = 2 * (re > 0 && im > 0 ? shgrid_arctangent_(im / re) : atan2(im, re));
     if (m.solidAngle < 0) /* past half a turn */
         m.solidAngle += 12.566370614359172;
     if (!(m.solidAngle > 0 && m.solidAngle < 6.2832))
@@ -1007,18 +1060,20 @@ static inline void shgrid_add_polygon_(const shgrid_grid *grid, const unsigned c
     sum->solidAngle += weight * m.solidAngle;
     for (axis = 0; axis < 3; axis++)
         sum->first[axis] += weight * m.first[axis];
-    sum->xx += weight * (m.xx + m.solidAngle / 3);
-    sum->yy += weight * (m.yy + m.solidAngle / 3);
-    sum->zz += weight * (m.zz + m.solidAngle / 3);
-    sum->xy += weight * m.xy;
-    sum->yz += weight * m.yz;
-    sum->xz += weight * m.xz;
+    if (!second)
+        return;
+    sum->xx += weight * (m.xx / 6 + m.solidAngle / 3);
+    sum->yy += weight * (m.yy / 6 + m.solidAngle / 3);
+    sum->zz += weight * (m.zz / 6 + m.solidAngle / 3);
+    sum->xy += weight / 6 * m.xy;
+    sum->yz += weight / 6 * m.yz;
+    sum->xz += weight / 6 * m.xz;
 }
 
 /* Moments of the polygons of a light: as points from beyond 8 times their radius, exact within 6 times, a blend of the
-   two between. */
+   two between. second: w w^T too, else it is not right. */
 static inline void shgrid_polygon_moments_(const shgrid_grid *grid, const unsigned char *light, const float position[3],
-                                           shgrid_moments_ *m) {
+                                           int second, shgrid_moments_ *m) {
     const uint32_t first = bspx_u32(light + 104), end = first + bspx_u32(light + 108);
     uint32_t i;
     int axis;
@@ -1037,11 +1092,12 @@ static inline void shgrid_polygon_moments_(const shgrid_grid *grid, const unsign
         exact = radius > 0 ? (8 * radius - distance) / (2 * radius) : 0;
         exact = exact < 0 ? 0 : exact < 1 ? exact : 1;
         if (exact > 0)
-            shgrid_add_polygon_(grid, polygon, position, height < 0, exact, m);
+            shgrid_add_polygon_(grid, polygon, position, height < 0, second, exact, m);
         if (exact < 1) {
+            const double inverse = 1 / distance;
             for (axis = 0; axis < 3; axis++)
-                to[axis] /= distance;
-            shgrid_add_direction_(m, to, (1 - exact) * area * fabs(height) / (distance * distance * distance));
+                to[axis] *= inverse;
+            shgrid_add_direction_(m, to, (1 - exact) * area * fabs(height) * (inverse * inverse * inverse));
         }
     }
 }
@@ -1104,47 +1160,56 @@ typedef struct {
     int hasSH;
 } shgrid_beam_;
 
+/* Adds `scale` times the coefficients of the polygons of a light to a beam. */
+static inline void shgrid_polygon_coeffs_(const shgrid_grid *grid, const unsigned char *light, const float position[3],
+                                          double scale, shgrid_beam_ *beam) {
+    static const float lobe[3] = {1, 2.0f / 3, 0.25f};
+    shgrid_moments_ m;
+    double basis[9];
+    int k;
+    shgrid_polygon_moments_(grid, light, position, 1, &m);
+    basis[0] = 0.282094791773878 * m.solidAngle;
+    basis[1] = 0.488602511902920 * m.first[1];
+    basis[2] = 0.488602511902920 * m.first[2];
+    basis[3] = 0.488602511902920 * m.first[0];
+    basis[4] = 1.092548430592079 * m.xy;
+    basis[5] = 1.092548430592079 * m.yz;
+    basis[6] = 0.315391565252520 * (2 * m.zz - m.xx - m.yy);
+    basis[7] = 1.092548430592079 * m.xz;
+    basis[8] = 0.546274215296040 * (m.xx - m.yy);
+    beam->hasSH = 1;
+    for (k = 0; k < 9; k++)
+        beam->sh[k] = (float)(scale * basis[k]) * lobe[k == 0 ? 0 : k < 4 ? 1 : 2];
+}
+
 /* Polygons that appear with up to 40 degrees of angular radius act as a direction, from 50 degrees on as coefficients:
    there both have an error under 0.5 % of the light. In terms of the mean cosine to the mean direction, which is
    (1 + cos) / 2 for a disc. */
 static inline void shgrid_polygon_beam_(const shgrid_grid *grid, const unsigned char *light, const float position[3],
                                         shgrid_beam_ *beam) {
-    static const float lobe[3] = {1, 2.0f / 3, 0.25f};
     const double smallest = 0.883, largest = 0.821;
     const float intensity = shgrid_f32_(light + 40);
     shgrid_moments_ m;
-    double length, cosine, directed, alpha;
-    int axis, k;
-    shgrid_polygon_moments_(grid, light, position, &m);
+    double length, inverse, cosine, directed, alpha;
+    int axis;
+    shgrid_polygon_moments_(grid, light, position, 0, &m);
     length = sqrt(shgrid_dot_(m.first, m.first));
     if (!(length > 0) || !isfinite(length) || !(m.solidAngle > 0))
         return;
     cosine = length / m.solidAngle;
-    directed = (cosine - largest) / (smallest - largest);
+    directed = (cosine - largest) * (1 / (smallest - largest));
     directed = directed < 0 ? 0 : directed < 1 ? directed : 1;
     directed = directed * directed * (3 - 2 * directed);
     if (directed > 0) {
         alpha = 2 * cosine - 1;
-        beam->strength = (float)(directed * intensity * length / 3.14159265358979);
+        beam->strength = (float)(directed * intensity * length * (1 / 3.14159265358979));
         beam->spread = (float)sqrt(alpha < 1 ? 1 - alpha * alpha : 0);
+        inverse = 1 / length;
         for (axis = 0; axis < 3; axis++)
-            beam->direction[axis] = (float)(m.first[axis] / length);
+            beam->direction[axis] = (float)(m.first[axis] * inverse);
     }
-    if (directed < 1) {
-        const double scale = (1 - directed) * intensity;
-        const double basis[9] = {0.282094791773878 * m.solidAngle,
-                                 0.488602511902920 * m.first[1],
-                                 0.488602511902920 * m.first[2],
-                                 0.488602511902920 * m.first[0],
-                                 1.092548430592079 * m.xy,
-                                 1.092548430592079 * m.yz,
-                                 0.315391565252520 * (2 * m.zz - m.xx - m.yy),
-                                 1.092548430592079 * m.xz,
-                                 0.546274215296040 * (m.xx - m.yy)};
-        beam->hasSH = 1;
-        for (k = 0; k < 9; k++)
-            beam->sh[k] = (float)(scale * basis[k]) * lobe[k == 0 ? 0 : k < 4 ? 1 : 2];
-    }
+    if (directed < 1)
+        shgrid_polygon_coeffs_(grid, light, position, (1 - directed) * intensity, beam);
 }
 
 static inline void shgrid_beam_at_(const shgrid_grid *grid, uint32_t number, const float position[3],
@@ -1450,23 +1515,142 @@ static inline void shgrid_lights(const shgrid_grid *grid, const float position[3
     }
 }
 
+static inline float shgrid_brightness_(const shgrid_direct *direct) {
+    return direct->color[0] + direct->color[1] + direct->color[2];
+}
+
+/* Keeps the `count` brightest lights and makes coefficients of the others, for shaders with an array of that size. Of
+   the kept ones, those less than a quarter brighter than the brightest of the others go in part, so that nothing jumps
+   where two lights change their places. */
+static inline void shgrid_limit_lights(shgrid_lighting *lighting, int count) {
+    float sorted[SHGRID_DIRECT_LIGHTS], gone; /* the brightest so far, at most count + 1 */
+    int i, kept = 0, channel;
+    count = count > 0 ? count : 0;
+    if (lighting->count <= count)
+        return;
+    for (i = 0; i < lighting->count; i++) {
+        const float brightness = shgrid_brightness_(lighting->direct + i);
+        int at = i < count ? i : count;
+        if (i > count && !(brightness > sorted[count]))
+            continue;
+        for (; at > 0 && sorted[at - 1] < brightness; at--)
+            sorted[at] = sorted[at - 1];
+        sorted[at] = brightness;
+    }
+    gone = sorted[count];
+    for (i = 0; i < lighting->count; i++) {
+        shgrid_direct direct = lighting->direct[i];
+        const float brightness = shgrid_brightness_(&direct);
+        float part = brightness > gone ? 5 * gone / brightness - 4 : 1, color[3];
+        part = part > 0 ? part : 0;
+        for (channel = 0; channel < 3; channel++) {
+            color[channel] = part * direct.color[channel];
+            direct.color[channel] -= color[channel];
+        }
+        if (part > 0)
+            shgrid_add_direct_(direct.direction, direct.spread, color, &lighting->rest);
+        if (part < 1)
+            lighting->direct[kept++] = direct;
+    }
+    lighting->count = kept;
+}
+
+/* What a surface receives of a light of brightness 1 at that cosine to its normal. A light with an extent sets behind
+   the horizon of the surface step by step: the cosine c where it is above the sine s of the angular radius,
+   (c + s)^2 / (4 s) from -s to s, 0 below. Absolute values instead of branches, which processors predict badly here. */
+static inline float shgrid_lobe_(float cosine, float spread) {
+    const float s = spread + 1e-6f, rise = cosine + s, above = 0.5f * (rise + fabsf(rise)), more = above - 2 * s,
+                over = 0.5f * (more + fabsf(more)), low = above - over;
+    return low * low * (0.25f / s) + over;
+}
+
 /* Light on a matte surface with that unit normal; not below zero. */
 static inline void shgrid_shade(const shgrid_lighting *lighting, const float normal[3], float rgb[3]) {
+    const float x = normal[0], y = normal[1], z = normal[2];
+    float sum[3];
     int i, channel;
-    shgrid_sum_basis_(&lighting->rest, normal, rgb);
+    shgrid_sum_basis_(&lighting->rest, normal, sum);
     for (i = 0; i < lighting->count; i++) {
         const shgrid_direct *direct = lighting->direct + i;
-        const float cosine = direct->direction[0] * normal[0] + direct->direction[1] * normal[1] +
-                             direct->direction[2] * normal[2],
-                    spread = direct->spread;
-        /* A light with an extent sets behind the horizon of the surface step by step. */
-        const float above = cosine + spread;
-        const float factor = cosine >= spread ? cosine : above > 0 ? above * above / (4 * spread) : 0;
-        for (channel = 0; channel < 3; channel++)
-            rgb[channel] += factor * direct->color[channel];
+        const float cosine = direct->direction[0] * x + direct->direction[1] * y + direct->direction[2] * z,
+                    factor = shgrid_lobe_(cosine, direct->spread);
+        sum[0] += factor * direct->color[0];
+        sum[1] += factor * direct->color[1];
+        sum[2] += factor * direct->color[2];
     }
     for (channel = 0; channel < 3; channel++)
-        rgb[channel] = rgb[channel] > 0 ? rgb[channel] : 0; /* NaN gives 0 */
+        rgb[channel] = sum[channel] > 0 ? sum[channel] : 0; /* NaN gives 0 */
+}
+
+#define SHGRID_BATCH 16 /* normals that shgrid_shade_many takes together */
+
+/* The same for 16 normals, by components, which compilers turn into vector instructions. */
+static inline void shgrid_shade_batch_(const shgrid_lighting *lighting, const float x[SHGRID_BATCH],
+                                       const float y[SHGRID_BATCH], const float z[SHGRID_BATCH],
+                                       float rgb[3][SHGRID_BATCH]) {
+    float basis[9][SHGRID_BATCH];
+    int i, j, k, channel;
+    for (j = 0; j < SHGRID_BATCH; j++) {
+        basis[0][j] = 0.282094791773878f;
+        basis[1][j] = 0.488602511902920f * y[j];
+        basis[2][j] = 0.488602511902920f * z[j];
+        basis[3][j] = 0.488602511902920f * x[j];
+        basis[4][j] = 1.092548430592079f * x[j] * y[j];
+        basis[5][j] = 1.092548430592079f * y[j] * z[j];
+        basis[6][j] = 0.315391565252520f * (3 * z[j] * z[j] - 1);
+        basis[7][j] = 1.092548430592079f * x[j] * z[j];
+        basis[8][j] = 0.546274215296040f * (x[j] * x[j] - y[j] * y[j]);
+    }
+    for (channel = 0; channel < 3; channel++) {
+        const float *const c = &lighting->rest.c[0][channel];
+        for (j = 0; j < SHGRID_BATCH; j++) {
+            float sum = 0;
+            for (k = 0; k < 9; k++)
+                sum += c[3 * k] * basis[k][j];
+            rgb[channel][j] = sum;
+        }
+    }
+    for (i = 0; i < lighting->count; i++) {
+        const shgrid_direct *direct = lighting->direct + i;
+        for (j = 0; j < SHGRID_BATCH; j++) {
+            const float cosine =
+                            direct->direction[0] * x[j] + direct->direction[1] * y[j] + direct->direction[2] * z[j],
+                        factor = shgrid_lobe_(cosine, direct->spread);
+            rgb[0][j] += factor * direct->color[0];
+            rgb[1][j] += factor * direct->color[1];
+            rgb[2][j] += factor * direct->color[2];
+        }
+    }
+    for (channel = 0; channel < 3; channel++)
+        for (j = 0; j < SHGRID_BATCH; j++)
+            rgb[channel][j] = rgb[channel][j] > 0 ? rgb[channel][j] : 0;
+}
+
+/* The same for many unit normals, a third of the time each: they are `stride` floats apart, at least 3,
+   and the colors `rgbStride`. */
+static inline void shgrid_shade_many(const shgrid_lighting *lighting, const float *normals, size_t stride, size_t count,
+                                     float *rgb, size_t rgbStride) {
+    float x[SHGRID_BATCH], y[SHGRID_BATCH], z[SHGRID_BATCH], out[3][SHGRID_BATCH];
+    size_t done, j;
+    memset(x, 0, sizeof x);
+    memset(y, 0, sizeof y);
+    memset(z, 0, sizeof z);
+    for (done = 0; done < count; done += SHGRID_BATCH) {
+        const size_t here = count - done < SHGRID_BATCH ? count - done : SHGRID_BATCH;
+        for (j = 0; j < here; j++) {
+            const float *normal = normals + stride * (done + j);
+            x[j] = normal[0];
+            y[j] = normal[1];
+            z[j] = normal[2];
+        }
+        shgrid_shade_batch_(lighting, x, y, z, out);
+        for (j = 0; j < here; j++) {
+            float *color = rgb + rgbStride * (done + j);
+            color[0] = out[0][j];
+            color[1] = out[1][j];
+            color[2] = out[2][j];
+        }
+    }
 }
 
 /* Name of the entity of a light of the table, or of its shader; empty if it has none. */

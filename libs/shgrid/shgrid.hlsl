@@ -1,14 +1,41 @@
 // SPDX-License-Identifier: MIT. Light of the SH grid of shgrid.h on a surface: HLSL, shader model 4 and later.
 // Light is linear, 1.0 is lightmap byte 255; normals are unit vectors in map axes.
 
-// Light on a surface with that normal, from the nine coefficients of shgrid_sample: shgrid_evaluate.
-float3 ShgridLight(float3 sh[9], float3 n)
+// The sum over the basis, which may be below zero.
+float3 ShgridSum(float3 sh[9], float3 n)
 {
     float3 light = sh[0] * 0.282094792;
     light += (sh[1] * n.y + sh[2] * n.z + sh[3] * n.x) * 0.488602512;
     light += (sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) + sh[7] * (n.x * n.z)) * 1.092548431;
     light += sh[6] * (0.315391565 * (3.0 * n.z * n.z - 1.0));
     light += sh[8] * (0.546274215 * (n.x * n.x - n.y * n.y));
+    return light;
+}
+
+// Light on a surface with that normal, from the nine coefficients of shgrid_sample: shgrid_evaluate.
+float3 ShgridLight(float3 sh[9], float3 n)
+{
+    return max(ShgridSum(sh, n), float3(0.0, 0.0, 0.0));
+}
+
+// ---- lights that the grid names ----
+
+// Light of one of shgrid_lights, to be added to ShgridSum of the rest. A light with an extent, spread being the sine of
+// its angular radius, sets behind the horizon of the surface step by step.
+float3 ShgridDirect(float3 direction, float spread, float3 color, float3 n)
+{
+    float s = spread + 1e-6;
+    float above = max(dot(direction, n) + s, 0.0);
+    float low = min(above, 2.0 * s);
+    return color * (low * low * (0.25 / s) + (above - low));
+}
+
+// Light on a surface with that normal: shgrid_shade after shgrid_limit_lights(&lighting, 8). directions: spread in w.
+float3 ShgridShade(float3 rest[9], float4 directions[8], float3 colors[8], int count, float3 n)
+{
+    float3 light = ShgridSum(rest, n);
+    for (int i = 0; i < count; i++)
+        light += ShgridDirect(float3(directions[i].x, directions[i].y, directions[i].z), directions[i].w, colors[i], n);
     return max(light, float3(0.0, 0.0, 0.0));
 }
 

@@ -44,6 +44,9 @@ uniform sampler3D t[7];
 uniform vec3 mins, cell, bounds, bricks;
 uniform vec3 numbers;
 uniform vec3 sh[9];
+uniform vec4 directions[8];
+uniform vec3 colors[8];
+uniform int count;
 uniform float tone[7];
 in vec3 position;
 in vec3 normal;
@@ -55,6 +58,7 @@ void main()
     light += ShgridSnorm(indirection, t[0], t[1], t[2], t[3], t[4], t[5], t[6], atlas, position, normal);
     ShgridGrid grid = ShgridGrid(mins, cell, bounds);
     light += ShgridLightAt(t[0], t[1], t[2], t[3], t[4], t[5], t[6], grid, position, normal) + ShgridLight(sh, normal);
+    light += ShgridShade(sh, directions, colors, count, normal);
     light = ShgridApplyTone(ShgridTone(tone[0], tone[1], tone[2], tone[3], tone[4], tone[5], tone[6]), light);
     result = vec4(light, 1.0);
 }
@@ -69,12 +73,13 @@ Texture3D<float4> t5 : register(t5);
 Texture3D<float4> t6 : register(t6);
 Texture3D<float4> t7 : register(t7);
 SamplerState filter : register(s0);
-cbuffer Constants : register(b0) { ShgridAtlas atlas; ShgridGrid grid; ShgridTone tone; float3 sh[9]; };
+cbuffer Constants : register(b0) { ShgridAtlas atlas; ShgridGrid grid; ShgridTone tone; float3 sh[9]; float4 directions[8]; float3 colors[8]; int count; };
 float4 main(float3 position : TEXCOORD0, float3 normal : TEXCOORD1) : SV_Target
 {
     float3 light = ShgridHalf(indirection, t1, t2, t3, t4, t5, t6, t7, filter, atlas, position, normal);
     light += ShgridSnorm(indirection, t1, t2, t3, t4, t5, t6, t7, filter, atlas, position, normal);
     light += ShgridLightAt(t1, t2, t3, t4, t5, t6, t7, filter, grid, position, normal) + ShgridLight(sh, normal);
+    light += ShgridShade(sh, directions, colors, count, normal);
     light = ShgridApplyTone(tone, light);
     return float4(light, 1.0);
 }

@@ -619,10 +619,94 @@ static void TestPointsNear(const shgrid_grid *uniform) {
     CHECK(shgrid_points_near(&sparse, nan, 1000, 0, NULL) == 0);
 }
 
+/* `count` lights of directions all over the sphere, light i 10 times dimmer than light i - 1. */
+static shgrid_lighting MakeLights(int count) {
+    shgrid_lighting lighting;
+    float brightness = 1;
+    int i;
+    memset(&lighting, 0, sizeof lighting);
+    lighting.rest.c[0][0] = lighting.rest.c[0][1] = lighting.rest.c[0][2] = 1;
+    for (i = 0; i < count; i++, brightness *= 0.1f) {
+        shgrid_direct *direct = lighting.direct + (i * 7 + 3) % count;
+        const float z = 1 - (float)i * 0.2f, r = sqrtf(1 - z * z);
+        direct->direction[0] = r * cosf((float)i);
+        direct->direction[1] = r * sinf((float)i);
+        direct->direction[2] = z;
+        direct->color[0] = brightness;
+        direct->color[1] = direct->color[2] = 0.5f * brightness;
+        direct->spread = 0.1f * (float)i;
+        direct->light = i;
+    }
+    lighting.count = count;
+    return lighting;
+}
+
+/* Light of a direction with that spread at a cosine to the normal. */
+static float Lobe(float cosine, float spread) {
+    const float normal[3] = {0, 0, 1};
+    shgrid_lighting lighting;
+    float rgb[3];
+    memset(&lighting, 0, sizeof lighting);
+    lighting.count = 1;
+    lighting.direct[0].direction[0] = sqrtf(1 - cosine * cosine);
+    lighting.direct[0].direction[2] = cosine;
+    lighting.direct[0].color[1] = 2;
+    lighting.direct[0].spread = spread;
+    shgrid_shade(&lighting, normal, rgb);
+    CHECK(rgb[0] == 0 && rgb[2] == 0);
+    return rgb[1] / 2;
+}
+
+static void TestNamedLights(void) {
+    enum { kNormals = 37, kStride = 4 };
+    static float normals[kNormals][kStride], colors[kNormals + 1][3];
+    const shgrid_lighting all = MakeLights(10);
+    shgrid_lighting some = all, none = all, equal;
+    float rgb[3], limited[3], worst = 0;
+    int i, channel;
+    CHECK(Near(Lobe(0.75f, 0), 0.75, 2e-6) && Near(Lobe(0.75f, 0.5f), 0.75, 2e-6) && Near(Lobe(-0.25f, 0), 0, 2e-6));
+    CHECK(Near(Lobe(0.25f, 0.5f), 0.28125, 2e-6) && Near(Lobe(0, 1), 0.25, 2e-6) && Near(Lobe(-0.5f, 0.5f), 0, 2e-6));
+
+    shgrid_limit_lights(&some, 3);
+    shgrid_limit_lights(&none, -1);
+    CHECK(some.count == 3 && none.count == 0);
+    for (i = 0; i < 3; i++) /* the three brightest, in their old order, unchanged */
+        CHECK(memcmp(&some.direct[i], &all.direct[(some.direct[i].light * 7 + 3) % 10], sizeof(shgrid_direct)) == 0 &&
+              some.direct[i].light < 3);
+    equal = some;
+    shgrid_limit_lights(&equal, 3);
+    CHECK(memcmp(&equal, &some, sizeof some) == 0);
+    /* Two lights that are alike, with room for one: neither is preferred. */
+    memcpy(&equal.direct[1], &equal.direct[0], sizeof equal.direct[0]);
+    equal.count = 2;
+    shgrid_limit_lights(&equal, 1);
+    CHECK(equal.count == 0);
+
+    for (i = 0; i < kNormals; i++) {
+        const float z = 1 - 2 * (float)i / (kNormals - 1), r = sqrtf(1 - z * z);
+        normals[i][0] = r * cosf(3 * (float)i);
+        normals[i][1] = r * sinf(3 * (float)i);
+        normals[i][2] = z;
+    }
+    colors[kNormals][0] = -1;
+    shgrid_shade_many(&all, normals[0], kStride, kNormals, colors[0], 3);
+    CHECK(colors[kNormals][0] == -1);
+    for (i = 0; i < kNormals; i++) {
+        shgrid_shade(&all, normals[i], rgb);
+        shgrid_shade(&some, normals[i], limited);
+        for (channel = 0; channel < 3; channel++) {
+            CHECK(Near(rgb[channel], colors[i][channel], 1e-6));
+            worst = fmaxf(worst, fabsf(rgb[channel] - limited[channel]));
+        }
+    }
+    CHECK(worst > 0 && worst < 0.1f * 0.0011f); /* of L2 for the lights that are coefficients: a tenth of their light */
+}
+
 int main(void) {
     static unsigned char file[kHeader19 + 256 + kLumpBytes + kSparseBytes];
     shgrid_grid grid;
     TestContainers(file);
+    TestNamedLights();
     TestHostileOffsets(file);
     TestOtherLayouts(file);
     TestLightArray(file);

@@ -112,8 +112,8 @@ TREE["code/renderergl2/tr_local.h"] += "void GLSL_InitGPUShaders(void);\n"
 
 LIGHT = """\
 void R_SetupEntityLighting( refdef_t *refdef, trRefEntity_t *ent ) {
-	if ( R_SetupSHGridEntity( &ent->shGrid, !( refdef->rdflags & RDF_NOWORLDMODEL ), lightOrigin,
-			ent->ambientLight, ent->directedLight, ent->lightDir ) ) {
+	if ( R_SetupSHGridEntity( &ent->shGrid, !( refdef->rdflags & RDF_NOWORLDMODEL ), refdef->time,
+			lightOrigin, ent->ambientLight, ent->directedLight, ent->lightDir ) ) {
 		// the SH grid stores all light: no minimum is added
 	} else if ( !( refdef->rdflags & RDF_NOWORLDMODEL ) && HasGrid() ) {
 		Sample();
@@ -132,10 +132,10 @@ void R_SetupEntityLighting( refdef_t *refdef, trRefEntity_t *ent ) {
 int R_LightForPoint( void )
 {
 	trRefEntity_t ent;
-	shgrid_coeffs coeffs;
+	shgrid_lighting lighting;
 
-	if ( R_SHGridAt( point, &coeffs ) ) {
-		R_SHGridSplit( &coeffs, ambientLight, directedLight, lightDir );
+	if ( R_SHGridAt( point, tr.refdef.time, &lighting ) ) {
+		R_SHGridSplit( &lighting, ambientLight, directedLight, lightDir );
 		return qtrue;
 	}
 

@@ -15,6 +15,8 @@
 #define DotProduct(x, y) ((x)[0] * (y)[0] + (x)[1] * (y)[1] + (x)[2] * (y)[2])
 #define VectorSubtract(a, b, c) ((c)[0] = (a)[0] - (b)[0], (c)[1] = (a)[1] - (b)[1], (c)[2] = (a)[2] - (b)[2])
 #define VectorScale(v, s, o) ((o)[0] = (v)[0] * (s), (o)[1] = (v)[1] * (s), (o)[2] = (v)[2] * (s))
+#define VectorMA(v, s, b, o)                                                                                           \
+    ((o)[0] = (v)[0] + (b)[0] * (s), (o)[1] = (v)[1] + (b)[1] * (s), (o)[2] = (v)[2] + (b)[2] * (s))
 #define VectorSet(v, x, y, z) ((v)[0] = (x), (v)[1] = (y), (v)[2] = (z))
 #define VectorClear(v) VectorSet(v, 0, 0, 0)
 #define Com_Memset memset
@@ -25,7 +27,8 @@ typedef enum { qfalse, qtrue } qboolean;
 typedef unsigned char byte;
 typedef float vec3_t[3];
 typedef struct {
-    int integer;
+    int integer, modificationCount;
+    char *string;
 } cvar_t;
 typedef enum { PRINT_ALL, PRINT_DEVELOPER, PRINT_WARNING } printParm_t;
 typedef struct {

@@ -12,7 +12,7 @@ enum { kFile = kHeader + kText + kLump };
 
 static int lines, warnings;
 static char lastLine[512];
-static cvar_t cvars[2];
+static cvar_t cvars[3];
 
 /* Stand-ins for functions of the engine. */
 static void Print(int level, const char *format, ...) {
@@ -25,9 +25,11 @@ static void Print(int level, const char *format, ...) {
 }
 
 static cvar_t *CvarGet(const char *name, const char *value, int flags) {
-    cvar_t *cvar = &cvars[flags == CVAR_CHEAT];
+    cvar_t *cvar = &cvars[flags == CVAR_CHEAT ? 0 : flags == CVAR_ARCHIVE ? 1 : 2];
     (void)name;
     cvar->integer = atoi(value);
+    cvar->string = (char *)value;
+    cvar->modificationCount++;
     return cvar;
 }
 
@@ -110,26 +112,27 @@ static void Load(const char *keys, long size, int shift) {
 
 static void TestLoad(void) {
     const vec3_t origin = {10, 20, 30};
-    shgrid_coeffs coeffs;
+    shgrid_lighting lighting;
     Load("", kFile, 0);
     CHECK(lines == 1 && warnings == 0);
     CHECK(strstr(lastLine, "lump 18, 1 points") != NULL);
-    CHECK(R_SHGridAt(origin, &coeffs) && coeffs.c[5][1] == 2 && !shGridWorld.isRadiance && !shGridWorld.hasTone);
+    CHECK(R_SHGridAt(origin, 0, &lighting) && lighting.rest.c[5][1] == 2 && !shGridWorld.isRadiance &&
+          !shGridWorld.hasTone);
     r_shgrid->integer = 0;
-    CHECK(!R_SHGridAt(origin, &coeffs));
+    CHECK(!R_SHGridAt(origin, 0, &lighting));
     r_shgrid->integer = 1;
     R_FreeSHGrid();
-    CHECK(!R_SHGridAt(origin, &coeffs));
+    CHECK(!R_SHGridAt(origin, 0, &lighting));
     Load("\"_q3map2_sh\" \"radiance\"\n\"_q3map2_tone\" \"gamma 2\"", kFile, 0);
     CHECK(shGridWorld.isRadiance && shGridWorld.hasTone && shGridWorld.tone.gamma == 2);
-    CHECK(R_SHGridAt(origin, &coeffs) && fabsf(coeffs.c[0][0] - 1.5707963f) < 1e-6f);
+    CHECK(R_SHGridAt(origin, 0, &lighting) && fabsf(lighting.rest.c[0][0] - 1.5707963f) < 1e-6f);
     R_FreeSHGrid();
     Load("\"_q3map2_tone\" \"gamma none\"", kFile, 0);
     CHECK(warnings == 1 && shGridWorld.grid.points != NULL && !shGridWorld.hasTone);
     R_FreeSHGrid();
     Load("", kFile - 1, 0);
     CHECK(lines == 1 && warnings == 1 && strstr(lastLine, "maps/x.bsp") != NULL);
-    CHECK(!R_SHGridAt(origin, &coeffs));
+    CHECK(!R_SHGridAt(origin, 0, &lighting));
 }
 
 /* An entity is lit by the grid, unless it has no world or r_shgrid is 0; dynamic lights of the last frame are gone. */
@@ -139,13 +142,14 @@ static void TestEntity(void) {
     vec3_t light[3], split[3];
     memset(&ent, 1, sizeof ent);
     Load("", kFile, 0);
-    CHECK(R_SetupSHGridEntity(&ent, qtrue, origin, light[0], light[1], light[2]) && ent.lit && ent.coeffs.c[5][1] == 2);
+    CHECK(R_SetupSHGridEntity(&ent, qtrue, 0, origin, light[0], light[1], light[2]) && ent.lit &&
+          ent.lighting.rest.c[5][1] == 2);
     CHECK(DotProduct(ent.dynamicLight, ent.dynamicLight) == 0 && DotProduct(ent.dynamicDir, ent.dynamicDir) == 0);
-    R_SHGridSplit(&ent.coeffs, split[0], split[1], split[2]);
+    R_SHGridSplit(&ent.lighting, split[0], split[1], split[2]);
     CHECK(memcmp(light, split, sizeof split) == 0);
-    CHECK(!R_SetupSHGridEntity(&ent, qfalse, origin, light[0], light[1], light[2]) && !ent.lit);
+    CHECK(!R_SetupSHGridEntity(&ent, qfalse, 0, origin, light[0], light[1], light[2]) && !ent.lit);
     r_shgrid->integer = 0;
-    CHECK(!R_SetupSHGridEntity(&ent, qtrue, origin, light[0], light[1], light[2]) && !ent.lit);
+    CHECK(!R_SetupSHGridEntity(&ent, qtrue, 0, origin, light[0], light[1], light[2]) && !ent.lit);
     r_shgrid->integer = 1;
     R_FreeSHGrid();
 }
@@ -153,12 +157,14 @@ static void TestEntity(void) {
 /* Coefficients in the axes of a model, which may have any length, against normals in map axes. */
 static void TestTurn(void) {
     const vec3_t axis[3] = {{0.48f, 0.64f, -0.6f}, {-1.6f, 1.2f, 0}, {0.36f * 3, 0.48f * 3, 0.8f * 3}};
-    shgrid_coeffs coeffs, turned;
+    shgrid_lighting lighting = {.count = 1, .direct = {{{0.6f, 0, 0.8f}, {1, 0.5f, 0.25f}, 0.1f, 7, 3}}}, turned;
     int i, j, k, channel;
     for (k = 0; k < 9; k++)
         for (channel = 0; channel < 3; channel++)
-            coeffs.c[k][channel] = k ? 0.1f * (float)((7 * k + 3 * channel) % 11 - 5) : 8.0f;
-    R_SHGridTurn(&coeffs, axis, &turned);
+            lighting.rest.c[k][channel] = k ? 0.1f * (float)((7 * k + 3 * channel) % 11 - 5) : 8.0f;
+    turned = lighting;
+    R_SHGridTurn(&turned, axis);
+    CHECK(turned.count == 1 && turned.direct[0].style == 7 && turned.direct[0].light == 3);
     for (i = 0; i < 200; i++) {
         const float z = cosf(0.1f * (float)i), r = sinf(0.1f * (float)i);
         const vec3_t normal = {r * cosf((float)i), r * sinf((float)i), z};
@@ -166,8 +172,8 @@ static void TestTurn(void) {
         for (j = 0; j < 3; j++)
             for (k = 0; k < 3; k++)
                 inMap[k] += normal[j] * axis[j][k] / sqrtf(DotProduct(axis[j], axis[j]));
-        shgrid_evaluate(&turned, normal, fromModel);
-        shgrid_evaluate(&coeffs, inMap, fromMap);
+        shgrid_shade(&turned, normal, fromModel);
+        shgrid_shade(&lighting, inMap, fromMap);
         for (channel = 0; channel < 3; channel++)
             CHECK(fabsf(fromModel[channel] - fromMap[channel]) < 2e-6f);
     }
@@ -188,30 +194,77 @@ static void MakeLight(const vec3_t color, const vec3_t even, shgrid_coeffs *coef
 
 static void TestScale(void) {
     const vec3_t color = {0.4f, 0.2f, 0.1f}, even = {0.1f, 0.05f, 0}, away = {-1, 0, 0}, toward = {1, 0, 0};
-    shgrid_coeffs coeffs;
+    shgrid_lighting lighting = {.count = 0};
     vec3_t ambient, directed, dir, rgb;
     int channel;
-    MakeLight(color, even, &coeffs);
+    MakeLight(color, even, &lighting.rest);
     Load("", kFile, 0);
-    R_SHGridSplit(&coeffs, ambient, directed, dir);
+    R_SHGridSplit(&lighting, ambient, directed, dir);
     for (channel = 0; channel < 3; channel++) {
         CHECK(fabsf(ambient[channel] - 255 * even[channel]) < 1e-3f);
         CHECK(fabsf(directed[channel] - 255 * color[channel]) < 1e-3f);
         CHECK(fabsf(dir[channel] - toward[channel]) < 1e-6f);
     }
-    R_SHGridLight(&coeffs, away, rgb); /* 0.0625 = 0.09375 - 0.5 + 0.46875: docs/engine_integration.md */
+    R_SHGridLight(&lighting, away, rgb); /* 0.0625 = 0.09375 - 0.5 + 0.46875: docs/engine_integration.md */
     CHECK(fabsf(rgb[0] - 255 * (0.1f + 0.0625f * 0.4f)) < 1e-3f);
     R_FreeSHGrid();
     /* With an overbright shift of 2 light is above 255, and is scaled down keeping its hue. */
     Load("", kFile, 2);
-    R_SHGridLight(&coeffs, toward, rgb);
+    R_SHGridLight(&lighting, toward, rgb);
     CHECK(fabsf(rgb[0] - 255) < 1e-3f && fabsf(rgb[1] - 127.5f) < 0.1f);
     CHECK(fabsf(rgb[2] / rgb[0] - 0.10625f / 0.525f) < 1e-5f);
     R_FreeSHGrid();
     /* Gamma 2 acts on light before the shift. */
     Load("\"_q3map2_tone\" \"gamma 2 scale 0.25\"", kFile, 1);
-    R_SHGridLight(&coeffs, toward, rgb);
+    R_SHGridLight(&lighting, toward, rgb);
     CHECK(fabsf(rgb[0] - 2 * 255 * 0.25f * sqrtf(0.525f)) < 1e-2f);
+    R_FreeSHGrid();
+}
+
+/* Directed light has the direction of the strongest named light, and its color; other light that comes from there is
+   added, and the rest is ambient. */
+static void TestNamedLights(void) {
+    const vec3_t none = {0, 0, 0}, even = {0.1f, 0.05f, 0}, normal = {0.6f, 0, 0.8f};
+    shgrid_lighting lighting = {
+        .count = 2, .direct = {{{0, 1, 0}, {0.2f, 0, 0}, 0, 0, 0}, {{0, 0, 1}, {0.4f, 0.2f, 0.1f}, 0, 0, 1}}};
+    vec3_t ambient, directed, dir, rgb, many[2];
+    Load("", kFile, 0);
+    MakeLight(none, even, &lighting.rest);
+    R_SHGridSplit(&lighting, ambient, directed, dir);
+    CHECK(dir[0] == 0 && dir[1] == 0 && dir[2] == 1);
+    CHECK(fabsf(directed[0] - 255 * 0.4f) < 1e-3f && fabsf(directed[2] - 255 * 0.1f) < 1e-3f);
+    CHECK(fabsf(ambient[0] - 255 * (0.1f + 0.2f / 4)) < 1e-3f && fabsf(ambient[1] - 255 * 0.05f) < 1e-3f);
+    R_SHGridLight(&lighting, normal, rgb);
+    CHECK(fabsf(rgb[0] - 255 * (0.1f + 0.4f * 0.8f)) < 1e-3f);
+    R_SHGridLightMany(&lighting, normal, 0, 2, many);
+    CHECK(memcmp(many[0], many[1], sizeof rgb) == 0 && fabsf(many[0][1] - rgb[1]) < 1e-4f);
+    /* Without names it is the mean direction. */
+    shgrid_limit_lights(&lighting, 0);
+    R_SHGridSplit(&lighting, ambient, directed, dir);
+    CHECK(lighting.count == 0 && dir[1] > 0.2f && dir[2] > 0.9f);
+    R_FreeSHGrid();
+}
+
+static void SetStyles(const char *words) {
+    r_shgridStyles->string = (char *)words;
+    r_shgridStyles->modificationCount++;
+}
+
+static void TestStyles(void) {
+    Load("", kFile, 0);
+    CHECK(R_SHGridStyles(0)[0] == 1 && R_SHGridStyles(0)[63] == 1);
+    SetStyles("1:az 2:mmamz 64:a -1:a 3: 4:?");
+    CHECK(R_SHGridStyles(0)[1] == 0 && R_SHGridStyles(99)[1] == 0);
+    CHECK(fabsf(R_SHGridStyles(100)[1] - 25.0f / 12) < 1e-6f && R_SHGridStyles(200)[1] == 0);
+    CHECK(R_SHGridStyles(200)[2] == 0 && R_SHGridStyles(799)[2] == 0 && R_SHGridStyles(800)[2] == 1);
+    CHECK(R_SHGridStyles(0)[0] == 1 && R_SHGridStyles(0)[3] == 1 && R_SHGridStyles(0)[4] == 1);
+    /* All styles at once, which light without a style is not a part of. */
+    SetStyles("0 5:m");
+    CHECK(R_SHGridStyles(0)[0] == 1 && R_SHGridStyles(0)[1] == 0 && R_SHGridStyles(0)[5] == 1);
+    SetStyles("a");
+    CHECK(R_SHGridStyles(0)[63] == 0);
+    SetStyles("");
+    CHECK(R_SHGridStyles(0)[63] == 1);
     R_FreeSHGrid();
 }
 
@@ -220,5 +273,7 @@ int main(void) {
     TestEntity();
     TestTurn();
     TestScale();
+    TestNamedLights();
+    TestStyles();
     return CheckResult();
 }

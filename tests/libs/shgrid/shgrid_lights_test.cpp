@@ -42,7 +42,7 @@ struct TableView {
     shgrid_moments_ Moments(const Vec3f &position) const {
         const float at[3] = {position.x, position.y, position.z};
         shgrid_moments_ moments;
-        shgrid_polygon_moments_(&grid, grid.lights, at, &moments);
+        shgrid_polygon_moments_(&grid, grid.lights, at, 1, &moments);
         return moments;
     }
 };

@@ -33,8 +33,8 @@ R_LoadSHGrid( name, buffer.b, length, r_mapOverBrightBits->integer - tr.overbrig
     # the legacy grid loses.
     In("tr_light.c", "R_SetupEntityLighting",
        replace(r"\bif\s*\(\s*!\s*\(\s*refdef->rdflags\s*&\s*RDF_NOWORLDMODEL\b", r"""
-if ( R_SetupSHGridEntity( &ent->shGrid, !( refdef->rdflags & RDF_NOWORLDMODEL ), lightOrigin,
-		ent->ambientLight, ent->directedLight, ent->lightDir ) ) {
+if ( R_SetupSHGridEntity( &ent->shGrid, !( refdef->rdflags & RDF_NOWORLDMODEL ), refdef->time,
+		lightOrigin, ent->ambientLight, ent->directedLight, ent->lightDir ) ) {
 	// the SH grid stores all light: no minimum is added
 } else \g<0>""".lstrip()),
        replace(r"\b(if\s*\(\s*)1\b", r"\g<1>!ent->shGrid.lit"),
@@ -42,10 +42,10 @@ if ( R_SetupSHGridEntity( &ent->shGrid, !( refdef->rdflags & RDF_NOWORLDMODEL ),
 VectorMA( ent->shGrid.dynamicLight, d, dl->color, ent->shGrid.dynamicLight );
 VectorMA( ent->shGrid.dynamicDir, d, dir, ent->shGrid.dynamicDir );""".lstrip())),
     In("tr_light.c", "R_LightForPoint",
-       after(r"\btrRefEntity_t\s+ent\s*;", "shgrid_coeffs coeffs;"),
+       after(r"\btrRefEntity_t\s+ent\s*;", "shgrid_lighting lighting;"),
        before(r"\btr\.world->lightGridData\s*==\s*NULL", """
-if ( R_SHGridAt( point, &coeffs ) ) {
-	R_SHGridSplit( &coeffs, ambientLight, directedLight, lightDir );
+if ( R_SHGridAt( point, tr.refdef.time, &lighting ) ) {
+	R_SHGridSplit( &lighting, ambientLight, directedLight, lightDir );
 	return qtrue;
 }
 """.lstrip())),

@@ -10,12 +10,14 @@
 #include "tests/support/grid_readers/legacy_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace q3 {
 
 namespace {
 
+constexpr std::size_t kLightStyles = 64;
 constexpr float kAddedAmbient = 32; ///< that the engine adds to ambient light, bytes
 
 /// Limited to 255, keeping the hue.
@@ -56,7 +58,7 @@ Vec3f LegacyColor(const LegacyLight &light, Renderer renderer, const Vec3f &norm
 
 } // namespace
 
-EngineLight SHGridLight(const std::vector<std::byte> &file, const Bsp &bsp, int shift) {
+EngineLight SHGridLight(const std::vector<std::byte> &file, const Bsp &bsp, int shift, std::optional<int> darkStyle) {
     shgrid_grid grid;
     if (const auto result = shgrid_load(file.data(), file.size(), &grid); result != SHGRID_OK)
         throw Error("SH grid: {}", shgrid_message(result));
@@ -66,16 +68,21 @@ EngineLight SHGridLight(const std::vector<std::byte> &file, const Bsp &bsp, int 
     if (shgrid_parse_tone(words.c_str(), &tone) != SHGRID_OK)
         throw Error("{}: {}", kToneKey, shgrid_message(SHGRID_BAD_TONE));
     const bool isRadiance = world.Value(kGridSHKey) == kRadiance;
-    return [grid, tone, isRadiance, shift](const Vec3f &position) -> NormalColor {
+    std::array<float, kLightStyles> styles;
+    styles.fill(1);
+    if (darkStyle)
+        styles.at(std::size_t(*darkStyle)) = 0;
+    return [grid, tone, isRadiance, shift, styles](const Vec3f &position) -> NormalColor {
         const float at[3] = {position.x, position.y, position.z};
-        shgrid_coeffs coeffs;
-        shgrid_sample(&grid, at, &coeffs);
+        shgrid_lighting lighting;
+        shgrid_lights(&grid, at, styles.data(),
+                      &lighting); // the engine limits their number: that counts as a difference
         if (isRadiance)
-            shgrid_convolve(&coeffs);
-        return [coeffs, tone, shift](const Vec3f &normal) {
+            shgrid_convolve(&lighting.rest);
+        return [lighting, tone, shift](const Vec3f &normal) {
             const float n[3] = {normal.x, normal.y, normal.z};
             float rgb[3];
-            shgrid_evaluate(&coeffs, n, rgb);
+            shgrid_shade(&lighting, n, rgb);
             shgrid_apply_tone(&tone, rgb);
             return HueLimited(Vec3f{rgb[0], rgb[1], rgb[2]} * std::ldexp(255.0f, shift));
         };

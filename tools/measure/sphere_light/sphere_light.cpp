@@ -26,6 +26,7 @@ places   prints x y z yaw of COUNT spheres with a free view, a line each
 compare  pictures FOLDER/0.tga, 1.tga, ... of the places with the light that the grid gives there
   --grid sh|legacy       (sh)
   --renderer 1|2         whose formula of the legacy grid (1)
+  --dark N               light style of the SH grid that is switched off
   --shift N              r_mapOverBrightBits less the engine's overbright bits (0)
   --limit N              exit status 1 unless the mean difference of all pixels is below N bytes
 wall     the middle of the sphere with the wall behind it, left and right of the sphere
@@ -74,9 +75,9 @@ Bsp ReadMap(const std::string &path) {
 }
 
 EngineLight GridOf(const std::string &name, const std::vector<std::byte> &file, const Bsp &bsp, Renderer renderer,
-                   int shift) {
+                   int shift, std::optional<int> darkStyle) {
     if (name == "sh")
-        return SHGridLight(file, bsp, shift);
+        return SHGridLight(file, bsp, shift, darkStyle);
     if (name == "legacy")
         return LegacyGridLight(bsp, renderer, shift);
     throw Error("--grid {}: expected sh or legacy", name);
@@ -136,14 +137,18 @@ Differences ComparePlace(const SpherePlace &place, const Image &image, const Nor
 int CompareImages(Arguments &arguments) {
     const int renderer = arguments.TakeInteger("--renderer", 1, 1), shift = arguments.TakeInteger("--shift", 0, 0);
     const std::string grid = arguments.TakeValue("--grid").value_or("sh");
-    const auto limit = arguments.TakeValue("--limit");
+    const auto limit = arguments.TakeValue("--limit"), dark = arguments.TakeValue("--dark");
+    const std::optional<int> darkStyle = dark ? std::optional<int>(int(NumberFromText(*dark))) : std::nullopt;
+    if (darkStyle && (*darkStyle < 0 || *darkStyle > 63))
+        throw Error("--dark {}: expected 0 to 63", *darkStyle);
     if (renderer > 2)
         throw Error("--renderer {}: expected 1 or 2", renderer);
     const auto &words = Words(arguments, 3, "a map, a file of places and a folder");
     const std::string &path = words[0], &placesPath = words[1], &folder = words[2];
     const std::vector<std::byte> file = ReadFile(path);
     const Bsp bsp = ReadMap(path);
-    const EngineLight light = GridOf(grid, file, bsp, renderer == 1 ? Renderer::OpenGL1 : Renderer::OpenGL2, shift);
+    const EngineLight light =
+        GridOf(grid, file, bsp, renderer == 1 ? Renderer::OpenGL1 : Renderer::OpenGL2, shift, darkStyle);
     const std::vector<SpherePlace> places = ReadPlaces(placesPath);
     fmt::print("{:<32} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "of 255", "pixels", "light", "mean", "bias", "largest");
     Differences all;

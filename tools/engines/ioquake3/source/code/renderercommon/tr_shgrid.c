@@ -25,6 +25,7 @@ The SH light grid of the map: loading, sampling, and the scale of lightmaps.
 
 cvar_t	*r_shgrid;
 cvar_t	*r_showshgrid;
+cvar_t	*r_shgridStyles;
 
 shGridWorld_t	shGridWorld;
 
@@ -50,6 +51,7 @@ R_RegisterSHGrid
 void R_RegisterSHGrid( void ) {
 	r_shgrid = ri.Cvar_Get( "r_shgrid", "1", CVAR_ARCHIVE );
 	r_showshgrid = ri.Cvar_Get( "r_showshgrid", "0", CVAR_CHEAT );
+	r_shgridStyles = ri.Cvar_Get( "r_shgridStyles", "m", 0 );
 }
 
 /*
@@ -98,6 +100,9 @@ Where the lump was found
 ===============
 */
 static const char *R_SHGridForm( const byte *file, const byte *lump ) {
+	if ( shGridWorld.grid.lights ) {
+		return "BSPX LIGHTGRID_SH_LIGHTS";
+	}
 	if ( shGridWorld.grid.levels ) {
 		return "BSPX LIGHTGRID_SH_SPARSE";
 	}
@@ -152,13 +157,70 @@ void R_LoadSHGrid( const char *mapName, const byte *file, long fileBytes, int sh
 
 /*
 ===============
+R_SHGridStyleWord
+
+One word of r_shgridStyles; tenth: the tenth of a second
+===============
+*/
+static void R_SHGridStyleWord( const char *word, unsigned tenth, float styles[SHGRID_STYLES] ) {
+	const char	*letters = strchr( word, ':' );
+	int			first = 1, last = SHGRID_STYLES - 1, style;
+	float		brightness;
+	char		letter;
+
+	if ( letters ) {
+		first = last = atoi( word );
+		word = letters + 1;
+	}
+	if ( !*word || first < 0 || last >= SHGRID_STYLES ) {
+		return;
+	}
+
+	letter = word[tenth % strlen( word )];
+	brightness = letter >= 'a' && letter <= 'z' ? ( letter - 'a' ) / 12.0f : letter == '0' ? 0 : 1;
+	for ( style = first ; style <= last ; style++ ) {
+		styles[style] = brightness;
+	}
+}
+
+/*
+===============
+R_SHGridStyles
+===============
+*/
+const float *R_SHGridStyles( int time ) {
+	static float	styles[SHGRID_STYLES];
+	static int		lastTenth, lastCount = -1;
+	char	*p, *token;
+	int		i;
+
+	// the words are read anew only when the letter changes, or they do
+	if ( lastCount == r_shgridStyles->modificationCount && lastTenth == time / 100 ) {
+		return styles;
+	}
+	lastCount = r_shgridStyles->modificationCount;
+	lastTenth = time / 100;
+
+	for ( i = 0 ; i < SHGRID_STYLES ; i++ ) {
+		styles[i] = 1;
+	}
+	p = r_shgridStyles->string;
+	while ( *( token = COM_ParseExt( &p, qtrue ) ) ) {
+		R_SHGridStyleWord( token, (unsigned)lastTenth, styles );
+	}
+	return styles;
+}
+
+/*
+===============
 R_SHGridSample
 ===============
 */
-void R_SHGridSample( const vec3_t origin, shgrid_coeffs *coeffs ) {
-	shgrid_sample( &shGridWorld.grid, origin, coeffs );
+void R_SHGridSample( const vec3_t origin, int time, shgrid_lighting *lighting ) {
+	shgrid_lights( &shGridWorld.grid, origin, shGridWorld.grid.lights ? R_SHGridStyles( time ) : NULL, lighting );
+	shgrid_limit_lights( lighting, SHGRID_ENTITY_LIGHTS );
 	if ( shGridWorld.isRadiance ) {
-		shgrid_convolve( coeffs );
+		shgrid_convolve( &lighting->rest );
 	}
 }
 
@@ -167,11 +229,11 @@ void R_SHGridSample( const vec3_t origin, shgrid_coeffs *coeffs ) {
 R_SHGridAt
 ===============
 */
-qboolean R_SHGridAt( const vec3_t origin, shgrid_coeffs *coeffs ) {
+qboolean R_SHGridAt( const vec3_t origin, int time, shgrid_lighting *lighting ) {
 	if ( !shGridWorld.grid.points || !r_shgrid->integer ) {
 		return qfalse;
 	}
-	R_SHGridSample( origin, coeffs );
+	R_SHGridSample( origin, time, lighting );
 	return qtrue;
 }
 
@@ -180,13 +242,13 @@ qboolean R_SHGridAt( const vec3_t origin, shgrid_coeffs *coeffs ) {
 R_SetupSHGridEntity
 ===============
 */
-qboolean R_SetupSHGridEntity( shGridEntity_t *ent, qboolean hasWorld, const vec3_t origin,
+qboolean R_SetupSHGridEntity( shGridEntity_t *ent, qboolean hasWorld, int time, const vec3_t origin,
 	vec3_t ambient, vec3_t directed, vec3_t dir ) {
 	VectorClear( ent->dynamicLight );
 	VectorClear( ent->dynamicDir );
-	ent->lit = hasWorld && R_SHGridAt( origin, &ent->coeffs );
+	ent->lit = hasWorld && R_SHGridAt( origin, time, &ent->lighting );
 	if ( ent->lit ) {
-		R_SHGridSplit( &ent->coeffs, ambient, directed, dir );
+		R_SHGridSplit( &ent->lighting, ambient, directed, dir );
 	}
 	return ent->lit;
 }
@@ -211,19 +273,14 @@ int R_SHGridNear( const vec3_t origin, float radius, int max, vec3_t *points ) {
 
 /*
 ===============
-R_SHGridTurn
+R_SHGridTurnCoeffs
 
 Band 1 is a vector, and band 2 is n . M n with a symmetric, traceless matrix M: in model axes its elements are
 axis[i] . M axis[j]
 ===============
 */
-void R_SHGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs *out ) {
-	vec3_t	unit[3];
+static void R_SHGridTurnCoeffs( const shgrid_coeffs *in, const vec3_t unit[3], shgrid_coeffs *out ) {
 	int		i, c;
-
-	for ( i = 0 ; i < 3 ; i++ ) {
-		VectorNormalize2( axis[i], unit[i] );
-	}
 
 	for ( c = 0 ; c < 3 ; c++ ) {
 		const vec3_t	linear = { in->c[3][c], in->c[1][c], in->c[2][c] };
@@ -245,6 +302,29 @@ void R_SHGridTurn( const shgrid_coeffs *in, const vec3_t axis[3], shgrid_coeffs 
 		out->c[6][c] = DotProduct( unit[2], turned[2] ) * ( 0.5f / SH_ZZ );
 		out->c[7][c] = DotProduct( unit[0], turned[2] ) * ( 2 / SH_XY );
 		out->c[8][c] = ( DotProduct( unit[0], turned[0] ) - DotProduct( unit[1], turned[1] ) ) * ( 0.5f / SH_XX_YY );
+	}
+}
+
+/*
+===============
+R_SHGridTurn
+===============
+*/
+void R_SHGridTurn( shgrid_lighting *lighting, const vec3_t axis[3] ) {
+	const shgrid_coeffs	rest = lighting->rest;
+	vec3_t	unit[3];
+	int		i;
+
+	for ( i = 0 ; i < 3 ; i++ ) {
+		VectorNormalize2( axis[i], unit[i] );
+	}
+
+	R_SHGridTurnCoeffs( &rest, (const vec3_t *)unit, &lighting->rest );
+	for ( i = 0 ; i < lighting->count ; i++ ) {
+		float			*to = lighting->direct[i].direction;
+		const vec3_t	dir = { to[0], to[1], to[2] };
+
+		VectorSet( to, DotProduct( dir, unit[0] ), DotProduct( dir, unit[1] ), DotProduct( dir, unit[2] ) );
 	}
 }
 
@@ -272,9 +352,55 @@ static void R_SHGridBytes( vec3_t rgb ) {
 R_SHGridLight
 ===============
 */
-void R_SHGridLight( const shgrid_coeffs *coeffs, const vec3_t normal, vec3_t rgb ) {
-	shgrid_evaluate( coeffs, normal, rgb );
+void R_SHGridLight( const shgrid_lighting *lighting, const vec3_t normal, vec3_t rgb ) {
+	shgrid_shade( lighting, normal, rgb );
 	R_SHGridBytes( rgb );
+}
+
+/*
+===============
+R_SHGridLightMany
+===============
+*/
+void R_SHGridLightMany( const shgrid_lighting *lighting, const float *normals, int stride, int count, vec3_t *rgb ) {
+	int		i;
+
+	shgrid_shade_many( lighting, normals, stride, count, rgb[0], 3 );
+	for ( i = 0 ; i < count ; i++ ) {
+		R_SHGridBytes( rgb[i] );
+	}
+}
+
+/*
+===============
+R_SHGridStrongest
+
+The light that the grid names which is stronger than the light of the rest from one direction, and than all others.
+NULL: there is none
+===============
+*/
+static const shgrid_direct *R_SHGridStrongest( const shgrid_lighting *lighting ) {
+	const shgrid_direct	*strongest = NULL;
+	vec3_t	linear;
+	float	most;
+	int		i;
+
+	for ( i = 0 ; i < 3 ; i++ ) {
+		const float	*band = lighting->rest.c[i + 1];
+
+		linear[i] = band[0] + band[1] + band[2];
+	}
+	most = 2 * SH_BAND1 * VectorNormalize( linear );
+
+	for ( i = 0 ; i < lighting->count ; i++ ) {
+		const float	*color = lighting->direct[i].color;
+
+		if ( color[0] + color[1] + color[2] > most ) {
+			strongest = &lighting->direct[i];
+			most = color[0] + color[1] + color[2];
+		}
+	}
+	return strongest;
 }
 
 /*
@@ -284,22 +410,37 @@ R_SHGridSplit
 The clamped cosine has the mean 1/4 and band 1 is 1/2 n . dir
 ===============
 */
-void R_SHGridSplit( const shgrid_coeffs *coeffs, vec3_t ambient, vec3_t directed, vec3_t dir ) {
-	const float	*x = coeffs->c[3], *y = coeffs->c[1], *z = coeffs->c[2];
-	int			i;
+void R_SHGridSplit( const shgrid_lighting *lighting, vec3_t ambient, vec3_t directed, vec3_t dir ) {
+	const shgrid_direct	*strongest = R_SHGridStrongest( lighting );
+	vec3_t	mean, linear[3];	// of all but the strongest light: mean, and coefficients of band 1 as a vector
+	int		i, c;
 
-	VectorSet( dir, x[0] + x[1] + x[2], y[0] + y[1] + y[2], z[0] + z[1] + z[2] );
-	if ( !VectorNormalize( dir ) ) {
-		VectorSet( dir, 0, 0, 1 );
+	for ( c = 0 ; c < 3 ; c++ ) {
+		const shgrid_coeffs	*rest = &lighting->rest;
+
+		mean[c] = SH_BAND0 * rest->c[0][c];
+		VectorSet( linear[c], rest->c[3][c], rest->c[1][c], rest->c[2][c] );
+	}
+	for ( i = 0 ; i < lighting->count ; i++ ) {
+		const shgrid_direct	*light = &lighting->direct[i];
+
+		for ( c = 0 ; light != strongest && c < 3 ; c++ ) {
+			mean[c] += light->color[c] * ( 0.25f + light->spread * light->spread / 12 );
+			VectorMA( linear[c], 0.5f / SH_BAND1 * light->color[c], light->direction, linear[c] );
+		}
 	}
 
 	for ( i = 0 ; i < 3 ; i++ ) {
-		float	mean = SH_BAND0 * coeffs->c[0][i];
-		float	slope = SH_BAND1 * ( x[i] * dir[0] + y[i] * dir[1] + z[i] * dir[2] );
+		dir[i] = strongest ? strongest->direction[i] : linear[0][i] + linear[1][i] + linear[2][i];
+	}
+	if ( !strongest && !VectorNormalize( dir ) ) {
+		VectorSet( dir, 0, 0, 1 );
+	}
 
-		directed[i] = Com_Clamp( 0, 4 * MAX( mean, 0 ), 2 * slope );
-		ambient[i] = MAX( mean, 0 ) - directed[i] / 4;
-		directed[i] += ambient[i];
+	for ( c = 0 ; c < 3 ; c++ ) {
+		directed[c] = Com_Clamp( 0, 4 * MAX( mean[c], 0 ), 2 * ( SH_BAND1 * DotProduct( linear[c], dir ) ) );
+		ambient[c] = MAX( mean[c], 0 ) - directed[c] / 4;
+		directed[c] += ambient[c] + ( strongest ? strongest->color[c] : 0 );
 	}
 
 	// the tone is not linear: it applies to the light of the bright side, not to the directed part alone

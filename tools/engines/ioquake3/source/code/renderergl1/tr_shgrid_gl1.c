@@ -19,6 +19,8 @@ LIGHT OF ENTITIES
 =============================================================================
 */
 
+#define	SHGRID_VERTEX_LIGHTS	4		// named lights of an entity: each costs time at every vertex
+
 /*
 =================
 R_TurnEntitySHGrid
@@ -27,10 +29,10 @@ Into the axes of the model, so that vertexes need no transformation of their own
 =================
 */
 void R_TurnEntitySHGrid( trRefEntity_t *ent ) {
-	shgrid_coeffs	world = ent->shGrid.coeffs;
-	vec3_t			dir;
+	vec3_t	dir;
 
-	R_SHGridTurn( &world, (const vec3_t *)ent->e.axis, &ent->shGrid.coeffs );
+	shgrid_limit_lights( &ent->shGrid.lighting, SHGRID_VERTEX_LIGHTS );
+	R_SHGridTurn( &ent->shGrid.lighting, (const vec3_t *)ent->e.axis );
 
 	VectorNormalize2( ent->shGrid.dynamicDir, dir );
 	VectorSet( ent->shGrid.dynamicDir, DotProduct( dir, ent->e.axis[0] ), DotProduct( dir, ent->e.axis[1] ),
@@ -47,21 +49,20 @@ RB_CalcDiffuseColor for an entity that is lit by the grid
 void RB_CalcSHGridColor( unsigned char *colors ) {
 	const trRefEntity_t	*ent = backEnd.currentEntity;
 	const qboolean		dynamic = ent->shGrid.dynamicLight[0] || ent->shGrid.dynamicLight[1] || ent->shGrid.dynamicLight[2];
+	static vec3_t		lit[SHADER_MAX_VERTEXES];
 	int					i, j;
 
+	R_SHGridLightMany( &ent->shGrid.lighting, tess.normal[0], ARRAY_LEN( tess.normal[0] ), tess.numVertexes, lit );
 	for ( i = 0 ; i < tess.numVertexes ; i++, colors += 4 ) {
-		vec3_t	rgb;
-
-		R_SHGridLight( &ent->shGrid.coeffs, tess.normal[i], rgb );
 		if ( dynamic ) {
 			float	incoming = DotProduct( tess.normal[i], ent->shGrid.dynamicDir );
 
 			if ( incoming > 0 ) {
-				VectorMA( rgb, incoming, ent->shGrid.dynamicLight, rgb );
+				VectorMA( lit[i], incoming, ent->shGrid.dynamicLight, lit[i] );
 			}
 		}
 		for ( j = 0 ; j < 3 ; j++ ) {
-			colors[j] = rgb[j] < 255 ? (int)rgb[j] : 255;
+			colors[j] = lit[i][j] < 255 ? (int)lit[i][j] : 255;
 		}
 		colors[3] = 255;
 	}
@@ -146,14 +147,14 @@ RB_AddSphere
 =================
 */
 static void RB_AddSphere( const vec3_t origin ) {
-	shgrid_coeffs	coeffs;
+	shgrid_lighting	lighting;
 	const shGridSphere_t	*sphere = R_SHGridSphere();
 	const float		*kind = NULL;
 	int				i, j;
 
 	RB_CHECKOVERFLOW( SHGRID_SPHERE_VERTEXES, SHGRID_SPHERE_INDEXES );
 
-	R_SHGridSample( origin, &coeffs );
+	R_SHGridSample( origin, backEnd.refdef.time, &lighting );
 	if ( r_showshgrid->integer > 1 ) {
 		kind = R_PointInSolid( origin ) ? colorRed : colorGreen;
 	}
@@ -166,7 +167,7 @@ static void RB_AddSphere( const vec3_t origin ) {
 
 		VectorMA( origin, SHGRID_SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
 		tess.texCoords[tess.numVertexes][0][0] = tess.texCoords[tess.numVertexes][0][1] = 0;
-		R_SHGridLight( &coeffs, sphere->normals[i], rgb );
+		R_SHGridLight( &lighting, sphere->normals[i], rgb );
 		for ( j = 0 ; j < 3 ; j++ ) {
 			tess.vertexColors[tess.numVertexes][j] = kind ? 0.5f * ( rgb[j] + 255 * kind[j] ) : rgb[j];
 		}

@@ -41,6 +41,8 @@ The SH light grid in renderer 2: programs that evaluate it, 3D textures, and dra
 #define	SHGRID_TEXTURES			( SHGRID_MAPS + 1 )
 
 #define	SHGRID_ENTITY_FLOATS	33
+#define	SHGRID_LIGHT_FLOATS		7		// direction, spread, color
+#define	SHGRID_LIGHTS_FLOATS	( 1 + SHGRID_LIGHT_FLOATS * SHGRID_ENTITY_LIGHTS )
 
 extern const char *fallbackShader_shgrid;
 extern const char *fallbackShader_shgrid_atlas;
@@ -52,8 +54,9 @@ typedef void (APIENTRY *texImage3D_t)( GLenum target, GLint level, GLint interna
 // a lightall or generic program with the light of the grid
 typedef struct {
 	shaderProgram_t	sp;
-	GLint	entityUniform;
+	GLint	entityUniform, lightsUniform;
 	float	entity[SHGRID_ENTITY_FLOATS];	// the last that were set
+	float	lights[SHGRID_LIGHTS_FLOATS];
 } shGridProgram_t;
 
 static struct {
@@ -75,6 +78,31 @@ LIGHT OF ENTITIES
 
 /*
 =================
+GLSL_SetSHGridLights
+
+Lights that the grid names: their number, then each of them
+=================
+*/
+static void GLSL_SetSHGridLights( shGridProgram_t *program, const shgrid_lighting *lighting ) {
+	float	values[SHGRID_LIGHTS_FLOATS], *to = values + 1;
+	int		i, size;
+
+	values[0] = lighting->count;
+	for ( i = 0 ; i < lighting->count ; i++, to += SHGRID_LIGHT_FLOATS ) {
+		VectorCopy( lighting->direct[i].direction, to );
+		to[3] = lighting->direct[i].spread;
+		VectorCopy( lighting->direct[i].color, to + 4 );
+	}
+
+	size = to - values;
+	if ( memcmp( values, program->lights, size * sizeof( float ) ) ) {
+		Com_Memcpy( program->lights, values, size * sizeof( float ) );
+		qglProgramUniform1fvEXT( program->sp.program, program->lightsUniform, size, values );
+	}
+}
+
+/*
+=================
 GLSL_SetSHGridEntity
 =================
 */
@@ -82,13 +110,16 @@ static void GLSL_SetSHGridEntity( shGridProgram_t *program, const trRefEntity_t 
 	float	values[SHGRID_ENTITY_FLOATS];
 	float	most = MAX( ent->shGrid.dynamicLight[0], MAX( ent->shGrid.dynamicLight[1], ent->shGrid.dynamicLight[2] ) );
 
-	Com_Memcpy( values, ent->shGrid.coeffs.c, sizeof( ent->shGrid.coeffs.c ) );
+	Com_Memcpy( values, ent->shGrid.lighting.rest.c, sizeof( ent->shGrid.lighting.rest.c ) );
 	VectorScale( ent->shGrid.dynamicLight, 1.0f / MAX( most, 255.0f ), values + 27 );
 	VectorNormalize2( ent->shGrid.dynamicDir, values + 30 );
 
 	if ( memcmp( values, program->entity, sizeof( values ) ) ) {
 		Com_Memcpy( program->entity, values, sizeof( values ) );
 		qglProgramUniform1fvEXT( program->sp.program, program->entityUniform, SHGRID_ENTITY_FLOATS, values );
+	}
+	if ( program->lightsUniform >= 0 ) {
+		GLSL_SetSHGridLights( program, &ent->shGrid.lighting );
 	}
 }
 
@@ -207,8 +238,8 @@ static void GLSL_InitSHGridProgram( shGridProgram_t *program, const shaderProgra
 	char	defines[256];
 	char	*vertex, *fragment;
 
-	Com_sprintf( defines, sizeof( defines ), "#define USE_SHGRID\n%s%s%s", shGridWorld.hasTone ? "#define USE_SHGRID_TONE\n" : "",
-		sh.textures[0] ? "#define USE_SHGRID_TEXTURES\n" : "", sh.atlas.count ? "#define USE_SHGRID_SPARSE\n" : "" );
+	Com_sprintf( defines, sizeof( defines ), "#define USE_SHGRID\n%s%s%s%s", shGridWorld.hasTone ? "#define USE_SHGRID_TONE\n" : "",
+		shGridWorld.grid.lights ? "#define USE_SHGRID_LIGHTS\n" : "", sh.textures[0] ? "#define USE_SHGRID_TEXTURES\n" : "", sh.atlas.count ? "#define USE_SHGRID_SPARSE\n" : "" );
 	vertex = GLSL_SHGridSource( like->vertexShader, defines );
 	fragment = GLSL_SHGridSource( like->fragmentShader, defines );
 	GLSL_InitGPUShader2( &program->sp, va( "%s_shgrid", like->name ), like->attribs, vertex, fragment );
@@ -224,6 +255,7 @@ static void GLSL_InitSHGridProgram( shGridProgram_t *program, const shaderProgra
 	GLSL_SetUniformInt( &program->sp, UNIFORM_SHADOWMAP, TB_SHADOWMAP );
 	GLSL_SetUniformInt( &program->sp, UNIFORM_CUBEMAP, TB_CUBEMAP );
 	program->entityUniform = qglGetUniformLocation( program->sp.program, "u_SHGridEntity" );
+	program->lightsUniform = qglGetUniformLocation( program->sp.program, "u_SHGridLights" );
 	GLSL_SetSHGridConstants( program->sp.program );
 	GLSL_FinishGPUShader( &program->sp );
 }
@@ -435,13 +467,13 @@ RB_AddSphere
 */
 static void RB_AddSphere( const vec3_t origin ) {
 	const shGridSphere_t	*sphere = R_SHGridSphere();
-	shgrid_coeffs	coeffs;
+	shgrid_lighting	lighting;
 	const float		*kind = NULL;
 	int				i;
 
 	RB_CHECKOVERFLOW( SHGRID_SPHERE_VERTEXES, SHGRID_SPHERE_INDEXES );
 
-	R_SHGridSample( origin, &coeffs );
+	R_SHGridSample( origin, backEnd.refdef.time, &lighting );
 	if ( r_showshgrid->integer > 1 ) {
 		kind = R_PointInLeaf( origin )->cluster == -1 ? colorRed : colorGreen;
 	}
@@ -454,7 +486,7 @@ static void RB_AddSphere( const vec3_t origin ) {
 
 		VectorMA( origin, SHGRID_SPHERE_RADIUS, sphere->normals[i], tess.xyz[tess.numVertexes] );
 		VectorSet2( tess.texCoords[tess.numVertexes], 0, 0 );
-		R_SHGridLight( &coeffs, sphere->normals[i], color );
+		R_SHGridLight( &lighting, sphere->normals[i], color );
 		VectorScale( color, 1.0f / 255.0f, color );
 		if ( kind ) {
 			VectorScale( color, 0.5f, color );

@@ -5,6 +5,11 @@
 // of the entity: nine RGB coefficients; color and direction of the dynamic lights
 uniform float u_SHGridEntity[33];
 
+#if defined(USE_SHGRID_LIGHTS)
+// number of lights that the grid names; direction, spread and color of each
+uniform float u_SHGridLights[57];
+#endif
+
 // fields of ShgridTone; brightest light that lightmap bytes hold, scale of the overbright shift
 uniform float u_SHGridTone[9];
 
@@ -43,7 +48,7 @@ vec4 SHGridTexel(vec3 position)
 }
 #endif
 
-// linear light by the coefficients of the entity
+// linear light by the coefficients and the named lights of the entity
 vec3 SHGridEntityLight(vec3 normal)
 {
 	vec3 sh[9];
@@ -51,7 +56,18 @@ vec3 SHGridEntityLight(vec3 normal)
 	for (int k = 0; k < 9; k++)
 		sh[k] = vec3(u_SHGridEntity[3 * k], u_SHGridEntity[3 * k + 1], u_SHGridEntity[3 * k + 2]);
 
+#if defined(USE_SHGRID_LIGHTS)
+	vec3 light = ShgridSum(sh, normal);
+	int end = 1 + 7 * int(u_SHGridLights[0]);
+
+	for (int i = 1; i < end; i += 7)
+		light += ShgridDirect(vec3(u_SHGridLights[i], u_SHGridLights[i + 1], u_SHGridLights[i + 2]), u_SHGridLights[i + 3],
+			vec3(u_SHGridLights[i + 4], u_SHGridLights[i + 5], u_SHGridLights[i + 6]), normal);
+
+	return max(light, vec3(0.0));
+#else
 	return ShgridLight(sh, normal);
+#endif
 }
 
 // linear light: of the position with textures, else of the entity
