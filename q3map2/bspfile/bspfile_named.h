@@ -23,18 +23,18 @@ struct GridLight {
     std::uint8_t style = 0;
     std::uint8_t flags = 0; ///< SHGRID_TWO_SIDED, SHGRID_CONE_BY_ANGLES
     Float3 color{};
-    Float3 origin{};         ///< points and spots: position; others: one for messages
-    Float3 normal{};         ///< spot: direction of the beam; sun: toward the sun; unit
-    float intensity = 0;     ///< points and spots: photons; sun: light; polygons: radiosity
-    float extraDist = 0;     ///< see Light
-    float fade = 0;          ///< linear: light lost per game unit
-    float end = 0;           ///< windowed, polynomial
+    Float3 origin{};     ///< points and spots: position; others: one for messages
+    Float3 normal{};     ///< spot: direction of the beam; sun: toward the sun; unit
+    float intensity = 0; ///< points and spots: photons; sun: light; polygons: radiosity
+    float extraDist = 0; ///< see Light
+    float fade = 0;      ///< linear: light lost per game unit
+    float end = 0;       ///< windowed, polynomial
     float fadeFrom = 0, flatFrom = 0, constant = 0, linear = 0, quadratic = 0; ///< polynomial
-    float cosInner = 0, cosOuter = 0, exponent = 0; ///< cone by angles
-    float coneRadius = 0;                           ///< cone by radius: radius per game unit
-    float spread = 0;                               ///< sun: sine of its angular radius
-    float nearest = 0;                              ///< points and spots: smaller distances count as this one
-    float coneFade = 0;                             ///< cone by radius: width of its fringe
+    float cosInner = 0, cosOuter = 0, exponent = 0;                            ///< cone by angles
+    float coneRadius = 0;                                                      ///< cone by radius: radius per game unit
+    float spread = 0;                                                          ///< sun: sine of its angular radius
+    float nearest = 0;                                ///< points and spots: smaller distances count as this one
+    float coneFade = 0;                               ///< cone by radius: width of its fringe
     std::uint32_t firstPolygon = 0, polygonCount = 0; ///< polygons
     std::uint32_t name = 0;                           ///< offset of a text in NamedGridSH::text
     bool operator==(const GridLight &) const = default;

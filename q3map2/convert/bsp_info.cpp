@@ -317,8 +317,8 @@ class InfoTable {
         std::array<std::size_t, 4> types{};
         for (const GridLight &light : grid.table.lights)
             ++types[light.type];
-        Note("{} lights: {} points, {} spots, {} suns, {} with polygons", grid.table.lights.size(),
-             types[SHGRID_POINT], types[SHGRID_SPOT], types[SHGRID_SUN], types[SHGRID_POLYGONS]);
+        Note("{} lights: {} points, {} spots, {} suns, {} with polygons", grid.table.lights.size(), types[SHGRID_POINT],
+             types[SHGRID_SPOT], types[SHGRID_SUN], types[SHGRID_POLYGONS]);
         const auto styled = std::ranges::count_if(grid.table.lights, [](const GridLight &l) { return l.style != 0; });
         Note("{} of them with a style; {:.1f} names a point", styled,
              double(grid.shares.size()) / double(std::max<std::size_t>(1, grid.points.size())));

@@ -48,14 +48,6 @@ bool IsStyled(const Light &light) {
     return light.style != 0;
 }
 
-/// What messages call a light of a grid.
-std::string LabelIn(const NamedGridSH &grid, std::uint32_t light) {
-    const GridLight &record = grid.table.lights[light];
-    const std::string name = grid.table.text.c_str() + record.name;
-    const auto [x, y, z] = record.origin;
-    return name.empty() ? fmt::format("at {:g} {:g} {:g}", x, y, z) : name;
-}
-
 } // namespace
 
 std::vector<Light> LightsForSH(const LightSetup &setup, StyledLights styles, Log &log) {
@@ -63,7 +55,8 @@ std::vector<Light> LightsForSH(const LightSetup &setup, StyledLights styles, Log
     auto lights =
         SetupEnvelopes(setup.lights, LightPass::GridSH, setup.options, setup.space, setup.skySeenFrom, culled);
     if (styles == StyledLights::Keep) {
-        if (const auto high = std::erase_if(lights, [](const Light &light) { return light.style > kLastStyle; }); high > 0)
+        if (const auto high = std::erase_if(lights, [](const Light &light) { return light.style > kLastStyle; });
+            high > 0)
             log.Warn("SH light of high styles", "{} of styles above {} left out of the SH grid, which has no more",
                      Counted(high, "lights"), kLastStyle);
         if (const auto styled = std::ranges::count_if(lights, IsStyled); styled > 0)
@@ -168,10 +161,10 @@ NamedGridSH BakeNamedGridSH(const LightSetup &setup, const IndirectLight *indire
     NamedStats named;
     NamedGridSH grid = BakeNamedGrid(in, layout, lights, stats, named);
     PrintNamedStats(named, log);
-    for (const auto &[light, cells] : named.droppedNames)
+    for (const auto &[light, cells] : named.dropped)
         log.Warn("styled light without a name",
-                 "the SH grid leaves out light of style {} ({}) in {}: too many lights with styles shine there",
-                 grid.table.lights[light].style, LabelIn(grid, light), Counted(cells, "cells"));
+                 "the SH grid leaves out {} in {}: too many lights with styles shine there", light,
+                 Counted(cells, "cells"));
     if (options.shError) {
         std::vector<Light> steady = lights;
         std::erase_if(steady, IsStyled);

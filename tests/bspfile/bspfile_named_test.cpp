@@ -47,7 +47,7 @@ shgrid_result ResultOf(const NamedLump &lump, shgrid_grid &grid) {
     return shgrid_parse(lump.data(), lump.size(), &grid);
 }
 
-std::string FaultOf(const NamedLump &lump) {
+std::string FaultOfNamed(const NamedLump &lump) {
     return ErrorOf([&] { DecodeNamedGrid(lump); });
 }
 
@@ -186,7 +186,7 @@ TEST(NamedGridLump, TruncatedLumpsAreRefused) {
         }
         NamedLump longer = lump;
         longer.push_back({});
-        EXPECT_THAT(FaultOf(longer), HasSubstr("number of points disagrees"));
+        EXPECT_THAT(FaultOfNamed(longer), HasSubstr("number of points disagrees"));
     }
 }
 
@@ -203,7 +203,7 @@ TEST(NamedGridLump, MutantsAreRefusedOrSampled) {
         }
         shgrid_grid grid;
         const shgrid_result result = ResultOf(lump, grid);
-        EXPECT_EQ(FaultOf(lump) == "no error", result == SHGRID_OK);
+        EXPECT_EQ(FaultOfNamed(lump) == "no error", result == SHGRID_OK);
         SampleEverywhere(grid);
         sampled += result == SHGRID_OK;
     }
@@ -285,11 +285,11 @@ TEST(NamedGridLump, BadGridsAreRefused) {
         {"many lights", [](NamedGridSH &grid) { grid.table.lights.resize(65536, grid.table.lights[0]); },
          "number of points disagrees"},
     };
-    EXPECT_EQ(FaultOf(NamedRanges(TreeGrid()).Bytes()), "no error");
+    EXPECT_EQ(FaultOfNamed(NamedRanges(TreeGrid()).Bytes()), "no error");
     for (const Damage &damage : damages) {
         NamedGridSH grid = TreeGrid();
         damage.change(grid);
-        EXPECT_THAT(FaultOf(NamedRanges(grid).Bytes()), HasSubstr(damage.message)) << damage.name;
+        EXPECT_THAT(FaultOfNamed(NamedRanges(grid).Bytes()), HasSubstr(damage.message)) << damage.name;
         EXPECT_THAT(ErrorOf([&] { CheckNamedGrid(grid, "x.bsp"); }),
                     testing::AllOf(HasSubstr("x.bsp: BSPX lump LIGHTGRID_SH_LIGHTS: "), HasSubstr(damage.message)))
             << damage.name;
@@ -300,7 +300,7 @@ TEST(NamedGridLump, BadHeadsAreRefused) {
     const auto fault = [](std::size_t at, std::int32_t value) {
         NamedLump lump = EncodeNamedGrid(TreeGrid());
         SetInt(lump, at, value);
-        return FaultOf(lump);
+        return FaultOfNamed(lump);
     };
     EXPECT_THAT(fault(0, 0), HasSubstr("does not start with SHGL"));
     EXPECT_THAT(fault(4, 2), HasSubstr("another version"));

@@ -172,7 +172,7 @@ LegacySample LegacyPreview::At(const Vec3f &position) const {
 namespace {
 
 constexpr std::uint32_t kContentsSolid = 1, kSurfSky = 4, kRbspSurfSky = 0x2000; ///< CONTENTS_SOLID, SURF_SKY
-constexpr std::int32_t kTopSide = 5;                      ///< number of the brush side that faces up
+constexpr std::int32_t kTopSide = 5;        ///< number of the brush side that faces up
 constexpr std::int32_t kPlaneBudget = 4096; ///< planes tested per position, so that damaged brush lists stay cheap
 constexpr Vec3f kWorldLimit{131072, 131072, 131072}; ///< coordinates that engines allow
 constexpr float kFloorDepth = 128, kFloorStep = 16;  ///< range and step of the search for a floor, game units

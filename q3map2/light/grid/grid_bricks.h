@@ -60,7 +60,7 @@ struct GridInputs {
     const WorldLight &world;
     const JobPool &jobs;
     Log &log;
-    const IndirectLight *indirect = nullptr; ///< bounced light of style 0, or null
+    const IndirectLight *indirect = nullptr;  ///< bounced light of style 0, or null
     std::span<const StyledIndirect> styled{}; ///< bounced light of other styles: legacy grid only
     /// For FloodFraction.
     std::vector<Vec3f> floodDirections = FloodDirections(options.lowQuality);
@@ -68,14 +68,14 @@ struct GridInputs {
 
 /// Counts of points and of the work to light them.
 struct GridStats {
-    std::int64_t points = 0;         ///< of the grid; ambient cubes: places
-    std::int64_t open = 0;           ///< lit in place or a small step beside; legacy grid: all points that are lit
-    std::int64_t moved = 0;          ///< in a solid, lit from the nearest point in the open
-    std::int64_t filled = 0;         ///< in a solid, interpolated from lit neighbors
-    std::uint64_t skippedFaint = 0;  ///< brick and light pairs left out: too faint to matter
-    std::uint64_t skippedReach = 0;  ///< brick and light pairs out of reach
-    std::uint64_t skippedPvs = 0;    ///< brick and light pairs hidden by visibility data
-    std::uint64_t skippedSmooth = 0; ///< points and samples whose weak light is interpolated
+    std::int64_t points = 0;             ///< of the grid; ambient cubes: places
+    std::int64_t open = 0;               ///< lit in place or a small step beside; legacy grid: all points that are lit
+    std::int64_t moved = 0;              ///< in a solid, lit from the nearest point in the open
+    std::int64_t filled = 0;             ///< in a solid, interpolated from lit neighbors
+    std::uint64_t skippedFaint = 0;      ///< brick and light pairs left out: too faint to matter
+    std::uint64_t skippedReach = 0;      ///< brick and light pairs out of reach
+    std::uint64_t skippedPvs = 0;        ///< brick and light pairs hidden by visibility data
+    std::uint64_t skippedSmooth = 0;     ///< points and samples whose weak light is interpolated
     std::map<int, std::int64_t> dropped; ///< legacy grid: points that have no slot left for a style, by style
     ContributionCounts counts;
     double seconds = 0; ///< of passes, by the clock

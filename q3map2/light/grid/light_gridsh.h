@@ -30,8 +30,8 @@ DeringStats DeringGridSH(LightGridSH &grid, bool radiance, const JobPool &jobs);
 
 /// Layout of an SH grid of that cell size, which is enlarged by kMinCell until the lump has less than 2^31 bytes.
 GridLayout LayoutGridSH(const Bsp &bsp, Float3 size);
-/// The cell that the options of a bake ask for: that of -gridsh, or the legacy one divided by -gridscalesh, and at least
-/// kMinCell.
+/// The cell that the options of a bake ask for: that of -gridsh, or the legacy one divided by -gridscalesh, and at
+/// least kMinCell.
 Float3 CellOfGridSH(const Float3 &legacySize, const LightOptions &options);
 /// LayoutGridSH of that cell. Warns if it is enlarged.
 GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOptions &options, Log &log);

@@ -14,8 +14,8 @@ namespace {
 
 /// Polygons of one lamp touch, or are at most this far apart; game units.
 constexpr float kTouching = 4;
-/// A light of several polygons has at most so many, and this radius (game units): larger lamps are several lights, since
-/// they are hidden in part more often than as a whole.
+/// A light of several polygons has at most so many, and this radius (game units): larger lamps are several lights,
+/// since they are hidden in part more often than as a whole.
 constexpr std::size_t kMaxPolygons = 8;
 constexpr float kMaxLampRadius = 128;
 /// Samples of one sun differ in direction by at most this cosine.
@@ -249,6 +249,13 @@ void LightTable::AddRecord(std::vector<std::size_t> members, float scale) {
             SetCone(light, record);
     }
     table_.lights.push_back(record);
+}
+
+std::string LightTable::Label(std::uint32_t number) const {
+    const GridLight &light = table_.lights[number];
+    const std::string name = table_.text.c_str() + light.name;
+    return fmt::format("{} of style {} at {:g} {:g} {:g}", name.empty() ? "light" : name, light.style, light.origin[0],
+                       light.origin[1], light.origin[2]);
 }
 
 bool LightTable::MaySee(std::uint32_t number, int cluster) const {

@@ -7,15 +7,16 @@
 #include "q3map2/light/sources/light_sources.h"
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace q3 {
 
 /// What a named light gives at a position without shadows, on the display scale: 1 = byte 255.
 struct NamedBeam {
-    SHFloats light{};     ///< convolved with the cosine, as shgrid_sample adds it
-    float strength = 0;   ///< on a surface that faces it, of the brightest channel; of what acts as a direction
-    float spread = 0;     ///< sine of its angular radius
+    SHFloats light{};   ///< convolved with the cosine, as shgrid_sample adds it
+    float strength = 0; ///< on a surface that faces it, of the brightest channel; of what acts as a direction
+    float spread = 0;   ///< sine of its angular radius
 };
 
 /// The lights of a pass as a grid names them. Triangles and quads of one lamp are one light with several polygons, the
@@ -40,6 +41,8 @@ class LightTable {
         const float brightest = MaxAbsComponent(color);
         return brightest > 0 ? color / brightest : color;
     }
+    /// What messages call it.
+    std::string Label(std::uint32_t number) const;
     /// Whether some of it may be seen from a cluster, by visibility data.
     bool MaySee(std::uint32_t number, int cluster) const;
     NamedBeam At(std::uint32_t number, const Vec3f &position) const;
@@ -51,7 +54,7 @@ class LightTable {
     void AddRecord(std::vector<std::size_t> members, float scale);
 
     const std::vector<Light> &lights_;
-    std::vector<std::uint32_t> numberOf_;          ///< by light of the pass
+    std::vector<std::uint32_t> numberOf_;           ///< by light of the pass
     std::vector<std::vector<std::size_t>> members_; ///< by light of the table: lights of the pass
     GridLights table_;
     shgrid_grid reader_{}; ///< of the table alone

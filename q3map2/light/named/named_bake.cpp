@@ -14,8 +14,7 @@ namespace {
 
 /// Thresholds of refinement: the first one, the factor by which they fall, and the last one. Bytes^2 times
 /// kThresholdVolume game units^3.
-constexpr float kFirstThreshold = 1024, kThresholdStep = 2.5f, kLastThreshold = 0.25f,
-                kThresholdVolume = 32 * 32 * 64;
+constexpr float kFirstThreshold = 1024, kThresholdStep = 2.5f, kLastThreshold = 0.25f, kThresholdVolume = 32 * 32 * 64;
 /// Leafs that a split adds: eight for one.
 constexpr float kLeafsPerSplit = 7;
 /// The price of a leaf is found by kBisections bisections, on a logarithmic scale, of kPriceRange.
@@ -30,10 +29,40 @@ constexpr double kMaxFractionOfUniform = 0.1, kSmallLump = 80e3;
 /// mean squared error of a leaf.
 constexpr double kMinGain = 0.25;
 /// At most so many grids are made to meet the goal as measured, to this factor.
-constexpr int kMaxRounds = 3;
+constexpr int kMaxRounds = 3, kMostRounds = 10; ///< the second while the lump is too large
 constexpr double kTargetSlack = 1.03;
 /// Of a limit of bytes: the fraction that is aimed at, and the least that uses it.
 constexpr double kBudgetUse = 0.97, kLeastBudgetUse = 0.9;
+
+/// Keeps only the lights that points name.
+void DropUnnamedLights(NamedGridSH &grid) {
+    std::vector<bool> isNamed(grid.table.lights.size());
+    for (const std::uint16_t name : grid.names)
+        isNamed[name] = true;
+    GridLights kept;
+    std::vector<std::uint16_t> numbers(isNamed.size());
+    for (std::size_t i = 0; i < isNamed.size(); ++i) {
+        if (!isNamed[i])
+            continue;
+        numbers[i] = std::uint16_t(kept.lights.size());
+        GridLight light = grid.table.lights[i];
+        light.name = std::uint32_t(kept.text.size());
+        kept.text += grid.table.text.c_str() + grid.table.lights[i].name;
+        kept.text += '\0';
+        light.firstPolygon = std::uint32_t(kept.polygons.size());
+        for (std::uint32_t p = 0; p < light.polygonCount; ++p) {
+            GridPolygon polygon = grid.table.polygons[grid.table.lights[i].firstPolygon + p];
+            const auto vertices = std::span(grid.table.vertices).subspan(polygon.firstVertex, polygon.vertexCount);
+            polygon.firstVertex = std::uint32_t(kept.vertices.size());
+            kept.vertices.insert(kept.vertices.end(), vertices.begin(), vertices.end());
+            kept.polygons.push_back(polygon);
+        }
+        kept.lights.push_back(light);
+    }
+    for (std::uint16_t &name : grid.names)
+        name = numbers[name];
+    grid.table = std::move(kept);
+}
 
 /// The lump of a tree.
 NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWeights &corners,
@@ -66,6 +95,7 @@ NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWe
         }
         grid.nodes.push_back(node);
     }
+    DropUnnamedLights(grid);
     NumberNamedNodes(grid);
     return grid;
 }
@@ -76,8 +106,8 @@ class NamedGridBuilder {
     /// points: of the uniform grid of the first cells.
     NamedGridBuilder(const GridInputs &in, NamedCells &cells, std::int64_t points, NamedStats &result)
         : in_(in), cells_(cells), result_(result),
-          maxBytes_(in.options.sparseGoal.budget.value_or(std::max(
-              kSmallLump, kMaxFractionOfUniform * 8 * double(points) * double(sizeof(bspGridPointSH_t))))) {}
+          maxBytes_(in.options.sparseGoal.budget.value_or(
+              std::max(kSmallLump, kMaxFractionOfUniform * 8 * double(points) * double(sizeof(bspGridPointSH_t))))) {}
 
     NamedGridSH Uniform() { return GridOf(cells_.Tree()); }
     NamedGridSH Adaptive(const ExactReceivers &exact, GridStats &work);
@@ -93,7 +123,7 @@ class NamedGridBuilder {
         return pruned;
     }
     bool IsFull(const PruningStats &stats) const {
-        return double(stats.leafs) * bytesPerLeaf_ >= kBudgetUse * maxBytes_;
+        return tableBytes_ + double(stats.leafs) * bytesPerLeaf_ >= kBudgetUse * maxBytes_;
     }
     bool MeetsGoal(const PruningStats &stats) const {
         const SparseGoal &goal = in_.options.sparseGoal;
@@ -112,17 +142,22 @@ class NamedGridBuilder {
     NamedCells &cells_;
     NamedStats &result_;
     double bytesPerLeaf_ = kBytesPerLeaf, errorRatio_ = kErrorRatio;
-    double maxBytes_;     ///< of the lump
-    float threshold_ = 0; ///< the next one, bytes^2 times smallest cells
-    float minPrice_ = 0;  ///< of a leaf: the tree is not refined for lower ones
+    double tableBytes_ = 0; ///< of lights, in the last grid
+    double maxBytes_;       ///< of the lump
+    float threshold_ = 0;   ///< the next one, bytes^2 times smallest cells
+    float minPrice_ = 0;    ///< of a leaf: the tree is not refined for lower ones
 };
 
 NamedGridSH NamedGridBuilder::GridOf(const Octree &tree) {
     CornerWeights corners(tree, cells_.Points(), RulesOfCorners(tree, cells_, in_.jobs));
+    std::map<std::uint32_t, std::size_t> dropped;
     const std::vector<NamedValue> values =
-        FitNamedCorners(tree, cells_, corners, std::size_t(in_.options.shNames), in_.jobs, result_.droppedNames);
+        FitNamedCorners(tree, cells_, corners, std::size_t(in_.options.shNames), in_.jobs, dropped);
+    result_.dropped.clear();
+    for (const auto &[light, cellCount] : dropped)
+        result_.dropped[cells_.Table().Label(light)] += cellCount;
     NamedGridSH grid = PackGrid(tree, cells_, corners, values);
-    result_.lights = grid.table.lights.size(), result_.cells = tree.OpenLeafs().size();
+    result_.lights = cells_.Table().Size(), result_.cells = tree.OpenLeafs().size();
     result_.points = grid.points.size(), result_.shares = grid.shares.size();
     result_.samples = cells_.Samples().size();
     result_.bytes = EncodeNamedGrid(grid).size();
@@ -164,13 +199,18 @@ NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &w
         result_.expectedError = pruned.stats.error;
         if (exact.Size() > 0)
             result_.measured = ErrorOfNamedGrid(exact, grid);
-        bytesPerLeaf_ = double(result_.bytes) / double(std::max<std::size_t>(1, pruned.stats.leafs));
+        tableBytes_ =
+            double(grid.table.lights.size() * sizeof(GridLight) + grid.table.polygons.size() * sizeof(GridPolygon) +
+                   grid.table.vertices.size() * sizeof(Float3) + grid.table.text.size());
+        bytesPerLeaf_ = (double(result_.bytes) - tableBytes_) / double(std::max<std::size_t>(1, pruned.stats.leafs));
         if (result_.measured && pruned.stats.error > 0)
             errorRatio_ = result_.measured->rms / pruned.stats.error;
         const bool fits = double(result_.bytes) <= maxBytes_;
-        const bool isGood = goal.budget ? double(result_.bytes) > kLeastBudgetUse * maxBytes_
-                                        : !result_.measured || result_.measured->rms <= kTargetSlack * double(goal.error);
-        if ((fits && (isGood || IsFull(pruned.stats) || GainsLittle(pruned.stats))) || round == kMaxRounds)
+        const bool isGood = goal.budget
+                                ? double(result_.bytes) > kLeastBudgetUse * maxBytes_
+                                : !result_.measured || result_.measured->rms <= kTargetSlack * double(goal.error);
+        if ((fits && (isGood || IsFull(pruned.stats) || GainsLittle(pruned.stats))) || (fits && round >= kMaxRounds) ||
+            round == kMostRounds)
             return grid;
     }
 }

@@ -6,24 +6,25 @@
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/grid/light_gridsh.h"
 
-#include <cstdint>
+#include <cstddef>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace q3 {
 
 /// Statistics of the bake of a grid that names lights.
 struct NamedStats {
-    std::size_t lights = 0;  ///< in the table
-    std::size_t cells = 0;   ///< with open space
-    std::size_t points = 0;  ///< stored
-    std::size_t shares = 0;  ///< stored, of all points
-    std::size_t samples = 0; ///< positions inside cells
-    std::size_t bytes = 0;   ///< of the lump
-    std::map<std::uint32_t, std::size_t> droppedNames; ///< lights with a style that some cells do not name: cells
-    double expectedError = 0;            ///< with -shadaptive: RMS, bytes, before the fit
-    std::optional<GridSHError> measured; ///< with -shadaptive
+    std::size_t lights = 0;                     ///< in the table
+    std::size_t cells = 0;                      ///< with open space
+    std::size_t points = 0;                     ///< stored
+    std::size_t shares = 0;                     ///< stored, of all points
+    std::size_t samples = 0;                    ///< positions inside cells
+    std::size_t bytes = 0;                      ///< of the lump
+    std::map<std::string, std::size_t> dropped; ///< lights with a style that some cells do not name: number of cells
+    double expectedError = 0;                   ///< with -shadaptive: RMS, bytes, before the fit
+    std::optional<GridSHError> measured;        ///< with -shadaptive
 };
 
 /// Bakes the grid with cells of a layout. Points hold the visible shares of the lights whose naming lowers the error

@@ -42,19 +42,33 @@ template <typename Use> void ForChunks(const JobPool &jobs, std::size_t count, s
     });
 }
 
-/// A light that some corner of a cell knows, with its shares at all corners that know it.
+/// A light that some corners of a cell know.
 struct CornerShares {
     std::uint32_t light;
+    float most = 0; ///< squared light that arrives at a corner, at most
     std::array<float, 8> share{};
     std::array<bool, 8> known{};
 };
 
-std::vector<CornerShares> SharesOf(const CornerReceivers &corners, const LightTable &table) {
+/// The lights that a cell would name: the strongest `most` of those that its corners know.
+std::vector<CornerShares> SharesOf(const CornerReceivers &corners, const LightTable &table, std::size_t most) {
     std::vector<CornerShares> shares;
     for (const NamedReceiver *corner : corners)
-        for (std::size_t i = 0; corner && i < corner->lights.size(); ++i)
-            if (std::ranges::find(shares, corner->lights[i].light, &CornerShares::light) == shares.end())
-                shares.push_back({corner->lights[i].light, {}, {}});
+        for (std::size_t i = 0; corner && i < corner->lights.size(); ++i) {
+            const LightHere &here = corner->lights[i];
+            if (table.Style(here.light) != 0) // stored apart
+                continue;
+            auto at = std::ranges::find(shares, here.light, &CornerShares::light);
+            if (at == shares.end())
+                at = shares.insert(shares.end(), CornerShares{.light = here.light});
+            at->most = std::max(at->most, here.Squared() * here.share * here.share);
+        }
+    if (shares.size() > most) {
+        std::ranges::sort(shares, [](const CornerShares &a, const CornerShares &b) {
+            return a.most != b.most ? a.most > b.most : a.light < b.light;
+        });
+        shares.resize(most);
+    }
     for (CornerShares &one : shares)
         for (std::size_t c = 0; c < 8; ++c)
             if (const auto here = corners[c] ? corners[c]->At(one.light, table) : std::nullopt;
@@ -63,9 +77,33 @@ std::vector<CornerShares> SharesOf(const CornerReceivers &corners, const LightTa
     return shares;
 }
 
-/// Blend of the corners of a cell at a receiver in it, with all lights named that they know, as readers blend.
-SHFloats Blend(const OctreeCell &cell, const CornerReceivers &corners, std::span<const CornerShares> shares,
-               const NamedReceiver &receiver, const LightTable &table) {
+/// What named lights leave of the light at the corners, by their irradiance vectors.
+std::array<SHFloats, 8> RestOf(const CornerReceivers &corners, std::span<const CornerShares> shares,
+                               const LightTable &table) {
+    std::array<SHFloats, 8> rest{};
+    for (std::size_t c = 0; c < 8; ++c) {
+        if (!corners[c])
+            continue;
+        rest[c] = corners[c]->light;
+        for (const CornerShares &one : shares)
+            if (const LightHere *here = corners[c]->Find(one.light))
+                AddVector(-here->share, here->vector, table.Tint(one.light), rest[c]);
+    }
+    return rest;
+}
+
+/// Factor of the squared error where light leaks into the dark, which is easier to see than the reverse: the ratio of
+/// what is shown to what is right, both with kDarkLight added.
+float LeakWeight(const SHFloats &right, const SHFloats &shown) {
+    constexpr float kDarkLight = 0.02f, kMost = 16;
+    const float ratio =
+        (kDarkLight + std::max(0.0f, MeanLight(shown))) / (kDarkLight + std::max(0.0f, MeanLight(right)));
+    return std::clamp(ratio, 1.0f, kMost);
+}
+
+/// Blend of the corners of a cell at a receiver in it, as readers blend.
+SHFloats Blend(const OctreeCell &cell, const CornerReceivers &corners, const std::array<SHFloats, 8> &rest,
+               std::span<const CornerShares> shares, const NamedReceiver &receiver, const LightTable &table) {
     SHFloats sum{};
     std::array<float, 8> weights{};
     float total = 0;
@@ -73,7 +111,7 @@ SHFloats Blend(const OctreeCell &cell, const CornerReceivers &corners, std::span
         if (corners[c]) {
             weights[c] = cell.Weight(c, receiver.at);
             total += weights[c];
-            AddScaled(weights[c], corners[c]->rest, sum);
+            AddScaled(weights[c], rest[c], sum);
         }
     if (!(total > 0)) // nothing is known: no smaller cell would help
         return receiver.light;
@@ -97,10 +135,10 @@ SHFloats Blend(const OctreeCell &cell, const CornerReceivers &corners, std::span
 
 NamedCells::NamedCells(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                        const LightTable &table, CellSizes sizes)
-    : in_(in), layout_(layout), table_(table), world_{Vec3f(in.space.Map().models[0].mins), Vec3f(in.space.Map().models[0].maxs)},
-      lattice_(sizes == CellSizes::Uniform
-                   ? SparseLattice::OfUniformCells({layout.mins, layout.size, layout.bounds, 0})
-                   : SparseLattice::Cubic({layout.mins, layout.size, layout.bounds, 0})),
+    : in_(in), layout_(layout),
+      table_(table), world_{Vec3f(in.space.Map().models[0].mins), Vec3f(in.space.Map().models[0].maxs)},
+      lattice_(sizes == CellSizes::Uniform ? SparseLattice::OfUniformCells({layout.mins, layout.size, layout.bounds, 0})
+                                           : SparseLattice::Cubic({layout.mins, layout.size, layout.bounds, 0})),
       tracer_(in, layout, lights), integrator_(in, lights), tree_(lattice_), points_(lattice_) {}
 
 void NamedCells::Start(GridStats &work) {
@@ -118,7 +156,6 @@ void NamedCells::Start(GridStats &work) {
     SampleLeafs(tree_.OpenLeafs(), work);
     if (lattice_.BaseLevel() == 0)
         return;
-    SetRest(0);
     // Cells above the leafs have their samples. Parents come before children.
     for (std::size_t i = tree_.Size(); i-- > 0;)
         for (std::size_t c = 0; c < 8 && tree_[i].child != 0; ++c) {
@@ -199,7 +236,8 @@ void NamedCells::TraceReceivers(std::span<NamedReceiver> receivers, GridStats &w
             probes.push_back({one.position, one.cluster, std::uint32_t(hash)});
         }
         LightCollector collector(table_, probes.size(), LightCollector::Number::InBlocks);
-        const auto values = light_->At(probes, HashIndex(probes.front().seed), workers[std::size_t(worker)], &collector);
+        const auto values =
+            light_->At(probes, HashIndex(probes.front().seed), workers[std::size_t(worker)], &collector);
         for (std::size_t i = first; i < end; ++i) {
             receivers[i].light = std::bit_cast<SHFloats>(values[i - first]);
             receivers[i].lights = collector.Of(i - first, receivers[i].position);
@@ -231,9 +269,9 @@ std::vector<NamedReceiver> NamedCells::DrawSamples(OctreeCell &leaf, std::size_t
         const Sample2 s = PlasticSample(std::uint32_t(i), seed);
         const double height = UnitFromHash(HashIndex((std::uint64_t(seed) << 16) + std::uint64_t(i)));
         NamedReceiver sample;
-        sample.at = LatticePosition(leaf.origin) +
-                    Vec3f{float(s.u), float(s.v), float((i % kSamplesPerLeaf + height) / kSamplesPerLeaf)} *
-                        float(leaf.Edge());
+        sample.at =
+            LatticePosition(leaf.origin) +
+            Vec3f{float(s.u), float(s.v), float((i % kSamplesPerLeaf + height) / kSamplesPerLeaf)} * float(leaf.Edge());
         sample.position = lattice_.PositionOf(sample.at);
         sample.cluster = in_.space.ClusterAt(sample.position, kClearance);
         if (!world_.Contains(sample.position) || sample.cluster < 0 || !in_.space.PlayerFits(sample.position))
@@ -255,27 +293,21 @@ void NamedCells::SampleLeafs(std::span<const std::size_t> leafs, GridStats &work
                 drawn[first / kLeafChunk].push_back(std::move(sample));
     });
     const std::size_t before = samples_.size();
+    std::size_t count = before;
+    for (const std::vector<NamedReceiver> &part : drawn)
+        count += part.size();
+    samples_.reserve(count);
     for (std::vector<NamedReceiver> &part : drawn)
         std::ranges::move(part, std::back_inserter(samples_));
     TraceReceivers(std::span(samples_).subspan(before), work);
-    TakeSamples(before);
+    if (lattice_.BaseLevel() > 0)
+        TakeSamples(before);
 }
 
 /// Sorts the samples from number `first` on into the cells that they are in.
 void NamedCells::TakeSamples(std::size_t first) {
     for (std::size_t i = first; i < samples_.size(); ++i)
         samplesOf_[tree_.LeafAt(CellAt(samples_[i].at))].push_back(std::uint32_t(i));
-}
-
-void NamedCells::SetRest(std::size_t firstPoint) {
-    ForChunks(in_.jobs, points_.Size() - firstPoint, kBrickReceivers, [&](std::size_t first, std::size_t end, int) {
-        for (std::size_t i = firstPoint + first; i < firstPoint + end; ++i) {
-            NamedReceiver &corner = corners_[i];
-            corner.rest = corner.light;
-            for (const LightHere &here : corner.lights)
-                AddVector(-here.share, here.vector, table_.Tint(here.light), corner.rest);
-        }
-    });
 }
 
 CornerReceivers NamedCells::CornersOf(const OctreeCell &cell) const {
@@ -291,16 +323,21 @@ float NamedCells::ErrorOf(const OctreeCell &cell, std::span<const std::uint32_t>
         if (points_.Find(cell.Corner(c)) == LatticePoints::kUnknown)
             return std::numeric_limits<float>::infinity(); // it cannot be a leaf
     const CornerReceivers corners = CornersOf(cell);
-    const std::vector<CornerShares> shares = SharesOf(corners, table_);
+    const std::vector<CornerShares> shares = SharesOf(corners, table_, mostNames_);
+    const std::array<SHFloats, 8> rest = RestOf(corners, shares, table_);
     double sum = 0;
-    for (const std::uint32_t i : samples)
-        sum += double(screen_.Squared(Blend(cell, corners, shares, samples_[i], table_), samples_[i].light));
+    for (const std::uint32_t i : samples) {
+        const SHFloats shown = Blend(cell, corners, rest, shares, samples_[i], table_);
+        sum += double(screen_.Squared(shown, samples_[i].light) * LeakWeight(samples_[i].light, shown));
+    }
     return samples.empty() ? 0 : float(sum / double(samples.size()));
 }
 
 float NamedCells::SquaredErrorAt(const OctreeCell &cell, const NamedReceiver &receiver) const {
     const CornerReceivers corners = CornersOf(cell);
-    return screen_.Squared(Blend(cell, corners, SharesOf(corners, table_), receiver, table_), receiver.light);
+    const std::vector<CornerShares> shares = SharesOf(corners, table_, mostNames_);
+    return screen_.Squared(Blend(cell, corners, RestOf(corners, shares, table_), shares, receiver, table_),
+                           receiver.light);
 }
 
 /// Sets the errors of the cells from number `firstCell` on.
@@ -343,7 +380,6 @@ bool NamedCells::Split(float threshold, GridStats &work) {
                 children.push_back(tree_[i].child + c);
         }
     }
-    SetRest(firstNew);
     samplesOf_.resize(tree_.Size());
     for (const std::size_t parent : cells)
         for (const std::uint32_t i : samplesOf_[parent])

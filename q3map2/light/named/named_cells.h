@@ -30,8 +30,8 @@ class NamedCells {
     /// Traces the points of the uniform grid, makes its cells the leafs, and samples them. Call it first.
     void Start(GridStats &work);
     /// Splits leafs whose squared error times open volume (bytes^2 times smallest cells) is above `threshold`, unless
-    /// their children would be smaller than 8 game units. The error of a cell is what blending between its corners, with
-    /// all lights named, leaves at the samples inside. False: there are none.
+    /// their children would be smaller than 8 game units. The error of a cell is what blending between its corners,
+    /// with all lights named, leaves at the samples inside. False: there are none.
     bool Split(float threshold, GridStats &work);
     const SparseLattice &Lattice() const { return lattice_; }
     const Octree &Tree() const { return tree_; }
@@ -48,13 +48,13 @@ class NamedCells {
     std::span<const NamedReceiver> Samples() const { return samples_; }
 
   private:
-    void SetUniformPoints(const LightGridSH &grid, const LightCollector &collector, const std::vector<PointState> &states);
+    void SetUniformPoints(const LightGridSH &grid, const LightCollector &collector,
+                          const std::vector<PointState> &states);
     void TracePoints(std::size_t first, GridStats &work);
     void SampleLeafs(std::span<const std::size_t> leafs, GridStats &work);
     std::vector<NamedReceiver> DrawSamples(OctreeCell &leaf, std::size_t have) const;
     void TraceReceivers(std::span<NamedReceiver> receivers, GridStats &work) const;
     void TakeSamples(std::size_t first);
-    void SetRest(std::size_t firstPoint);
     void MeasureErrors(std::size_t firstCell);
     float ErrorOf(const OctreeCell &cell, std::span<const std::uint32_t> samples) const;
     bool HasOpenSpace(const OctreeCell &cell) const;
@@ -63,7 +63,8 @@ class NamedCells {
     const GridInputs &in_;
     const GridLayout &layout_;
     const LightTable &table_;
-    Boundsf world_; ///< of model 0
+    std::size_t mostNames_; ///< of a cell
+    Boundsf world_;         ///< of model 0
     SparseLattice lattice_;
     GridSHTracer tracer_;
     ProbeIntegrator integrator_;

@@ -104,10 +104,10 @@ class NamedFit {
     std::size_t mostNames_;
     const JobPool &jobs_;
     std::vector<std::size_t> leafs_;
-    std::vector<Sample> samples_; ///< by leaf
+    std::vector<Sample> samples_;          ///< by leaf
     std::vector<std::size_t> firstSample_; ///< by leaf, and the end
     std::vector<CornerTerm> terms_;
-    std::vector<float> volumes_; ///< by stored corner: mean of Sample::volume around it
+    std::vector<float> volumes_;                    ///< by stored corner: mean of Sample::volume around it
     std::vector<std::vector<std::uint32_t>> names_; ///< by stored corner, sorted
     std::vector<std::size_t> firstSlot_;            ///< by stored corner: of its first share
     std::vector<float> slots_;                      ///< shares
@@ -427,7 +427,6 @@ std::vector<NamedValue> NamedFit::Values() const {
 std::vector<CornerWeights::Rule> RulesOfCorners(const Octree &tree, const NamedCells &cells, const JobPool &jobs) {
     using enum CornerWeights::Rule;
     std::vector<CornerWeights::Rule> rules(cells.Points().Size(), HangOrStore);
-    const CornerWeights plain(tree, cells.Points());
     jobs.For(std::int64_t((rules.size() + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
         const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(rules.size(), first + kFitChunk);
         for (std::size_t i = first; i < end; ++i) {
@@ -440,8 +439,9 @@ std::vector<CornerWeights::Rule> RulesOfCorners(const Octree &tree, const NamedC
                 rules[i] = LeaveOut;
                 continue;
             }
-            const std::size_t leaf = plain.LeafHungOn(cells.Points()[i].at);
-            if (leaf != Octree::kNone && cells.SquaredErrorAt(tree[leaf], *corner) > kMaxHangingError * kMaxHangingError)
+            const std::size_t leaf = LeafHungOn(tree, cells.Points()[i].at);
+            if (leaf != Octree::kNone &&
+                cells.SquaredErrorAt(tree[leaf], *corner) > kMaxHangingError * kMaxHangingError)
                 rules[i] = Store;
         }
     });

@@ -29,9 +29,8 @@ struct NamedReceiver {
     Vec3f at;       ///< in smallest cells of the lattice
     Vec3f position; ///< game units
     int cluster = 0;
-    SHFloats light{};             ///< all light of style 0, convolved with the cosine
+    SHFloats light{};              ///< all light of style 0, convolved with the cosine
     std::vector<LightHere> lights; ///< lights that were traced there; others are hidden, faint, or out of reach
-    SHFloats rest{};               ///< at corners: `light` without `lights`, by their irradiance vectors
 
     /// The entry of a light in `lights`; null: none.
     const LightHere *Find(std::uint32_t light) const;

@@ -66,7 +66,9 @@ void CheckCombinations(const LightOptions &o) {
     for (const Need &need : needs)
         if (need.given && !hasCoefficients && !(o.shLights && need.worksWithLights))
             throw Error("{} needs -sh or -shadaptive{}", need.name,
-                        need.worksWithLights ? " or -shlights" : o.shLights ? ", without -shlights" : "");
+                        need.worksWithLights ? " or -shlights"
+                        : o.shLights         ? ", without -shlights"
+                                             : "");
     if (o.textureShadows && !o.staticPropPolys)
         throw Error("-textureshadows needs -staticproppolys");
     if (o.staticPropFiles && !o.staticPropLighting)
@@ -166,40 +168,41 @@ Group SparseGridSH() {
         o.shAdaptive = true;
         return o.sparseGoal;
     };
-    return {"Sparse SH light grid",
-            "Cells down to 4 units where the light needs them, large ones elsewhere: "
-            "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
-            {{{.name = "-shadaptive",
-               .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
-               .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
-                          "sparse grid that the file had, with a warning."},
-              &LightOptions::shAdaptive},
-             {{.name = "-shlights",
-               .help = "Bake the SH light as a grid that names its strongest lights, into a BSPX lump",
-               .details = "Points hold which share of each named light arrives there, and SH coefficients of all other "
-                          "light; engines work named lights out at the place of the model: "
-                          "[light_grid_sh.md](light_grid_sh.md#a-grid-that-names-lights). Cells are those of `-gridsh`. "
-                          "With `-shadaptive` cells are split and joined instead, as `-sherrortarget` or `-shbudget` "
-                          "say, from first cells of twice that edge, and there is no other sparse grid. Lights with a "
-                          "style are named wherever they shine, so engines can switch them. Excludes `-shradiance`."},
-              &LightOptions::shLights},
-             {{.name = "-shnames",
-               .values = "N",
-               .kind = SettingKind::Integer,
-               .unit = "lights",
-               .range = {1, 16},
-               .help = "Most lights without a style that a cell names, of -shlights"},
-              &LightOptions::shNames},
-             ErrorTargetSetting<LightOptions>(
-                 "Error that the sparse grid may have on a screen at random positions of players: RMS; includes "
-                 "-shadaptive",
-                 "It is measured and printed. Cells are split while it is above this, smaller cells reduce it, and the "
-                 "grid has "
-                 "at most half of the bytes of the uniform one, or 0.08 MB: "
-                 "[accuracy.md](accuracy.md#error-against-bytes).",
-                 goal),
-             BudgetSetting<LightOptions>("Size of the sparse grid, in place of an error target; includes -shadaptive",
-                                         "The least error that fits.", goal)}};
+    return {
+        "Sparse SH light grid",
+        "Cells down to 4 units where the light needs them, large ones elsewhere: "
+        "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
+        {{{.name = "-shadaptive",
+           .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
+           .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
+                      "sparse grid that the file had, with a warning."},
+          &LightOptions::shAdaptive},
+         {{.name = "-shlights",
+           .help = "Bake the SH light as a grid that names its strongest lights, into a BSPX lump",
+           .details = "Points hold which share of each named light arrives there, and SH coefficients of all other "
+                      "light; engines work named lights out at the place of the model: "
+                      "[light_grid_sh.md](light_grid_sh.md#a-grid-that-names-lights). Cells are those of `-gridsh`. "
+                      "With `-shadaptive` cells are split and joined instead, as `-sherrortarget` or `-shbudget` "
+                      "say, from first cells of twice that edge, and there is no other sparse grid. Lights with a "
+                      "style are named wherever they shine, so engines can switch them. Excludes `-shradiance`."},
+          &LightOptions::shLights},
+         {{.name = "-shnames",
+           .values = "N",
+           .kind = SettingKind::Integer,
+           .unit = "lights",
+           .range = {1, 16},
+           .help = "Most lights without a style that a cell names, of -shlights"},
+          &LightOptions::shNames},
+         ErrorTargetSetting<LightOptions>(
+             "Error that the sparse grid may have on a screen at random positions of players: RMS; includes "
+             "-shadaptive",
+             "It is measured and printed. Cells are split while it is above this, smaller cells reduce it, and the "
+             "grid has "
+             "at most half of the bytes of the uniform one, or 0.08 MB: "
+             "[accuracy.md](accuracy.md#error-against-bytes).",
+             goal),
+         BudgetSetting<LightOptions>("Size of the sparse grid, in place of an error target; includes -shadaptive",
+                                     "The least error that fits.", goal)}};
 }
 
 Group QualityOfGridSH() {

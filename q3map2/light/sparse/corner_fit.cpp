@@ -30,17 +30,18 @@ std::vector<LatticePoint> ParentsOf(const LatticePoint &p) {
 }
 
 CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules)
-    : tree_(tree), points_(points), rules_(std::move(rules)), storedOf_(points.Size(), LatticePoints::kUnknown), terms_(points.Size()) {
+    : tree_(tree), points_(points), rules_(std::move(rules)), storedOf_(points.Size(), LatticePoints::kUnknown),
+      terms_(points.Size()) {
     for (const std::size_t leaf : tree.OpenLeafs())
         for (std::size_t c = 0; c < 8; ++c)
             TermsOf(tree[leaf].Corner(c));
 }
 
-std::size_t CornerWeights::LeafHungOn(const LatticePoint &p) const {
+std::size_t LeafHungOn(const Octree &tree, const LatticePoint &p) {
     std::size_t largest = Octree::kNone;
-    for (const std::size_t leaf : tree_.LeafsAround(p))
-        if (leaf != Octree::kNone && tree_[leaf].openFraction > 0 && !tree_[leaf].HasCorner(p) &&
-            (largest == Octree::kNone || tree_[leaf].level > tree_[largest].level))
+    for (const std::size_t leaf : tree.LeafsAround(p))
+        if (leaf != Octree::kNone && tree[leaf].openFraction > 0 && !tree[leaf].HasCorner(p) &&
+            (largest == Octree::kNone || tree[leaf].level > tree[largest].level))
             largest = leaf;
     return largest;
 }
@@ -50,7 +51,7 @@ const std::vector<CornerTerm> &CornerWeights::TermsOf(const LatticePoint &corner
     if (!terms_[number].empty() || IsLeftOut(number))
         return terms_[number];
     const std::size_t leaf =
-        !rules_.empty() && rules_[number] == Rule::Store ? Octree::kNone : LeafHungOn(corner);
+        !rules_.empty() && rules_[number] == Rule::Store ? Octree::kNone : LeafHungOn(tree_, corner);
     if (leaf != Octree::kNone)
         return terms_[number] = rules_.empty() ? TermsIn(tree_[leaf], corner) : TermsOfParents(corner);
     storedOf_[number] = std::uint32_t(stored_.size());

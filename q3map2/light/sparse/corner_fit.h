@@ -18,10 +18,13 @@ struct CornerTerm {
     float weight = 0;
 };
 
-/// The points between which readers interpolate a hanging point. With 2^power the greatest power of two that divides all
-/// three coordinates, they are p +- 2^power along each axis on which the coordinate is an odd multiple of 2^power: 2 to 8
-/// points of equal weight.
+/// The points between which readers interpolate a hanging point. With 2^power the greatest power of two that divides
+/// all three coordinates, they are p +- 2^power along each axis on which the coordinate is an odd multiple of 2^power:
+/// 2 to 8 points of equal weight.
 std::vector<LatticePoint> ParentsOf(const LatticePoint &p);
+
+/// The largest open leaf that has p on its boundary, but not as a corner; Octree::kNone: p does not hang.
+std::size_t LeafHungOn(const Octree &tree, const LatticePoint &p);
 
 /// The corners of the open leafs of a tree. A corner that lies on the boundary of a larger open leaf, but is not a
 /// corner of it, is *hanging*: its value is interpolated in the larger leaf, so that light is continuous. All other
@@ -44,8 +47,6 @@ class CornerWeights {
         return TermsIn(leaf, LatticePosition(p));
     }
     std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const Vec3f &at);
-    /// The largest open leaf that has p on its boundary, but not as a corner; Octree::kNone: p does not hang.
-    std::size_t LeafHungOn(const LatticePoint &p) const;
 
   private:
     /// The value of a corner as a combination of stored values. A corner that does not hang becomes a stored one when

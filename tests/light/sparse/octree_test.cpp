@@ -214,7 +214,7 @@ TEST(CornerWeights, CornersOnLargerCellsHang) {
     EXPECT_EQ(terms({half, half, quarter}),
               (std::map<LatticePoint, float>{{{half, half, 0}, 0.5f}, {{half, half, half}, 0.5f}}));
     EXPECT_EQ(terms({quarter, quarter, quarter}), (std::map<LatticePoint, float>{{{quarter, quarter, quarter}, 1.0f}}));
-    EXPECT_EQ(corners.LeafHungOn({half, half, half}), Octree::kNone);
+    EXPECT_EQ(LeafHungOn(cut.tree, {half, half, half}), Octree::kNone);
 }
 
 /// A room around the whole lattice, without a solid in it.

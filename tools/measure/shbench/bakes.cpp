@@ -22,8 +22,9 @@ std::string_view PassOf(BakedFormat format, const LightOptions &options) {
         if (!options.cubesFromSH)
             return "--- TraceAmbientCubes ---";
         [[fallthrough]];
-    case BakedFormat::GridSH:
     case BakedFormat::NamedGridSH:
+        return "--- TraceNamedGridSH ---";
+    case BakedFormat::GridSH:
     case BakedFormat::SparseGridSH: // traces a uniform grid first
         break;
     }

@@ -170,8 +170,8 @@ BenchFiles::BenchFiles(const GlobalOptions &global, const std::vector<std::strin
                        const LightOptions &options, Log &log)
     : vfs_(OpenGameFiles(global, GameFolders(global, words, program), log)),
       library_(std::make_unique<ShaderLibrary>(vfs_, *global.game, options.shader, log)),
-      map_(std::make_unique<BenchMap>(ReadBspFile(bspPath, global.Format(), log), ReadLightInputs(FilesOf(bspPath), log),
-                                      options, *library_, log)) {}
+      map_(std::make_unique<BenchMap>(ReadBspFile(bspPath, global.Format(), log),
+                                      ReadLightInputs(FilesOf(bspPath), log), options, *library_, log)) {}
 
 bspGridSHHeader_t DefaultLayout(const BenchMap &map) {
     Log silent(Log::Nowhere());

@@ -1,0 +1,222 @@
+// GPL-2.0-or-later. Baked SH grids that name lights: light between points against closed forms, styles, threads.
+#include "q3map2/bspfile/bspfile_named.h"
+#include "tests/support/light_fixture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace q3::test {
+
+namespace {
+
+constexpr std::array<double, 3> kWhite = {1, 1, 1};
+
+/// A grid that names lights through its lump and the reader for engines.
+class NamedView {
+  public:
+    explicit NamedView(const NamedGridSH &grid) : lump_(EncodeNamedGrid(grid)) {
+        EXPECT_EQ(shgrid_parse(lump_.data(), lump_.size(), &grid_), SHGRID_OK);
+    }
+    const std::vector<std::byte> &Lump() const { return lump_; }
+    /// styles: brightness of the 64 styles; null: all 1.
+    Vec3d Light(const Vec3d &p, const Vec3d &n, const float *styles = nullptr) const {
+        const float at[3] = {float(p.x), float(p.y), float(p.z)}, normal[3] = {float(n.x), float(n.y), float(n.z)};
+        shgrid_lighting lighting;
+        shgrid_lights(&grid_, at, styles, &lighting);
+        float rgb[3];
+        shgrid_shade(&lighting, normal, rgb);
+        return {double(rgb[0]), double(rgb[1]), double(rgb[2])};
+    }
+    /// All light as coefficients.
+    Coefficients Sample(const Vec3d &p) const {
+        const float at[3] = {float(p.x), float(p.y), float(p.z)};
+        shgrid_coeffs read;
+        shgrid_sample(&grid_, at, &read);
+        Coefficients c;
+        for (std::size_t k = 0; k < 9; k++)
+            c[k] = {double(read.c[k][0]), double(read.c[k][1]), double(read.c[k][2])};
+        return c;
+    }
+    /// Styles of the lights that act at a position.
+    std::vector<int> StylesAt(const Vec3d &p) const {
+        const float at[3] = {float(p.x), float(p.y), float(p.z)};
+        shgrid_lighting lighting;
+        shgrid_lights(&grid_, at, nullptr, &lighting);
+        std::vector<int> styles;
+        for (int i = 0; i < lighting.count; i++)
+            styles.push_back(lighting.direct[i].style);
+        return styles;
+    }
+
+  private:
+    std::vector<std::byte> lump_;
+    shgrid_grid grid_{};
+};
+
+class NamedBakeTest : public LightTest {
+  protected:
+    NamedGridSH Baked(const SceneBuilder &scene, std::string_view options = "", int threads = 1) {
+        lit = Lit(scene, "-shlights " + std::string(options), threads);
+        EXPECT_TRUE(lit.namedGridSH);
+        return lit.namedGridSH.value_or(NamedGridSH{});
+    }
+    Bsp lit;
+};
+
+std::vector<Vec3d> PositionsIn(const Boundsf &box, int count) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit;
+    std::vector<Vec3d> positions;
+    for (int i = 0; i < count; i++) {
+        const Vec3d part{unit(random), unit(random), unit(random)};
+        positions.push_back(Vec3d(box.mins) + (Vec3d(box.maxs) - Vec3d(box.mins)) * part);
+    }
+    return positions;
+}
+
+/// Light at a position on a surface with that normal.
+using LightAt = std::function<Vec3d(const Vec3d &, const Vec3d &)>;
+
+/// RMS of displayed light over the normals, bytes.
+double ErrorAt(const std::vector<Vec3d> &positions, const LightAt &grid, const LightAt &exact) {
+    double sum = 0;
+    int count = 0;
+    for (const Vec3d &p : positions)
+        for (const Vec3d &n : Normals()) {
+            const Vec3d shown = grid(p, n), right = exact(p, n);
+            for (std::size_t channel = 0; channel < 3; channel++, count++)
+                sum += std::pow(255 * (std::min(1.0, shown[channel]) - std::min(1.0, right[channel])), 2);
+        }
+    return std::sqrt(sum / count);
+}
+
+Entity Lamp(const Vec3f &origin, std::string_view intensity, std::string_view style = "0") {
+    return MakeEntity("light", {{"origin", fmt::format("{} {} {}", origin.x, origin.y, origin.z)},
+                                {"light", std::string(intensity)},
+                                {"style", std::string(style)}});
+}
+
+/// Light of a point light on a surface with that normal, without SH. 1 = byte 255.
+Vec3d FromPointOn(const Vec3d &p, const Vec3d &n, const Vec3d &light, double intensity) {
+    const Vec3d to = light - p;
+    const double d = std::max(16.0, Length(to)), photons = 7500 * intensity;
+    const double cosine = std::max(0.0, Dot(to, n) / std::max(1e-9, Length(to)));
+    return Vec3d{kWhite[0], kWhite[1], kWhite[2]} * (photons / (d * d) * cosine / 255);
+}
+
+// L2 alone has an error of 3 % of such a light, and between points far more beside it.
+TEST_F(NamedBakeTest, ALampIsExactBetweenPointsAndForEveryNormal) {
+    SceneBuilder scene = Room();
+    scene.AddEntity(Lamp({10, 20, 100}, "40"));
+    const NamedView grid(Baked(scene));
+    const Boundsf inside{RoomBounds().mins + Vec3f{20, 20, 20}, RoomBounds().maxs - Vec3f{20, 20, 20}};
+    EXPECT_LT(ErrorAt(
+                  PositionsIn(inside, 300), [&](const Vec3d &p, const Vec3d &n) { return grid.Light(p, n); },
+                  [](const Vec3d &p, const Vec3d &n) {
+                      return FromPointOn(p, n, {10, 20, 100}, 40);
+                  }),
+              0.5);
+}
+
+TEST_F(NamedBakeTest, SmallLampsBetweenTwoLayersOfPointsAreNotMissed) {
+    Script(R"(textures/test/strip
+{
+    q3map_surfacelight 2000
+    q3map_backsplash 0 0
+    {
+        map $whiteimage
+    }
+}
+)");
+    SceneBuilder scene = Room({-512, -512, 0}, {512, 512, 384});
+    const int box = scene.AddBox({-512, -100, 24}, {-508, 100, 38}, TestShader("textures/test/wall"));
+    scene.SetFaceShader(box, BoxFace::PlusX, TestShader("textures/test/strip"));
+    const NamedView grid(Baked(scene, "-shadaptive -sherrortarget 1"));
+    const auto exact = [](const Vec3d &p, const Vec3d &n) {
+        return Evaluate(FromRectangle(p, {-508, -100, 24}, {0, 200, 0}, {0, 0, 14}, {1, 0, 0}, 0.75 * 2000, {1, 1, 1}),
+                        n);
+    };
+    const auto shown = [&](const Vec3d &p, const Vec3d &n) { return Evaluate(grid.Sample(p), n); };
+    EXPECT_LT(ErrorAt(PositionsIn({{-492, -90, 24}, {-476, 90, 38}}, 200), shown, exact), 2)
+        << "twice the target, 16 to 32 units in front of it, in terms of L2";
+    EXPECT_LT(ErrorAt(PositionsIn({{-480, -400, 30}, {400, 400, 350}}, 200), shown, exact), 1);
+}
+
+/// A lamp with a style behind a pillar, and one without.
+SceneBuilder TwoLamps(bool steady, bool styled) {
+    SceneBuilder scene = Room({-256, -256, 0}, {256, 256, 192});
+    scene.AddBox({-20, -20, 0}, {20, 20, 192}, TestShader("textures/test/wall"));
+    if (steady)
+        scene.AddEntity(Lamp({-150, -120, 150}, "60"));
+    if (styled)
+        scene.AddEntity(Lamp({140, 100, 120}, "60", "5"));
+    scene.AddEntity(Lamp({0, 200, 100}, "1"));
+    return scene;
+}
+
+TEST_F(NamedBakeTest, ALightWithAStyleIsSwitched) {
+    const NamedView both(Baked(TwoLamps(true, true)));
+    const NamedView without(Baked(TwoLamps(true, false)));
+    std::array<float, 64> off;
+    off.fill(1), off[5] = 0;
+    std::array<float, 64> half = off;
+    half[5] = 0.5f;
+    double offError = 0, onError = 0, halfError = 0;
+    int seen = 0;
+    for (const Vec3d &p : PositionsIn({{-230, -230, 24}, {230, 230, 170}}, 400)) {
+        if (std::abs(p.x) < 40 && std::abs(p.y) < 40)
+            continue;
+        const bool lit5 = !SegmentMeets(p, {140, 100, 120}, {{-20, -20, 0}, {20, 20, 192}}, 3);
+        const bool shadow = SegmentMeets(p, {140, 100, 120}, {{-20, -20, 0}, {20, 20, 192}}, -3);
+        for (const Vec3d &n : Normals()) {
+            const Vec3d steady = without.Light(p, n), dark = both.Light(p, n, off.data());
+            offError = std::max(offError, 255 * Length(dark - steady));
+            if (!lit5 && !shadow)
+                continue;
+            const Vec3d lamp = lit5 ? FromPointOn(p, n, {140, 100, 120}, 60) : Vec3d{};
+            onError += std::pow(255 * Length(both.Light(p, n) - steady - lamp), 2);
+            halfError += std::pow(255 * Length(both.Light(p, n, half.data()) - steady - lamp * 0.5), 2);
+            seen++;
+        }
+    }
+    EXPECT_LT(offError, 1.5) << "nothing of it is baked into the rest";
+    EXPECT_LT(std::sqrt(onError / seen), 8) << "shadow edges are blended";
+    EXPECT_LT(std::sqrt(halfError / seen), 4);
+    EXPECT_EQ(std::ranges::count(both.StylesAt({200, 150, 100}), 5), 1);
+    EXPECT_EQ(std::ranges::count(without.StylesAt({200, 150, 100}), 5), 0);
+}
+
+TEST_F(NamedBakeTest, OfTwoRoomsTheDarkOneStaysDark) {
+    SceneBuilder scene = Room({-256, -128, 0}, {256, 128, 128});
+    scene.AddBox({-4, -128, 0}, {4, 128, 128}, TestShader("textures/test/wall"));
+    scene.AddEntity(Lamp({-60, 10, 64}, "50"));
+    for (const char *options : {"", "-shadaptive", "-gridsh 64 64 64"}) {
+        const NamedView grid(Baked(scene, options));
+        double most = 0;
+        for (const Vec3d &p : PositionsIn({{24, -100, 30}, {230, 100, 100}}, 300))
+            for (const Vec3d &n : Normals())
+                most = std::max(most, 255 * grid.Light(p, n).x);
+        EXPECT_LT(most, 2) << options;
+    }
+}
+
+TEST_F(NamedBakeTest, TheNumberOfThreadsDoesNotMatter) {
+    for (const char *options : {"", "-shadaptive -sherrortarget 0.7"}) {
+        const std::vector<std::byte> one = NamedView(Baked(TwoLamps(true, true), options, 1)).Lump();
+        for (const int threads : {2, 7})
+            EXPECT_TRUE(NamedView(Baked(TwoLamps(true, true), options, threads)).Lump() == one) << options << threads;
+    }
+}
+
+TEST_F(NamedBakeTest, BudgetsAreKept) {
+    SceneBuilder scene = TwoLamps(true, true);
+    for (const double budget : {0.03, 0.01})
+        EXPECT_LE(double(NamedView(Baked(scene, fmt::format("-shadaptive -shbudget {}", budget))).Lump().size()),
+                  1e6 * budget);
+}
+
+} // namespace
+
+} // namespace q3::test
