@@ -135,8 +135,9 @@ SHFloats Blend(const OctreeCell &cell, const CornerReceivers &corners, const std
 
 NamedCells::NamedCells(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                        const LightTable &table, CellSizes sizes)
-    : in_(in), layout_(layout),
-      table_(table), world_{Vec3f(in.space.Map().models[0].mins), Vec3f(in.space.Map().models[0].maxs)},
+    : in_(in), layout_(layout), table_(table),
+      mostNames_(std::size_t(in.options.shNames)), world_{Vec3f(in.space.Map().models[0].mins),
+                                                          Vec3f(in.space.Map().models[0].maxs)},
       lattice_(sizes == CellSizes::Uniform ? SparseLattice::OfUniformCells({layout.mins, layout.size, layout.bounds, 0})
                                            : SparseLattice::Cubic({layout.mins, layout.size, layout.bounds, 0})),
       tracer_(in, layout, lights), integrator_(in, lights), tree_(lattice_), points_(lattice_) {}

@@ -33,7 +33,7 @@ constexpr std::size_t kFitChunk = 64;
 /// Corners hang on larger leafs unless that changes displayed light there by more than this. RMS, bytes.
 constexpr float kMaxHangingError = 1;
 /// Corners in solids are left out where the others have at least this weight together at all samples.
-constexpr float kLeastWeight = 0.1f;
+constexpr float kLeastWeight = 0.02f;
 
 float FitWeightOf(const SHFloats &light) {
     return FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All);

@@ -139,8 +139,8 @@ TEST_F(NamedBakeTest, SmallLampsBetweenTwoLayersOfPointsAreNotMissed) {
                         n);
     };
     const auto shown = [&](const Vec3d &p, const Vec3d &n) { return Evaluate(grid.Sample(p), n); };
-    EXPECT_LT(ErrorAt(PositionsIn({{-492, -90, 24}, {-476, 90, 38}}, 200), shown, exact), 2)
-        << "twice the target, 16 to 32 units in front of it, in terms of L2";
+    EXPECT_LT(ErrorAt(PositionsIn({{-492, -90, 24}, {-476, 90, 38}}, 200), shown, exact), 2.2)
+        << "about twice the target, 16 to 32 units in front of it, in terms of L2";
     EXPECT_LT(ErrorAt(PositionsIn({{-480, -400, 30}, {400, 400, 350}}, 200), shown, exact), 1);
 }
 

@@ -120,6 +120,8 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o shsm
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o gridscalesh -x -d 'Points per axis relative to the legacy grid: 2 halves the cell of gridsize'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o gridsh -x -d 'Size of a cell'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o shadaptive -d 'Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o shlights -d 'Bake the SH light as a grid that names its strongest lights, into a BSPX lump'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o shnames -x -d 'Most lights without a style that a cell names, of -shlights'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o sherrortarget -x -d 'Error that the sparse grid may have on a screen at random positions of players: RMS; includes -shadaptive'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o shbudget -x -d 'Size of the sparse grid, in place of an error target; includes -shadaptive'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o shdering -d 'Remove negative lobes, the dark side that a strong light leaves'
