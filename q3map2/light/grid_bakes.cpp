@@ -160,7 +160,7 @@ NamedGridSH BakeNamedGridSH(const LightSetup &setup, const IndirectLight *indire
     const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
     NamedStats named;
     NamedGridSH grid = BakeNamedGrid(in, layout, lights, stats, named);
-    PrintNamedStats(named, log);
+    PrintNamedStats(named, options.sparseGoal, log);
     for (const auto &[light, cells] : named.dropped)
         log.Warn("styled light without a name",
                  "the SH grid leaves out {} in {}: too many lights with styles shine there", light,

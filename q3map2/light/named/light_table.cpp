@@ -4,6 +4,7 @@
 #include "q3map2/light/sources/falloff.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -262,7 +263,7 @@ bool LightTable::MaySee(std::uint32_t number, int cluster) const {
     return std::ranges::any_of(members_[number], [&](std::size_t i) { return lights_[i].SeenFrom(cluster); });
 }
 
-NamedBeam LightTable::At(std::uint32_t number, const Vec3f &position) const {
+SHFloats LightTable::At(std::uint32_t number, const Vec3f &position) const {
     const float at[3] = {position.x, position.y, position.z};
     const GridLight &light = table_.lights[number];
     shgrid_beam_ beam;
@@ -276,13 +277,7 @@ NamedBeam LightTable::At(std::uint32_t number, const Vec3f &position) const {
         color[channel] = light.color[channel] * beam.strength;
     if (beam.strength > 0)
         shgrid_add_direct_(beam.direction, beam.spread, color, &sum);
-    NamedBeam result;
-    for (std::size_t k = 0; k < 9; ++k)
-        for (std::size_t channel = 0; channel < 3; ++channel)
-            result.light[3 * k + channel] = sum.c[k][channel];
-    result.strength = MaxAbsComponent(Vec3f{color[0], color[1], color[2]});
-    result.spread = beam.spread;
-    return result;
+    return std::bit_cast<SHFloats>(sum);
 }
 
 Vec3f LightTable::RoughVector(std::uint32_t number, const Vec3f &position) const {

@@ -12,13 +12,6 @@
 
 namespace q3 {
 
-/// What a named light gives at a position without shadows, on the display scale: 1 = byte 255.
-struct NamedBeam {
-    SHFloats light{};   ///< convolved with the cosine, as shgrid_sample adds it
-    float strength = 0; ///< on a surface that faces it, of the brightest channel; of what acts as a direction
-    float spread = 0;   ///< sine of its angular radius
-};
-
 /// The lights of a pass as a grid names them. Triangles and quads of one lamp are one light with several polygons, the
 /// samples of one sun one sun. Const after construction. Keeps a reference to the lights.
 class LightTable {
@@ -45,7 +38,9 @@ class LightTable {
     std::string Label(std::uint32_t number) const;
     /// Whether some of it may be seen from a cluster, by visibility data.
     bool MaySee(std::uint32_t number, int cluster) const;
-    NamedBeam At(std::uint32_t number, const Vec3f &position) const;
+    /// What it gives at a position without shadows: coefficients convolved with the cosine, as shgrid_sample adds them.
+    /// 1 = byte 255.
+    SHFloats At(std::uint32_t number, const Vec3f &position) const;
     /// About the irradiance vector of At, of its brightest channel, in a fraction of the time.
     Vec3f RoughVector(std::uint32_t number, const Vec3f &position) const;
 

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Bakes the SH light grid that names lights.
 #include "q3map2/light/named/named_bake.h"
 
+#include "common/error.h"
 #include "q3map2/light/named/named_cells.h"
 #include "q3map2/light/named/named_fit.h"
 
@@ -34,34 +35,36 @@ constexpr double kTargetSlack = 1.03;
 /// Of a limit of bytes: the fraction that is aimed at, and the least that uses it.
 constexpr double kBudgetUse = 0.97, kLeastBudgetUse = 0.9;
 
-/// Keeps only the lights that points name.
-void DropUnnamedLights(NamedGridSH &grid) {
-    std::vector<bool> isNamed(grid.table.lights.size());
-    for (const std::uint16_t name : grid.names)
-        isNamed[name] = true;
+/// The lights that points name, and their numbers by number in the whole table. Errors: more than a lump can name.
+GridLights NamedLights(const GridLights &all, const std::vector<NamedValue> &values,
+                       std::vector<std::uint16_t> &numbers) {
+    std::vector<bool> isNamed(all.lights.size());
+    for (const NamedValue &value : values)
+        for (const std::uint32_t name : value.names)
+            isNamed[name] = true;
+    if (const auto count = std::ranges::count(isNamed, true); count > SHGRID_LIGHTS)
+        throw Error("-shlights: points would name {} lights, more than {}", count, SHGRID_LIGHTS);
     GridLights kept;
-    std::vector<std::uint16_t> numbers(isNamed.size());
+    numbers.assign(isNamed.size(), 0);
     for (std::size_t i = 0; i < isNamed.size(); ++i) {
         if (!isNamed[i])
             continue;
         numbers[i] = std::uint16_t(kept.lights.size());
-        GridLight light = grid.table.lights[i];
+        GridLight light = all.lights[i];
         light.name = std::uint32_t(kept.text.size());
-        kept.text += grid.table.text.c_str() + grid.table.lights[i].name;
+        kept.text += all.text.c_str() + all.lights[i].name;
         kept.text += '\0';
         light.firstPolygon = std::uint32_t(kept.polygons.size());
         for (std::uint32_t p = 0; p < light.polygonCount; ++p) {
-            GridPolygon polygon = grid.table.polygons[grid.table.lights[i].firstPolygon + p];
-            const auto vertices = std::span(grid.table.vertices).subspan(polygon.firstVertex, polygon.vertexCount);
+            GridPolygon polygon = all.polygons[all.lights[i].firstPolygon + p];
+            const auto vertices = std::span(all.vertices).subspan(polygon.firstVertex, polygon.vertexCount);
             polygon.firstVertex = std::uint32_t(kept.vertices.size());
             kept.vertices.insert(kept.vertices.end(), vertices.begin(), vertices.end());
             kept.polygons.push_back(polygon);
         }
         kept.lights.push_back(light);
     }
-    for (std::uint16_t &name : grid.names)
-        name = numbers[name];
-    grid.table = std::move(kept);
+    return kept;
 }
 
 /// The lump of a tree.
@@ -71,7 +74,8 @@ NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWe
     NamedGridSH grid;
     grid.mins = cells.Lattice().Mins().Array(), grid.cell = cells.Lattice().Cell().Array();
     grid.roots = cells.Lattice().Roots(), grid.levels = cells.Lattice().Levels();
-    grid.table = cells.Table().Stored();
+    std::vector<std::uint16_t> numbers;
+    grid.table = NamedLights(cells.Table().Stored(), values, numbers);
     std::span<const std::uint32_t> order = stored.order;
     for (const SparseGridNode &from : stored.nodes) {
         NamedGridNode node;
@@ -84,7 +88,8 @@ NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWe
         std::ranges::sort(names);
         names.erase(std::unique(names.begin(), names.end()), names.end());
         node.nameCount = std::uint8_t(names.size());
-        grid.names.insert(grid.names.end(), names.begin(), names.end());
+        for (const std::uint32_t name : names)
+            grid.names.push_back(numbers[name]);
         for (const std::uint32_t i : points) {
             grid.points.push_back(QuantizeNamed(std::bit_cast<bspGridPointSH_t>(values[i].rest)));
             for (const std::uint32_t name : names) {
@@ -95,7 +100,6 @@ NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWe
         }
         grid.nodes.push_back(node);
     }
-    DropUnnamedLights(grid);
     NumberNamedNodes(grid);
     return grid;
 }
@@ -196,7 +200,6 @@ NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &w
         Refine(work);
         const PrunedTree pruned = Pruned(FindPrice());
         NamedGridSH grid = GridOf(pruned.tree);
-        result_.expectedError = pruned.stats.error;
         if (exact.Size() > 0)
             result_.measured = ErrorOfNamedGrid(exact, grid);
         tableBytes_ =
@@ -205,12 +208,13 @@ NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &w
         bytesPerLeaf_ = (double(result_.bytes) - tableBytes_) / double(std::max<std::size_t>(1, pruned.stats.leafs));
         if (result_.measured && pruned.stats.error > 0)
             errorRatio_ = result_.measured->rms / pruned.stats.error;
+        result_.isFull = IsFull(pruned.stats);
         const bool fits = double(result_.bytes) <= maxBytes_;
         const bool isGood = goal.budget
                                 ? double(result_.bytes) > kLeastBudgetUse * maxBytes_
                                 : !result_.measured || result_.measured->rms <= kTargetSlack * double(goal.error);
-        if ((fits && (isGood || IsFull(pruned.stats) || GainsLittle(pruned.stats))) || (fits && round >= kMaxRounds) ||
-            round == kMostRounds)
+        const bool isLast = isGood || result_.isFull || GainsLittle(pruned.stats) || round >= kMaxRounds;
+        if ((fits && isLast) || round == kMostRounds)
             return grid;
     }
 }
@@ -223,13 +227,11 @@ NamedGridSH BakeNamedGrid(const GridInputs &in, const GridLayout &layout, const 
     NamedCells cells(in, layout, lights, table, in.options.shAdaptive ? CellSizes::Adaptive : CellSizes::Uniform);
     cells.Start(work);
     NamedGridBuilder builder(in, cells, layout.Count(), result);
-    if (!in.options.shAdaptive) {
+    if (!in.options.shAdaptive)
         return builder.Uniform();
-    }
     std::vector<Light> steady = lights;
     std::erase_if(steady, [](const Light &light) { return light.style != 0; });
-    const ExactReceivers exact(in, steady);
-    return builder.Adaptive(exact, work);
+    return builder.Adaptive(ExactReceivers(in, steady), work);
 }
 
 GridSHError ErrorOfNamedGrid(const ExactReceivers &exact, const NamedGridSH &grid) {
@@ -240,16 +242,26 @@ GridSHError ErrorOfNamedGrid(const ExactReceivers &exact, const NamedGridSH &gri
     return exact.ErrorOf(EncodeNamedGrid(steady));
 }
 
-void PrintNamedStats(const NamedStats &stats, Log &log) {
+void PrintNamedStats(const NamedStats &stats, const SparseGoal &goal, Log &log) {
     log.Count(stats.lights, "lights that points can name");
     log.Count(stats.cells, "cells with open space");
     log.Count(stats.samples, "positions inside cells");
     log.Count(stats.points, "points");
     log.Print("{:9.2f} names a point\n", double(stats.shares) / double(std::max<std::size_t>(1, stats.points)));
     log.Print("{:9.2f} MB\n", double(stats.bytes) / 1e6);
-    if (stats.measured && stats.measured->receivers > 0)
-        log.Print("{:9.2f} of 255 is the error of displayed light, measured at {} random positions of players (RMS)\n",
-                  stats.measured->rms, stats.measured->receivers);
+    if (!stats.measured || stats.measured->receivers == 0)
+        return;
+    log.Print("{:9.2f} of 255 is the error of displayed light, measured at {} random positions of players (RMS)\n",
+              stats.measured->rms, stats.measured->receivers);
+    constexpr double kUnmentioned = 1.1; // as of the sparse grid
+    if (!goal.budget && stats.measured->rms > kUnmentioned * double(goal.error))
+        log.Print("That is above the {:g} that was asked for: {}\n", goal.error,
+                  stats.isFull ? "smaller cells would take more than a tenth of the bytes of the uniform grid, or 0.08 "
+                                 "MB if that is more"
+                               : "smaller cells would hardly reduce it");
+    if (goal.budget && double(stats.bytes) > *goal.budget)
+        log.Warn("SH grid budget", "the SH grid that names lights has {:.2f} MB, more than the {:g} of -shbudget",
+                 double(stats.bytes) / 1e6, *goal.budget / 1e6);
 }
 
 } // namespace q3

@@ -23,7 +23,7 @@ struct NamedStats {
     std::size_t samples = 0;                    ///< positions inside cells
     std::size_t bytes = 0;                      ///< of the lump
     std::map<std::string, std::size_t> dropped; ///< lights with a style that some cells do not name: number of cells
-    double expectedError = 0;                   ///< with -shadaptive: RMS, bytes, before the fit
+    bool isFull = false;                        ///< with -shadaptive: its limit of bytes is used up
     std::optional<GridSHError> measured;        ///< with -shadaptive
 };
 
@@ -36,6 +36,8 @@ NamedGridSH BakeNamedGrid(const GridInputs &in, const GridLayout &layout, const 
 /// Error of the grid at random receivers, without lights that have a style. exact: of the others.
 GridSHError ErrorOfNamedGrid(const ExactReceivers &exact, const NamedGridSH &grid);
 
-void PrintNamedStats(const NamedStats &stats, Log &log);
+/// Prints the size and, with -shadaptive, the error, and why it is above the goal. Warns if the lump exceeds the
+/// budget.
+void PrintNamedStats(const NamedStats &stats, const SparseGoal &goal, Log &log);
 
 } // namespace q3

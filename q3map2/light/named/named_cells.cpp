@@ -21,6 +21,8 @@ constexpr float kLittle = 1e-3f;
 constexpr std::size_t kBrickReceivers = 256;
 /// Leafs whose samples are drawn in one job.
 constexpr std::size_t kLeafChunk = 64;
+/// Lattice points are at least kMinCubicCell apart: nearer positions are one. Game units.
+constexpr float kSamePoint = 0.5f;
 /// Edge of the smallest cells, game units.
 constexpr float kLeastEdge = 8;
 
@@ -181,12 +183,10 @@ void NamedCells::SetUniformPoints(const LightGridSH &grid, const LightCollector 
         for (std::size_t i = first; i < end; ++i) {
             const std::size_t index = lattice_.UniformIndex(points_[i].at);
             const Vec3f position = lattice_.PositionOf(points_[i].at);
+            const auto [x, y, z] = layout_.Coordinates(std::int64_t(index));
             // Points outside the uniform grid have the index of another.
-            const bool inside = Length(Vec3f(layout_.Position(layout_.Coordinates(std::int64_t(index))[0],
-                                                              layout_.Coordinates(std::int64_t(index))[1],
-                                                              layout_.Coordinates(std::int64_t(index))[2])) -
-                                       position) < 0.5f;
-            const PointState state = inside ? states[index] : PointState::Exterior;
+            const bool isInside = Length(Vec3f(layout_.Position(x, y, z)) - position) < kSamePoint;
+            const PointState state = isInside ? states[index] : PointState::Exterior;
             points_[i].traced = state == PointState::Open || state == PointState::Beside;
             if (!points_[i].traced)
                 continue;

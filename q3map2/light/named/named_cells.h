@@ -31,7 +31,7 @@ class NamedCells {
     void Start(GridStats &work);
     /// Splits leafs whose squared error times open volume (bytes^2 times smallest cells) is above `threshold`, unless
     /// their children would be smaller than 8 game units. The error of a cell is what blending between its corners,
-    /// with all lights named, leaves at the samples inside. False: there are none.
+    /// with the strongest lights named, leaves at the samples inside. False: there are none.
     bool Split(float threshold, GridStats &work);
     const SparseLattice &Lattice() const { return lattice_; }
     const Octree &Tree() const { return tree_; }
@@ -42,7 +42,8 @@ class NamedCells {
         return points_[point].traced ? &corners_[point] : nullptr;
     }
     CornerReceivers CornersOf(const OctreeCell &cell) const;
-    /// Squared displayed error of a blend of the corners of a cell at a receiver in it, with all lights named. Bytes^2.
+    /// Squared displayed error of a blend of the corners of a cell at a receiver in it, with the strongest lights
+    /// named. Bytes^2.
     float SquaredErrorAt(const OctreeCell &cell, const NamedReceiver &receiver) const;
     /// Receivers inside cells.
     std::span<const NamedReceiver> Samples() const { return samples_; }

@@ -79,8 +79,19 @@ class NamedFit {
     float GainOf(std::uint32_t light, const OctreeCell &cell, const CornerReceivers &corners,
                  std::span<const Sample> samples) const;
     void FitShares();
+    void TakeOutNamedLights();
+    void SolveRest(std::span<const float> factors);
+    bool FindLeaks(std::span<float> factors) const;
     void FitRest();
     std::vector<NamedValue> Values() const;
+    /// Calls use(i) for i from 0 to count - 1, on all workers.
+    template <typename Use> void ForChunks(std::size_t count, const Use &use) const {
+        jobs_.For(std::int64_t((count + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
+            const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(count, first + kFitChunk);
+            for (std::size_t i = first; i < end; ++i)
+                use(i);
+        });
+    }
     std::span<const CornerTerm> TermsOf(const Sample &sample) const {
         return std::span(terms_).subspan(sample.firstTerm, sample.termCount);
     }
@@ -112,6 +123,7 @@ class NamedFit {
     std::vector<std::size_t> firstSlot_;            ///< by stored corner: of its first share
     std::vector<float> slots_;                      ///< shares
     std::vector<SHFloats> rest_;                    ///< by stored corner
+    std::vector<SHFloats> restOfSamples_;           ///< what named lights leave at the samples
 };
 
 void NamedFit::SortSamples() {
@@ -255,11 +267,7 @@ bool NamedFit::AreNamesReadable() const {
 
 void NamedFit::NameLights(std::map<std::uint32_t, std::size_t> &dropped) {
     std::vector<std::vector<std::uint32_t>> ranked(leafs_.size());
-    jobs_.For(std::int64_t((leafs_.size() + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(leafs_.size(), first + kFitChunk);
-        for (std::size_t i = first; i < end; ++i)
-            ranked[i] = RankLights(i);
-    });
+    ForChunks(leafs_.size(), [&](std::size_t i) { ranked[i] = RankLights(i); });
     MostNames most{mostNames_, kMostStyled};
     for (SetNames(ranked, most); !AreNamesReadable() && most.styled > 0; SetNames(ranked, most))
         most.steady > 0 ? --most.steady : most.styled /= 2;
@@ -337,76 +345,81 @@ void NamedFit::FitShares() {
         share = std::round(std::clamp(share, 0.0f, 1.0f) * 255) / 255;
 }
 
-void NamedFit::FitRest() {
-    const std::size_t count = names_.size();
-    rest_.assign(count, SHFloats{});
-    std::vector<SHFloats> values(samples_.size()); // of the samples, without named lights
-    const auto chunks = [&](std::size_t of, const auto &use) {
-        jobs_.For(std::int64_t((of + kFitChunk - 1) / kFitChunk), [&](std::int64_t job, int) {
-            const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(of, first + kFitChunk);
-            for (std::size_t i = first; i < end; ++i)
-                use(i);
-        });
-    };
-    chunks(count, [&](std::size_t i) {
+/// Sets rest_ to what the corners' own shares leave of their light, and restOfSamples_ likewise from blended shares.
+void NamedFit::TakeOutNamedLights() {
+    rest_.assign(names_.size(), SHFloats{});
+    ForChunks(names_.size(), [&](std::size_t i) {
         if (!CornerAt(i))
             return;
         rest_[i] = CornerAt(i)->light;
         for (std::size_t n = 0; n < names_[i].size(); ++n)
             if (const float share = slots_[firstSlot_[i] + n]; share > 0 && table_.Style(names_[i][n]) == 0)
-                AddScaled(-share, table_.At(names_[i][n], CornerAt(i)->position).light, rest_[i]);
+                AddScaled(-share, table_.At(names_[i][n], CornerAt(i)->position), rest_[i]);
     });
-    chunks(samples_.size(), [&](std::size_t i) {
+    restOfSamples_.resize(samples_.size());
+    ForChunks(samples_.size(), [&](std::size_t i) {
         std::vector<BlendedLight> lights;
         Blend(samples_[i], lights);
-        values[i] = samples_[i].receiver->light;
+        restOfSamples_[i] = samples_[i].receiver->light;
         for (const BlendedLight &one : lights)
             if (one.share > 0 && table_.Style(one.light) == 0)
-                AddScaled(-one.share, table_.At(one.light, samples_[i].receiver->position).light, values[i]);
+                AddScaled(-one.share, table_.At(one.light, samples_[i].receiver->position), restOfSamples_[i]);
     });
-    std::vector<float> factors(samples_.size(), 1);
+}
+
+/// Moves rest_ to the least-squares fit to the samples, from what was traced. factors: of their weights.
+void NamedFit::SolveRest(std::span<const float> factors) {
+    const std::size_t count = names_.size();
+    LeastSquares<SHFloats> system(count);
+    std::vector<SHFloats> sum(count); // weighted, of the samples around a corner
+    std::vector<UnknownTerm> terms;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+        terms.clear();
+        const float weight = factors[i] * samples_[i].volume * FitWeightOf(samples_[i].receiver->light);
+        for (const CornerTerm &term : TermsOf(samples_[i])) {
+            terms.push_back({term.stored, term.weight});
+            AddScaled(weight * term.weight, restOfSamples_[i], sum[term.stored]);
+        }
+        system.AddSample(restOfSamples_[i], weight, terms);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const float weight = system.WeightOf(i);
+        if (!CornerAt(i) && weight > 0)
+            AddScaled(1 / weight, sum[i], rest_[i]);
+        system.SetPull(i, (CornerAt(i) ? kRestPull : kUnknownPull) * weight);
+    }
+    system.Solve(rest_, kRestSteps);
+}
+
+/// Sets the factors of samples that are dark, but shown with light. False: there are none.
+bool NamedFit::FindLeaks(std::span<float> factors) const {
     double total = 0;
     for (const Sample &sample : samples_)
-        total += double(std::min(1.0f, std::max(0.0f, MeanLight(sample.receiver->light))));
+        total += double(std::clamp(MeanLight(sample.receiver->light), 0.0f, 1.0f));
     const float mean = samples_.empty() ? 0 : float(total / double(samples_.size()));
-    const std::vector<SHFloats> traced = rest_;
-    for (int round = 0; round < 2; ++round) {
-        rest_ = traced;
-        LeastSquares<SHFloats> system(count);
-        std::vector<SHFloats> sum(count);
-        std::vector<float> weightSum(count);
-        std::vector<UnknownTerm> terms;
-        for (std::size_t i = 0; i < samples_.size(); ++i) {
-            terms.clear();
-            const float weight = factors[i] * samples_[i].volume * FitWeightOf(samples_[i].receiver->light);
-            for (const CornerTerm &term : TermsOf(samples_[i])) {
-                terms.push_back({term.stored, term.weight});
-                AddScaled(weight * term.weight, values[i], sum[term.stored]);
-                weightSum[term.stored] += weight * term.weight;
-            }
-            system.AddSample(values[i], weight, terms);
-        }
-        for (std::size_t i = 0; i < count; ++i) {
-            if (!CornerAt(i) && weightSum[i] > 0)
-                AddScaled(1 / weightSum[i], sum[i], rest_[i]);
-            system.SetPull(i, (CornerAt(i) ? kRestPull : kUnknownPull) * system.WeightOf(i));
-        }
-        system.Solve(rest_, kRestSteps);
-        bool leaks = false;
-        for (std::size_t i = 0; i < samples_.size(); ++i) {
-            const float truth = std::max(0.0f, MeanLight(samples_[i].receiver->light));
-            if (truth > kDark * mean)
-                continue;
-            SHFloats shown = samples_[i].receiver->light;
-            AddScaled(-1, values[i], shown);
-            for (const CornerTerm &term : TermsOf(samples_[i]))
-                AddScaled(term.weight, rest_[term.stored], shown);
-            if (MeanLight(shown) > kLit * mean)
-                factors[i] = kLeakFactor, leaks = true;
-        }
-        if (!leaks)
-            break;
+    bool found = false;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+        if (MeanLight(samples_[i].receiver->light) > kDark * mean)
+            continue;
+        SHFloats shown = samples_[i].receiver->light;
+        AddScaled(-1, restOfSamples_[i], shown);
+        for (const CornerTerm &term : TermsOf(samples_[i]))
+            AddScaled(term.weight, rest_[term.stored], shown);
+        if (MeanLight(shown) > kLit * mean)
+            factors[i] = kLeakFactor, found = true;
     }
+    return found;
+}
+
+void NamedFit::FitRest() {
+    TakeOutNamedLights();
+    const std::vector<SHFloats> traced = rest_;
+    std::vector<float> factors(samples_.size(), 1);
+    SolveRest(factors);
+    if (!FindLeaks(factors))
+        return;
+    rest_ = traced;
+    SolveRest(factors);
 }
 
 std::vector<NamedValue> NamedFit::Values() const {

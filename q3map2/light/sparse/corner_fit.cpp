@@ -3,6 +3,7 @@
 #include "q3map2/light/sparse/corner_fit.h"
 
 #include "q3map2/light/grid/gridsh_fit.h"
+#include "q3map2/light/sparse/least_squares.h"
 
 #include <algorithm>
 #include <bit>
@@ -113,117 +114,6 @@ constexpr float kMaxChange = 0.5f;
 /// around it.
 constexpr float kRegularization = 0.05f;
 
-/// The normal equations of the fit, (A^T W A + R) x = A^T W light + R x0, with A the interpolation at the samples, W
-/// their weights, R the regularization and x0 the corners' own light. Matrix-free: products are sums over the samples.
-class FitSystem {
-  public:
-    explicit FitSystem(std::size_t unknowns) : weights_(unknowns), diagonal_(unknowns) {}
-    /// light: at the sample; terms: of the value that is interpolated there.
-    void AddSample(const SHFloats &light, const std::vector<CornerTerm> &terms) {
-        const float weight = FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All);
-        samples_.push_back({light, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
-        for (const CornerTerm &term : terms) {
-            terms_.push_back(term);
-            weights_[term.stored] += weight * term.weight;
-            diagonal_[term.stored] += weight * term.weight * term.weight;
-        }
-    }
-    /// kIterations steps of preconditioned conjugate gradients. values: x0, and then the result.
-    void Solve(std::vector<SHFloats> &values) const;
-
-  private:
-    using Vector = std::vector<SHFloats>;
-    struct Sample {
-        SHFloats light;
-        float weight;
-        std::uint32_t firstTerm, termCount; ///< in terms_
-    };
-    /// product = (A^T W A + R) x.
-    void Apply(const Vector &x, Vector &product) const;
-    /// A^T W (light - A x): the residual of the normal equations at x = x0, where R cancels.
-    Vector ResidualAtStart(const Vector &x) const;
-    /// A row of A times x.
-    SHFloats Interpolated(const Sample &sample, const Vector &x) const {
-        SHFloats sum{};
-        for (std::uint32_t t = sample.firstTerm; t < sample.firstTerm + sample.termCount; ++t)
-            AddScaled(terms_[t].weight, x[terms_[t].stored], sum);
-        return sum;
-    }
-    /// Adds what a value at one sample gives in A^T W value.
-    void Scatter(const Sample &sample, const SHFloats &value, Vector &to) const {
-        for (std::uint32_t t = sample.firstTerm; t < sample.firstTerm + sample.termCount; ++t)
-            AddScaled(sample.weight * terms_[t].weight, value, to[terms_[t].stored]);
-    }
-    double Dot(const Vector &a, const Vector &b) const {
-        double sum = 0;
-        for (std::size_t i = 0; i < a.size(); ++i) {
-            float row = 0;
-            for (std::size_t k = 0; k < kSHFloats; ++k)
-                row += a[i][k] * b[i][k];
-            sum += double(row);
-        }
-        return sum;
-    }
-    /// The Jacobi preconditioner applied to a residual: it is divided by the diagonal of the matrix.
-    Vector Preconditioned(const Vector &r) const {
-        Vector z(r.size());
-        for (std::size_t i = 0; i < r.size(); ++i)
-            if (const float diagonal = diagonal_[i] + kRegularization * weights_[i]; diagonal > 0)
-                AddScaled(1 / diagonal, r[i], z[i]);
-        return z;
-    }
-
-    std::vector<Sample> samples_;
-    std::vector<CornerTerm> terms_;
-    std::vector<float> weights_;  ///< by unknown i: sum over samples s of w(s) A(s, i); R = kRegularization times this
-    std::vector<float> diagonal_; ///< by unknown: diagonal of A^T W A
-};
-
-void FitSystem::Apply(const Vector &x, Vector &product) const {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        product[i] = {};
-        AddScaled(kRegularization * weights_[i], x[i], product[i]);
-    }
-    for (const Sample &sample : samples_)
-        Scatter(sample, Interpolated(sample, x), product);
-}
-
-FitSystem::Vector FitSystem::ResidualAtStart(const Vector &x) const {
-    Vector residual(x.size());
-    for (const Sample &sample : samples_) {
-        SHFloats difference = Interpolated(sample, x);
-        for (std::size_t k = 0; k < kSHFloats; ++k)
-            difference[k] = sample.light[k] - difference[k];
-        Scatter(sample, difference, residual);
-    }
-    return residual;
-}
-
-/// Names as in the usual form of the algorithm: residual r, z = M^-1 r, rho = r . z, step alpha, and beta, the part of
-/// the last direction in the next one.
-void FitSystem::Solve(Vector &values) const {
-    Vector r = ResidualAtStart(values), z = Preconditioned(r), direction = z, product(values.size());
-    double rho = Dot(r, z);
-    for (int step = 0; step < kIterations && rho > 0; ++step) {
-        Apply(direction, product);
-        const double curvature = Dot(direction, product);
-        if (!(curvature > 0))
-            return;
-        const auto alpha = float(rho / curvature);
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            AddScaled(alpha, direction[i], values[i]);
-            AddScaled(-alpha, product[i], r[i]);
-        }
-        z = Preconditioned(r);
-        const double nextRho = Dot(r, z);
-        const auto beta = float(nextRho / rho);
-        for (std::size_t i = 0; i < values.size(); ++i)
-            for (std::size_t k = 0; k < kSHFloats; ++k)
-                direction[i][k] = z[i][k] + beta * direction[i][k];
-        rho = nextRho;
-    }
-}
-
 /// Scales the change of a value down to kMaxChange times its mean light: the norms are those over all coefficients, and
 /// over coefficient 0 of the three channels.
 void LimitChange(const SHFloats &before, SHFloats &value) {
@@ -250,7 +140,14 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points
     for (const std::size_t leaf : tree.OpenLeafs())
         withoutSolid[leaf] =
             !space.AnySolid(lattice.PositionOf(tree[leaf].origin), lattice.PositionOf(tree[leaf].Corner(7)));
-    FitSystem system(values.size());
+    LeastSquares<SHFloats> system(values.size());
+    std::vector<UnknownTerm> unknowns;
+    const auto addSample = [&](const SHFloats &light, std::span<const CornerTerm> terms) {
+        unknowns.clear();
+        for (const CornerTerm &term : terms)
+            unknowns.push_back({term.stored, term.weight});
+        system.AddSample(light, FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All), unknowns);
+    };
     for (std::size_t i = 0; i < points.Size(); ++i) {
         const LatticeSample &point = points[i];
         if (!point.traced)
@@ -264,14 +161,16 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points
             }
         const bool stored = corners.IsStored(std::uint32_t(i));
         if (inside != Octree::kNone && (stored || !nearSolid))
-            system.AddSample(point.value, corners.TermsIn(tree[inside], point.at));
+            addSample(point.value, corners.TermsIn(tree[inside], point.at));
     }
     for (const NearLightSample &sample : nearLights) {
         const std::size_t leaf = tree.LeafAt(CellAt(sample.at));
         if (leaf != Octree::kNone && tree[leaf].openFraction > 0 && withoutSolid[leaf])
-            system.AddSample(sample.light, corners.TermsIn(tree[leaf], sample.at));
+            addSample(sample.light, corners.TermsIn(tree[leaf], sample.at));
     }
-    system.Solve(values);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        system.SetPull(i, kRegularization * system.WeightOf(i));
+    system.Solve(values, kIterations);
     for (std::size_t i = 0; i < values.size(); ++i)
         LimitChange(points[corners.Stored()[i]].value, values[i]);
     return values;

@@ -33,8 +33,10 @@ inline float DotOfValues(float a, float b) {
     return a * b;
 }
 
-/// Minimizes over x the sum of w(s) |sum of terms of s in x - value(s)|^2 over samples s, plus pull(i) |x(i) - first
-/// x(i)|^2 over unknowns i. Matrix-free: products are sums over the samples.
+/// Minimizes over x the sum of w(s) |sum of terms of s in x - value(s)|^2 over samples s, plus pull(i) |x(i) - x0(i)|^2
+/// over unknowns i, x0 their first values (Tikhonov regularization). The normal equations are (A^T W A + R) x = A^T W
+/// value + R x0, with A the terms of the samples, W their weights and R the pulls. Matrix-free: products are sums over
+/// the samples.
 template <typename Value> class LeastSquares {
   public:
     explicit LeastSquares(std::size_t unknowns) : pull_(unknowns), diagonal_(unknowns), weights_(unknowns) {}
@@ -51,7 +53,8 @@ template <typename Value> class LeastSquares {
     float WeightOf(std::size_t unknown) const { return weights_[unknown]; }
     void SetPull(std::size_t unknown, float pull) { pull_[unknown] = pull; }
 
-    /// Steps of conjugate gradients with Jacobi's preconditioner, from the first values, which become the result.
+    /// Steps of conjugate gradients with Jacobi's preconditioner, from x0, which becomes the result. Names as usual:
+    /// residual r, z = M^-1 r, rho = r . z, step alpha, and beta, the part of the last direction in the next one.
     void Solve(std::vector<Value> &x, int steps) const {
         Vector r = ResidualAtStart(x), z = Preconditioned(r), direction = z, product(x.size());
         double rho = Dot(r, z);
