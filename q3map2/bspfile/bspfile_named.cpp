@@ -16,16 +16,6 @@ namespace {
 
 constexpr float kMaxNamedStep = 127; ///< the largest value of a step
 
-/// The code of the smallest SparseScale that is at least `needed`.
-std::uint8_t ScaleCodeFor(float needed) {
-    int code = 0;
-    if (needed > SparseScale(0))
-        code = int(std::clamp(std::ceil(128 + 8 * std::log2(double(needed))), 0.0, 255.0));
-    if (code < 255 && SparseScale(std::uint8_t(code)) < needed) // by rounding
-        ++code;
-    return std::uint8_t(code);
-}
-
 bspNamedGridHeader_t NamedHeaderOf(const NamedGridSH &grid) {
     bspNamedGridHeader_t head;
     head.mins = grid.mins, head.cell = grid.cell, head.roots = grid.roots;
@@ -60,7 +50,7 @@ NamedGridPoint QuantizeNamed(const bspGridPointSH_t &value) {
         for (const float c : value.coeffs[k])
             most = std::max(most, std::abs(c) / NamedBandLimit(k));
     NamedGridPoint point;
-    point.scale = ScaleCodeFor(most);
+    point.scale = SparseScaleCode(most);
     for (std::size_t k = 0; k < 9; ++k)
         for (std::size_t channel = 0; channel < 3; ++channel) {
             const float steps =

@@ -4,6 +4,7 @@
 
 #include "libs/shgrid/shgrid.h"
 #include "q3map2/bspfile/bsp_records.h"
+#include "q3map2/bspfile/bspfile_sparse.h"
 
 #include <array>
 #include <cstddef>
@@ -96,8 +97,7 @@ struct NamedGridSH {
 
 /// Limit of coefficients k of scale 1.
 constexpr float NamedBandLimit(std::size_t k) {
-    constexpr std::array<float, 3> kLimits = {1, 1.15470054f, 0.559016994f};
-    return kLimits[k == 0 ? 0 : k < 4 ? 1 : 2];
+    return k == 0 ? 1 : kSparseBandLimits[k < 4 ? 0 : 1];
 }
 
 /// Quantizes coefficients; an error of at most half a step in each. Errors: none for finite ones.

@@ -47,17 +47,6 @@ float NeededScale(const bspGridPointSH_t &value, const Vec3f &mean) {
     return most;
 }
 
-/// The code of the smallest scale that is at least `needed`.
-std::uint8_t ScaleCode(float needed) {
-    if (!(needed > 0))
-        return 0;
-    const double code = std::ceil(kPlainScale + kScaleSteps * std::log2(double(needed)));
-    int scale = int(std::clamp(code, 0.0, 255.0));
-    if (scale < 255 && SparseScale(std::uint8_t(scale)) < needed) // by rounding
-        ++scale;
-    return std::uint8_t(scale);
-}
-
 SparseGridPoint Quantize(const bspGridPointSH_t &value, std::uint8_t scale) {
     SparseGridPoint point;
     point.mean = EncodeE5bgr9(Vec3f(value.coeffs[0]));
@@ -75,6 +64,16 @@ SparseGridPoint Quantize(const bspGridPointSH_t &value, std::uint8_t scale) {
 
 float SparseScale(std::uint8_t scale) {
     return std::ldexp(kEighths[scale % kScaleSteps], (scale - kPlainScale - scale % kScaleSteps) / kScaleSteps);
+}
+
+std::uint8_t SparseScaleCode(float needed) {
+    if (!(needed > 0))
+        return 0;
+    const double code = std::ceil(kPlainScale + kScaleSteps * std::log2(double(needed)));
+    int scale = int(std::clamp(code, 0.0, 255.0));
+    if (scale < 255 && SparseScale(std::uint8_t(scale)) < needed) // by rounding
+        ++scale;
+    return std::uint8_t(scale);
 }
 
 void NumberSparseNodes(SparseGridSH &grid) {
@@ -102,7 +101,7 @@ SparseGridSH PackSparseGrid(const SparseGridTree &tree) {
             needed = std::max(needed,
                               NeededScale(tree.values[i], DecodeE5bgr9(EncodeE5bgr9(Vec3f(tree.values[i].coeffs[0])))));
         }
-        node.scale = ScaleCode(needed);
+        node.scale = SparseScaleCode(needed);
         for (std::size_t i = node.points; i < node.points + count; ++i)
             grid.points[i] = Quantize(tree.values[i], node.scale);
     }

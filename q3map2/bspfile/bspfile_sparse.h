@@ -75,6 +75,8 @@ inline constexpr std::array<float, 2> kSparseBandLimits = {1.15470054f, 0.559016
 
 /// The factor that a node's `scale` encodes: 2^((scale - 128) / 8).
 float SparseScale(std::uint8_t scale);
+/// The code of the smallest SparseScale that is at least `needed`, or of the largest.
+std::uint8_t SparseScaleCode(float needed);
 
 /// Quantizes the values. The scale of a node is the smallest that holds its points; light below zero becomes 0 in
 /// coefficient 0. Errors: those of CheckSparseGrid, another number of values than of stored cells, values that are not

@@ -1,6 +1,5 @@
 // GPL-2.0-or-later. Baked SH grids that name lights: light between points against closed forms, styles, threads.
-#include "q3map2/bspfile/bspfile_named.h"
-#include "tests/support/light_fixture.h"
+#include "tests/support/sparse_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,50 +9,6 @@
 namespace q3::test {
 
 namespace {
-
-constexpr std::array<double, 3> kWhite = {1, 1, 1};
-
-/// A grid that names lights through its lump and the reader for engines.
-class NamedView {
-  public:
-    explicit NamedView(const NamedGridSH &grid) : lump_(EncodeNamedGrid(grid)) {
-        EXPECT_EQ(shgrid_parse(lump_.data(), lump_.size(), &grid_), SHGRID_OK);
-    }
-    const std::vector<std::byte> &Lump() const { return lump_; }
-    /// styles: brightness of the 64 styles; null: all 1.
-    Vec3d Light(const Vec3d &p, const Vec3d &n, const float *styles = nullptr) const {
-        const float at[3] = {float(p.x), float(p.y), float(p.z)}, normal[3] = {float(n.x), float(n.y), float(n.z)};
-        shgrid_lighting lighting;
-        shgrid_lights(&grid_, at, styles, &lighting);
-        float rgb[3];
-        shgrid_shade(&lighting, normal, rgb);
-        return {double(rgb[0]), double(rgb[1]), double(rgb[2])};
-    }
-    /// All light as coefficients.
-    Coefficients Sample(const Vec3d &p) const {
-        const float at[3] = {float(p.x), float(p.y), float(p.z)};
-        shgrid_coeffs read;
-        shgrid_sample(&grid_, at, &read);
-        Coefficients c;
-        for (std::size_t k = 0; k < 9; k++)
-            c[k] = {double(read.c[k][0]), double(read.c[k][1]), double(read.c[k][2])};
-        return c;
-    }
-    /// Styles of the lights that act at a position.
-    std::vector<int> StylesAt(const Vec3d &p) const {
-        const float at[3] = {float(p.x), float(p.y), float(p.z)};
-        shgrid_lighting lighting;
-        shgrid_lights(&grid_, at, nullptr, &lighting);
-        std::vector<int> styles;
-        for (int i = 0; i < lighting.count; i++)
-            styles.push_back(lighting.direct[i].style);
-        return styles;
-    }
-
-  private:
-    std::vector<std::byte> lump_;
-    shgrid_grid grid_{};
-};
 
 class NamedBakeTest : public LightTest {
   protected:
@@ -103,7 +58,7 @@ Vec3d FromPointOn(const Vec3d &p, const Vec3d &n, const Vec3d &light, double int
     const Vec3d to = light - p;
     const double d = std::max(16.0, Length(to)), photons = 7500 * intensity;
     const double cosine = std::max(0.0, Dot(to, n) / std::max(1e-9, Length(to)));
-    return Vec3d{kWhite[0], kWhite[1], kWhite[2]} * (photons / (d * d) * cosine / 255);
+    return Vec3d{1, 1, 1} * (photons / (d * d) * cosine / 255);
 }
 
 // L2 alone has an error of 3 % of such a light, and between points far more beside it.
@@ -184,8 +139,8 @@ TEST_F(NamedBakeTest, ALightWithAStyleIsSwitched) {
     EXPECT_LT(offError, 1.5) << "nothing of it is baked into the rest";
     EXPECT_LT(std::sqrt(onError / seen), 8) << "shadow edges are blended";
     EXPECT_LT(std::sqrt(halfError / seen), 4);
-    EXPECT_EQ(std::ranges::count(both.StylesAt({200, 150, 100}), 5), 1);
-    EXPECT_EQ(std::ranges::count(without.StylesAt({200, 150, 100}), 5), 0);
+    EXPECT_EQ(both.CountOfStyle(5, {200, 150, 100}), 1);
+    EXPECT_EQ(without.CountOfStyle(5, {200, 150, 100}), 0);
 }
 
 TEST_F(NamedBakeTest, OfTwoRoomsTheDarkOneStaysDark) {
@@ -213,7 +168,7 @@ TEST_F(NamedBakeTest, TheNumberOfThreadsDoesNotMatter) {
 TEST_F(NamedBakeTest, BudgetsAreKept) {
     SceneBuilder scene = TwoLamps(true, true);
     for (const double budget : {0.03, 0.01})
-        EXPECT_LE(double(NamedView(Baked(scene, fmt::format("-shadaptive -shbudget {}", budget))).Lump().size()),
+        EXPECT_LE(double(NamedView(Baked(scene, fmt::format("-shadaptive -shbudget {}", budget))).Bytes()),
                   1e6 * budget);
 }
 
