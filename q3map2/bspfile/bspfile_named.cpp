@@ -14,7 +14,7 @@ namespace q3 {
 
 namespace {
 
-constexpr float kMaxNamedStep = 127; ///< the largest value of a step
+constexpr float kMaxNamedStep = 127; ///< coefficients are stored in steps from -127 to 127
 
 bspNamedGridHeader_t NamedHeaderOf(const NamedGridSH &grid) {
     bspNamedGridHeader_t head;
@@ -72,7 +72,7 @@ bspGridPointSH_t DequantizeNamed(const NamedGridPoint &point) {
 void NumberNamedNodes(NamedGridSH &grid) {
     std::uint64_t children = 1, points = 0, names = 0, shares = 0;
     for (const std::int32_t roots : grid.roots)
-        children *= std::uint64_t(std::clamp(roots, 0, kMaxSparseCells)); // CheckNamedGrid says what is wrong
+        children *= std::uint64_t(std::clamp(roots, 0, kMaxSparseCells)); // CheckNamedGrid reports other values
     for (NamedGridNode &node : grid.nodes) {
         node.children = std::uint32_t(children), node.points = std::uint32_t(points);
         node.names = std::uint32_t(names), node.shares = std::uint32_t(shares);
@@ -107,7 +107,7 @@ std::vector<std::byte> EncodeNamedGrid(const NamedGridSH &grid) {
 }
 
 NamedGridSH DecodeNamedGrid(std::span<const std::byte> lump) {
-    CheckLump(lump); // all counts fit the length
+    CheckLump(lump); // from here on all counts fit the length of the lump
     const auto head = LoadRecord<bspNamedGridHeader_t>(lump, 0);
     NamedGridSH grid;
     grid.mins = head.mins, grid.cell = head.cell, grid.roots = head.roots, grid.levels = std::int32_t(head.levels);

@@ -36,7 +36,7 @@ template <typename JsonArchive> void DescribeNamed(JsonArchive &a, bspNamedGridH
     header.levels = std::uint32_t(levels);
 }
 
-/// A count or an index, as an integer that JSON files hold.
+/// A count or an index, which must fit an int32 in JSON. isNeeded: see FieldIf.
 template <typename JsonArchive>
 void DescribeNumber(JsonArchive &a, bool isNeeded, std::string_view name, std::uint32_t &number) {
     auto value = std::int32_t(number);
@@ -45,7 +45,7 @@ void DescribeNumber(JsonArchive &a, bool isNeeded, std::string_view name, std::u
     number = std::uint32_t(value);
 }
 
-/// Whether every float between the first four bytes of a record and `end` is finite.
+/// Whether all floats in the bytes `begin` to `end` of a record are finite.
 template <typename Record> bool IsFinite(const Record &record, std::size_t begin, std::size_t end) {
     std::array<float, sizeof(Record) / sizeof(float)> floats{};
     std::memcpy(floats.data(), &record, sizeof record);
@@ -54,30 +54,31 @@ template <typename Record> bool IsFinite(const Record &record, std::size_t begin
                        [](float value) { return std::isfinite(value); });
 }
 
-/// Members that the type or the curve of the light does not need are there only if they are not 0.
+/// Members that the type or the curve of the light does not need are written only if they are not 0.
 template <typename JsonArchive> void DescribeNamed(JsonArchive &a, GridLight &light) {
     a.Word(true, "type", light.type, kLightTypes);
-    const bool isSpot = light.type == SHGRID_SPOT, hasPlace = isSpot || light.type == SHGRID_POINT;
+    const bool isSpot = light.type == SHGRID_SPOT, hasPosition = isSpot || light.type == SHGRID_POINT;
     const bool isSun = light.type == SHGRID_SUN, hasPolygons = light.type == SHGRID_POLYGONS;
     a.Field("style", light.style);
     a.Check(light.style <= kLastStyle, fmt::format("style: expected an integer in 0..{}", kLastStyle));
     a.Field("color", light.color);
     a.Field("intensity", light.intensity);
-    a.FieldIf(hasPlace, "origin", light.origin);
+    a.FieldIf(hasPosition, "origin", light.origin);
     a.FieldIf(isSpot || isSun, "normal", light.normal);
 
-    a.Word(hasPlace, "curve", light.curve, kLightCurves);
-    const bool isPolynomial = hasPlace && light.curve == SHGRID_POLYNOMIAL;
-    a.FieldIf(hasPlace, "extraDist", light.extraDist);
-    a.FieldIf(hasPlace, "nearest", light.nearest);
-    a.FieldIf(hasPlace && light.curve == SHGRID_LINEAR, "fade", light.fade);
-    a.FieldIf(isPolynomial || (hasPlace && light.curve == SHGRID_WINDOWED), "end", light.end);
+    a.Word(hasPosition, "curve", light.curve, kLightCurves);
+    const bool isPolynomial = hasPosition && light.curve == SHGRID_POLYNOMIAL;
+    a.FieldIf(hasPosition, "extraDist", light.extraDist);
+    a.FieldIf(hasPosition, "nearest", light.nearest);
+    a.FieldIf(hasPosition && light.curve == SHGRID_LINEAR, "fade", light.fade);
+    a.FieldIf(isPolynomial || (hasPosition && light.curve == SHGRID_WINDOWED), "end", light.end);
     a.FieldIf(isPolynomial, "fadeFrom", light.fadeFrom);
     a.FieldIf(isPolynomial, "flatFrom", light.flatFrom);
     a.FieldIf(isPolynomial, "constant", light.constant);
     a.FieldIf(isPolynomial, "linear", light.linear);
     a.FieldIf(isPolynomial, "quadratic", light.quadratic);
 
+    // cone: index in kLightCones.
     std::uint8_t cone = (light.flags & SHGRID_CONE_BY_ANGLES) != 0, twoSided = (light.flags & SHGRID_TWO_SIDED) != 0;
     a.Word(isSpot, "cone", cone, kLightCones);
     a.FieldIf(isSpot && cone == 1, "cosInner", light.cosInner);
@@ -103,7 +104,7 @@ template <typename JsonArchive> void DescribeNamed(JsonArchive &a, GridPolygon &
     a.Check(IsFinite(polygon, offsetof(GridPolygon, normal), sizeof polygon), "expected finite numbers");
 }
 
-/// Reads the members of the file, then puts them together.
+/// Reads the members of the file, and checks that they fit together.
 class NamedJsonReader {
   public:
     NamedJsonReader(const std::filesystem::path &path, const JsonReadRules &rules) : path_(path), rules_(rules) {}
@@ -185,12 +186,13 @@ class NamedJsonReader {
         return position;
     }
 
-    /// Checks that the record is an array of `least` numbers to UINT8_MAX more.
-    static void RequireNumbers(const JsonRecord &source, std::size_t least, std::string_view text) {
+    /// Errors: `message` if the record is not an array of `least` to `least` + UINT8_MAX elements.
+    static void RequireNumbers(const JsonRecord &source, std::size_t least, std::string_view message) {
         const std::size_t count = source.nodes.size() - 1;
         if (source.nodes[0].kind != JsonNode::Array || count < least || count > least + UINT8_MAX)
-            source.Fail(text);
+            source.Fail(message);
     }
+    /// Element `at` of the record. what: its name in messages. Errors: no integer in least..most.
     static std::int32_t Number(const JsonRecord &source, std::size_t at, std::string_view what, int least, int most) {
         const JsonNode &node = source.nodes[1 + at];
         if (node.kind != JsonNode::Integer || node.integer < least || node.integer > most)
@@ -201,7 +203,7 @@ class NamedJsonReader {
     void TakeNode(const JsonRecord &source) {
         RequireNumbers(source, kNodeMasks, "expected an array of inner, stored, hanging and at most 255 names");
         const auto mask = [&](std::size_t at) { return std::uint8_t(Number(source, at, "masks", 0, UINT8_MAX)); };
-        NamedGridNode &node = grid_.nodes.emplace_back(); // NumberNamedNodes sets the sums
+        NamedGridNode &node = grid_.nodes.emplace_back(); // NumberNamedNodes sets the other fields
         node.inner = mask(0), node.stored = mask(1), node.hanging = mask(2);
         node.nameCount = std::uint8_t(source.nodes.size() - 1 - kNodeMasks);
         for (std::size_t at = kNodeMasks; at + 1 < source.nodes.size(); ++at)
@@ -219,7 +221,8 @@ class NamedJsonReader {
             grid_.shares.push_back(std::uint8_t(Number(source, at, "shares", 0, UINT8_MAX)));
     }
 
-    /// Errors: names without a light, points without a node, another number of shares than of names.
+    /// Errors: names without a light, points without a node, points with another number of shares than their node has
+    /// names.
     void CheckLists() const {
         std::size_t name = 0, point = 0;
         for (std::size_t i = 0; i < grid_.nodes.size(); ++i) {
@@ -243,10 +246,10 @@ class NamedJsonReader {
     const JsonReadRules &rules_;
     NamedGridSH grid_;
     bool hasHeader_ = false;
-    std::vector<std::uint8_t> shareCounts_; ///< of each point
+    std::vector<std::uint8_t> shareCounts_; ///< by point
 };
 
-/// Writes the parts of the file, one record per line but for lights and polygons.
+/// Writes the members of the file. Nodes and points take one line each.
 class NamedJsonWriter {
   public:
     NamedJsonWriter(const std::filesystem::path &path, const NamedGridSH &grid, const Game &game)
@@ -285,7 +288,7 @@ class NamedJsonWriter {
         writer_.EndList();
     }
 
-    /// Writes a record as an object, and then more members of it.
+    /// Writes a record as an object. more: writes further members of it.
     template <typename Record, typename More> void WriteMembers(Record record, const More &more) {
         JsonRecordWriter archive(writer_, game_);
         DescribeNamed(archive, record);
@@ -325,11 +328,12 @@ class NamedJsonWriter {
     JsonWriter writer_;
     const NamedGridSH &grid_;
     const Game &game_;
-    std::vector<std::int32_t> line_; ///< numbers of the record that is written
+    std::vector<std::int32_t> line_; ///< numbers of the node or point that is written
 };
 
 } // namespace
 
+/// JSON has no offsets of names and vertices: they must follow each other in the order of lights and polygons.
 bool NamedFitsJson(const Bsp &bsp, Log &) {
     const GridLights &table = bsp.namedGridSH->table;
     std::size_t text = 0, vertices = 0;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The lights that a grid can name: those of a pass, with the pieces of one lamp joined.
+// GPL-2.0-or-later. The lights that a grid can name: those of a pass, with the pieces of each lamp joined.
 #include "q3map2/light/named/light_table.h"
 
 #include "q3map2/light/sources/falloff.h"
@@ -13,20 +13,24 @@ namespace q3 {
 
 namespace {
 
-/// Polygons of one lamp touch, or are at most this far apart; game units.
-constexpr float kTouching = 4;
-/// A light of several polygons has at most so many, and this radius (game units): larger lamps are several lights,
-/// since they are hidden in part more often than as a whole.
+/// The bounding boxes of two polygons of a lamp are at most this far apart along each axis. Game units.
+constexpr float kMaxGap = 4;
+/// A light has at most this many pieces, and its bounding box at most this half diagonal (game units). A larger lamp
+/// becomes several lights, since a wall often hides only a part of it.
 constexpr std::size_t kMaxPolygons = 8;
 constexpr float kMaxLampRadius = 128;
-/// Samples of one sun differ in direction by at most this cosine.
-constexpr float kSunCosine = 0.94f;
-/// Corners of polygons that are joined lie in one plane to this accuracy. Game units; cosine of normals.
-constexpr float kCoplanar = 0.1f, kParallel = 0.9999f;
+/// The directions to the samples of a sun have at least this cosine to that of the first one: an angle of 20 degrees.
+constexpr float kMinSunCosine = 0.94f;
+/// Polygons are coplanar if their planes are less than kMaxPlaneOffset apart (game units) and their normals have a
+/// larger cosine than kMinNormalCosine.
+constexpr float kMaxPlaneOffset = 0.1f, kMinNormalCosine = 0.9999f;
+/// Corners that are closer to each other are the same corner. Game units.
 constexpr float kSameCorner = 0.1f;
+/// A corner with a smaller sine between its edges lies on a straight edge and is removed.
+constexpr float kMinTurn = 1e-3f;
 
-/// Whether two lights of the pass may be pieces of one.
-bool IsSameKind(const Light &a, const Light &b) {
+/// Whether two lights of the pass agree in all that the pieces of a lamp, or the samples of a sun, have in common.
+bool MayJoin(const Light &a, const Light &b) {
     return a.type == b.type && a.style == b.style && a.color == b.color && a.negative == b.negative &&
            a.twoSided == b.twoSided && a.radiosity == b.radiosity && a.photons == b.photons && a.name == b.name &&
            a.skyIndex == b.skyIndex && a.entity == b.entity;
@@ -39,14 +43,15 @@ Boundsf BoxOf(const Light &light) {
     return box;
 }
 
-/// The convex polygon that two coplanar ones with a common edge make, clockwise as they are; empty if it is not convex.
+/// The union of two coplanar convex polygons with a common edge. Polygons are clockwise seen from the front. Empty if
+/// they have no common edge, if the union is not convex, or if it has too many vertices.
 std::vector<Vec3f> JoinedPolygon(const std::vector<Vec3f> &a, const std::vector<Vec3f> &b, const Vec3f &normal) {
     const auto same = [](const Vec3f &p, const Vec3f &q) { return Length(p - q) < kSameCorner; };
     for (std::size_t i = 0; i < a.size(); ++i)
         for (std::size_t j = 0; j < b.size(); ++j) {
             if (!same(a[i], b[(j + 1) % b.size()]) || !same(a[(i + 1) % a.size()], b[j]))
                 continue;
-            std::vector<Vec3f> ring; // a from the end of the edge around to its start, then the rest of b
+            std::vector<Vec3f> ring; // a from the end of the common edge around to its start, then the rest of b
             for (std::size_t k = 1; k <= a.size(); ++k)
                 ring.push_back(a[(i + k) % a.size()]);
             for (std::size_t k = 2; k < b.size(); ++k)
@@ -56,9 +61,9 @@ std::vector<Vec3f> JoinedPolygon(const std::vector<Vec3f> &a, const std::vector<
                 const Vec3f &before = ring[(k + ring.size() - 1) % ring.size()], &after = ring[(k + 1) % ring.size()];
                 // Clockwise seen from the front: the cross product of the edges points to the back.
                 const float turn = -Dot(Cross(Normalize(ring[k] - before), Normalize(after - ring[k])), normal);
-                if (turn < -1e-3f)
+                if (turn < -kMinTurn)
                     return {};
-                if (turn > 1e-3f)
+                if (turn > kMinTurn)
                     joined.push_back(ring[k]);
             }
             return joined.size() <= SHGRID_POLYGON_VERTICES ? joined : std::vector<Vec3f>();
@@ -66,19 +71,20 @@ std::vector<Vec3f> JoinedPolygon(const std::vector<Vec3f> &a, const std::vector<
     return {};
 }
 
-/// A polygon of a light while it is joined with others.
+/// A polygon of a light before coplanar neighbors are joined. Its plane: normal . p = dist.
 struct Piece {
     std::vector<Vec3f> corners;
     Vec3f normal;
     float dist;
 };
 
+/// Replaces coplanar pieces that share an edge by their unions where these are convex.
 void JoinPieces(std::vector<Piece> &pieces) {
     for (std::size_t i = 0; i < pieces.size(); ++i)
         for (std::size_t j = i + 1; j < pieces.size();) {
             std::vector<Vec3f> joined;
-            if (Dot(pieces[i].normal, pieces[j].normal) > kParallel &&
-                std::abs(pieces[i].dist - pieces[j].dist) < kCoplanar)
+            if (Dot(pieces[i].normal, pieces[j].normal) > kMinNormalCosine &&
+                std::abs(pieces[i].dist - pieces[j].dist) < kMaxPlaneOffset)
                 joined = JoinedPolygon(pieces[i].corners, pieces[j].corners, pieces[i].normal);
             if (joined.empty()) {
                 ++j;
@@ -86,26 +92,27 @@ void JoinPieces(std::vector<Piece> &pieces) {
             }
             pieces[i].corners = std::move(joined);
             pieces.erase(pieces.begin() + std::ptrdiff_t(j));
-            j = i + 1; // others may fit now
+            j = i + 1; // the union may have a common edge with pieces that were passed over
         }
 }
 
 void AddPolygon(const Piece &piece, GridLights &table) {
-    Light shape; // for area and center
-    shape.polygon.assign(piece.corners.begin(), piece.corners.end());
-    shape.SetShape();
+    Light light;
+    light.polygon.assign(piece.corners.begin(), piece.corners.end());
+    light.SetShape(); // plane, center, area, radius
     GridPolygon polygon;
     polygon.firstVertex = std::uint32_t(table.vertices.size());
     polygon.vertexCount = std::uint32_t(piece.corners.size());
-    polygon.normal = Vec3f(shape.shape.normal).Array();
-    polygon.dist = float(shape.shape.dist);
-    polygon.center = shape.shape.center.Array();
-    polygon.area = shape.shape.area, polygon.radius = shape.shape.radius;
+    polygon.normal = Vec3f(light.shape.normal).Array();
+    polygon.dist = float(light.shape.dist);
+    polygon.center = light.shape.center.Array();
+    polygon.area = light.shape.area, polygon.radius = light.shape.radius;
     for (const Vec3f &corner : piece.corners)
         table.vertices.push_back(corner.Array());
     table.polygons.push_back(polygon);
 }
 
+/// Sets the falloff of a point light or spotlight.
 void SetCurve(const Light &light, GridLight &record) {
     const Attenuation &k = light.attenuation;
     record.extraDist = light.extraDist;
@@ -130,6 +137,7 @@ void SetCurve(const Light &light, GridLight &record) {
     }
 }
 
+/// Makes a record a spotlight.
 void SetCone(const Light &light, GridLight &record) {
     record.type = SHGRID_SPOT;
     record.normal = light.normal.Array();
@@ -146,7 +154,7 @@ void SetCone(const Light &light, GridLight &record) {
 } // namespace
 
 LightTable::LightTable(const std::vector<Light> &lights, float scale) : lights_(lights), numberOf_(lights.size()) {
-    Join();
+    GroupLights();
     for (const std::vector<std::size_t> &members : members_)
         AddRecord(members, scale);
     reader_.lights = reinterpret_cast<const unsigned char *>(table_.lights.data());
@@ -155,26 +163,27 @@ LightTable::LightTable(const std::vector<Light> &lights, float scale) : lights_(
     reader_.lightCount = std::int32_t(table_.lights.size());
 }
 
-/// Sets members_ and numberOf_. A light joins the first group of its kind that it touches.
-void LightTable::Join() {
+/// Sets members_ and numberOf_. A light joins the newest group that it fits. Groups are never merged, even if a later
+/// light touches both.
+void LightTable::GroupLights() {
     struct Group {
         Boundsf box;
         std::vector<Boundsf> pieces;
-        Vec3f sun;
+        Vec3f towardSun; ///< direction to the first sample of a sun
     };
     std::vector<Group> groups;
-    std::map<std::pair<int, int>, std::vector<std::size_t>> bySurface; // groups that a light may join
+    std::map<std::pair<int, int>, std::vector<std::size_t>> byTypeAndStyle; // numbers of groups
     for (std::size_t i = 0; i < lights_.size(); ++i) {
         const Light &light = lights_[i];
         const Boundsf box = BoxOf(light);
         std::size_t found = groups.size();
-        std::vector<std::size_t> &candidates = bySurface[{int(light.type), light.style}];
+        std::vector<std::size_t> &candidates = byTypeAndStyle[{int(light.type), light.style}];
         for (std::size_t c = candidates.size(); c-- > 0 && found == groups.size();) {
             Group &group = groups[candidates[c]];
-            if (!IsSameKind(light, lights_[members_[candidates[c]].front()]))
+            if (!MayJoin(light, lights_[members_[candidates[c]].front()]))
                 continue;
             if (light.type == LightType::Sun && light.style == 0) {
-                if (Dot(group.sun, -light.normal) > kSunCosine)
+                if (Dot(group.towardSun, -light.normal) > kMinSunCosine)
                     found = candidates[c];
             } else if (light.type == LightType::Area && group.pieces.size() < kMaxPolygons) {
                 Boundsf both = group.box;
@@ -182,8 +191,7 @@ void LightTable::Join() {
                 const bool fits = Length(both.maxs - both.mins) < 2 * kMaxLampRadius;
                 const bool touches = std::ranges::any_of(group.pieces, [&](const Boundsf &piece) {
                     for (std::size_t axis = 0; axis < 3; ++axis)
-                        if (piece.mins[axis] > box.maxs[axis] + kTouching ||
-                            box.mins[axis] > piece.maxs[axis] + kTouching)
+                        if (piece.mins[axis] > box.maxs[axis] + kMaxGap || box.mins[axis] > piece.maxs[axis] + kMaxGap)
                             return false;
                     return true;
                 });
@@ -203,6 +211,7 @@ void LightTable::Join() {
     }
 }
 
+/// Appends the record of a group, with its polygons. members: lights of the pass.
 void LightTable::AddRecord(std::vector<std::size_t> members, float scale) {
     const Light &light = lights_[members.front()];
     GridLight record;
@@ -235,11 +244,11 @@ void LightTable::AddRecord(std::vector<std::size_t> members, float scale) {
         for (const std::size_t i : members)
             mean = mean - lights_[i].normal;
         const Vec3f direction = Normalize(mean);
-        float square = 0;
+        float sineSquares = 0;
         for (const std::size_t i : members)
-            square += 1 - Dot(direction, -lights_[i].normal) * Dot(direction, -lights_[i].normal);
-        // The mean squared sine over a disc of radius s is s^2 / 2.
-        record.spread = std::sqrt(std::max(0.0f, 2 * square / float(members.size())));
+            sineSquares += 1 - Dot(direction, -lights_[i].normal) * Dot(direction, -lights_[i].normal);
+        // Over a uniform disc of angular radius a the mean of sin^2 of the angle to its center is sin(a)^2 / 2.
+        record.spread = std::sqrt(std::max(0.0f, 2 * sineSquares / float(members.size())));
         record.normal = direction.Array();
         record.intensity = light.photons * Length(mean);
     } else {
@@ -289,16 +298,18 @@ Vec3f LightTable::RoughVector(std::uint32_t number, const Vec3f &position) const
         shgrid_beam_at_(&reader_, number, at, &beam);
         return Vec3f{beam.direction[0], beam.direction[1], beam.direction[2]} * (beam.strength * color);
     }
-    Vec3f sum; // of area h / (pi d (d^2 + area / pi)), exact far away and above the middle of a disc
+    // The form factor of a polygon of area A is about h R^2 / (d (d^2 + R^2)), with R^2 = A / pi, d the distance of its
+    // center, and h the height of the position over its plane. This is exact far away and on the axis of a disc.
+    Vec3f sum;
     for (std::uint32_t i = light.firstPolygon; i < light.firstPolygon + light.polygonCount; ++i) {
         const GridPolygon &polygon = table_.polygons[i];
         const float height = Dot(Vec3f(polygon.normal), position) - polygon.dist;
         if (height <= 0 && !(light.flags & SHGRID_TWO_SIDED))
             continue;
         const Vec3f to = Vec3f(polygon.center) - position;
-        const float square = Dot(to, to), disc = polygon.area / std::numbers::pi_v<float>;
-        if (square > 0)
-            sum = sum + to * (disc * std::abs(height) / (square * (square + disc)));
+        const float d2 = Dot(to, to), r2 = polygon.area / std::numbers::pi_v<float>;
+        if (d2 > 0)
+            sum = sum + to * (r2 * std::abs(height) / (d2 * (d2 + r2)));
     }
     return sum * (light.intensity * color);
 }

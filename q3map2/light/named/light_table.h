@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The lights that a grid can name: those of a pass, with the pieces of one lamp joined.
+// GPL-2.0-or-later. The lights that a grid can name: those of a pass, with the pieces of each lamp joined.
 #pragma once
 
 #include "libs/shgrid/shgrid.h"
@@ -12,47 +12,49 @@
 
 namespace q3 {
 
-/// The lights of a pass as a grid names them. Triangles and quads of one lamp are one light with several polygons, the
-/// samples of one sun one sun. Const after construction. Keeps a reference to the lights.
+/// The lights of a pass in the form in which a grid names them. The triangles and quads of a lamp become one light with
+/// several polygons, and the samples of a sun become one sun with a spread. Const after construction; keeps a
+/// reference to the lights.
 class LightTable {
   public:
-    /// scale: of all light that the grid stores (-gridscale).
+    /// scale: factor of all light that the grid stores (-gridscale).
     LightTable(const std::vector<Light> &lights, float scale);
-    LightTable(const LightTable &) = delete; // the reader points into it
+    LightTable(const LightTable &) = delete; // reader_ points into table_
     LightTable &operator=(const LightTable &) = delete;
 
     std::size_t Size() const { return table_.lights.size(); }
-    /// The table that is written.
+    /// The records of all lights. A grid keeps only those that its points name.
     const GridLights &Stored() const { return table_; }
-    /// Number of the light of the table that a light of the pass belongs to.
+    /// The number in the table of the light to which a light of the pass belongs.
     std::uint32_t NumberOf(const Light &light) const { return numberOf_[std::size_t(&light - lights_.data())]; }
-    /// Style of a light of the table.
+    /// The style of a light.
     int Style(std::uint32_t number) const { return table_.lights[number].style; }
-    /// Its color over the brightest channel of that.
+    /// The color of a light divided by its largest absolute component.
     Vec3f Tint(std::uint32_t number) const {
         const Vec3f color(table_.lights[number].color);
         const float brightest = MaxAbsComponent(color);
         return brightest > 0 ? color / brightest : color;
     }
-    /// What messages call it.
+    /// The name of a light in messages.
     std::string Label(std::uint32_t number) const;
-    /// Whether some of it may be seen from a cluster, by visibility data.
+    /// Whether a cluster may see any part of a light, according to the PVS.
     bool MaySee(std::uint32_t number, int cluster) const;
-    /// What it gives at a position without shadows: coefficients convolved with the cosine, as shgrid_sample adds them.
+    /// Unshadowed light from a light at a position: coefficients convolved with the cosine, as shgrid_sample adds them.
     /// 1 = byte 255.
     SHFloats At(std::uint32_t number, const Vec3f &position) const;
-    /// About the irradiance vector of At, of its brightest channel, in a fraction of the time.
+    /// The approximate irradiance vector of that light, for a color of MaxAbsComponent(color): Tint has the factors of
+    /// the channels. Much faster than At. 1 = byte 255.
     Vec3f RoughVector(std::uint32_t number, const Vec3f &position) const;
 
   private:
-    void Join();
+    void GroupLights();
     void AddRecord(std::vector<std::size_t> members, float scale);
 
     const std::vector<Light> &lights_;
-    std::vector<std::uint32_t> numberOf_;           ///< by light of the pass
-    std::vector<std::vector<std::size_t>> members_; ///< by light of the table: lights of the pass
+    std::vector<std::uint32_t> numberOf_;           ///< by light of the pass: its number in the table
+    std::vector<std::vector<std::size_t>> members_; ///< by light of the table: its lights of the pass
     GridLights table_;
-    shgrid_grid reader_{}; ///< of the table alone
+    shgrid_grid reader_{}; ///< a grid without nodes, through which shgrid.h evaluates lights of the table
 };
 
 } // namespace q3

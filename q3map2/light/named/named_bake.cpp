@@ -13,29 +13,33 @@ namespace q3 {
 
 namespace {
 
-/// Thresholds of refinement: the first one, the factor by which they fall, and the last one. Bytes^2 times
-/// kThresholdVolume game units^3.
+/// Thresholds of refinement: the first one, the factor by which they fall, and the last one. Unit: bytes^2 times
+/// kThresholdVolume game units^3, which is the volume of a cell of 32 x 32 x 64.
 constexpr float kFirstThreshold = 1024, kThresholdStep = 2.5f, kLastThreshold = 0.25f, kThresholdVolume = 32 * 32 * 64;
 /// Leafs that a split adds: eight for one.
 constexpr float kLeafsPerSplit = 7;
-/// The price of a leaf is found by kBisections bisections, on a logarithmic scale, of kPriceRange.
+/// The price of a leaf (see PruneOctree) is found by kBisections bisections, on a logarithmic scale, of a range from
+/// the lowest price that refinement allows to kPriceRange times that.
 constexpr int kBisections = 12;
 constexpr float kPriceRange = 65536;
-/// First guesses of the bytes of a leaf, and of the measured error over the expected one.
+/// First guesses of the bytes of the lump per leaf, and of the ratio of the measured error to the expected one.
 constexpr double kBytesPerLeaf = 36, kErrorRatio = 0.6;
-/// Without a budget the lump has at most this fraction of the bytes of a uniform grid with cells half as large as the
-/// first ones, or kSmallLump bytes if that is more.
+/// Without a budget the lump has at most this fraction of the bytes of the uniform grid of -gridsh, whose cells have
+/// half the edge of the first cells here, or kSmallLump bytes if that is more.
 constexpr double kMaxFractionOfUniform = 0.1, kSmallLump = 80e3;
 /// Refinement to an error target ends where a further leaf reduces the squared error by less than this fraction of the
 /// mean squared error of a leaf.
 constexpr double kMinGain = 0.25;
-/// At most so many grids are made to meet the goal as measured, to this factor.
-constexpr int kMaxRounds = 3, kMostRounds = 10; ///< the second while the lump is too large
+/// At most kMaxRounds grids are made to meet the goal as measured, or kMostRounds while the lump is too large. A
+/// measured error of kTargetSlack targets meets the goal.
+constexpr int kMaxRounds = 3, kMostRounds = 10;
 constexpr double kTargetSlack = 1.03;
-/// Of a limit of bytes: the fraction that is aimed at, and the least that uses it.
+/// Cells are made smaller until the estimated bytes reach the fraction kBudgetUse of the limit; a lump of more than
+/// kLeastBudgetUse of the budget uses it well enough.
 constexpr double kBudgetUse = 0.97, kLeastBudgetUse = 0.9;
 
-/// The lights that points name, and their numbers by number in the whole table. Errors: more than a lump can name.
+/// The table without the lights that no point names. numbers: the new numbers, by number in `all`. Errors: more lights
+/// than a lump can hold.
 GridLights NamedLights(const GridLights &all, const std::vector<NamedValue> &values,
                        std::vector<std::uint16_t> &numbers) {
     std::vector<bool> isNamed(all.lights.size());
@@ -67,7 +71,7 @@ GridLights NamedLights(const GridLights &all, const std::vector<NamedValue> &val
     return kept;
 }
 
-/// The lump of a tree.
+/// The grid of a tree. values: of the stored corners, in the order of corners.Stored().
 NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWeights &corners,
                      const std::vector<NamedValue> &values) {
     const StoredTree stored = StoreTree(tree, cells.Points(), corners);
@@ -104,10 +108,10 @@ NamedGridSH PackGrid(const Octree &tree, const NamedCells &cells, const CornerWe
     return grid;
 }
 
-/// Makes grids of a tree of cells, pruned to a goal. Keeps references.
+/// Refines and prunes the cells until their grid meets the goal. Keeps references.
 class NamedGridBuilder {
   public:
-    /// points: of the uniform grid of the first cells.
+    /// points: number of points of the uniform grid of the first cells.
     NamedGridBuilder(const GridInputs &in, NamedCells &cells, std::int64_t points, NamedStats &result)
         : in_(in), cells_(cells), result_(result),
           maxBytes_(in.options.sparseGoal.budget.value_or(
@@ -126,6 +130,7 @@ class NamedGridBuilder {
         pruned.stats = PruneOctree(pruned.tree, price);
         return pruned;
     }
+    /// Whether the estimated bytes of the lump reach its limit.
     bool IsFull(const PruningStats &stats) const {
         return tableBytes_ + double(stats.leafs) * bytesPerLeaf_ >= kBudgetUse * maxBytes_;
     }
@@ -133,7 +138,7 @@ class NamedGridBuilder {
         const SparseGoal &goal = in_.options.sparseGoal;
         return IsFull(stats) || (!goal.budget && stats.error * errorRatio_ <= double(goal.error));
     }
-    /// Whether smaller cells hardly reduce the error.
+    /// Whether smaller cells would hardly reduce the error (kMinGain). Never with a budget.
     bool GainsLittle(const PruningStats &stats) const {
         return !in_.options.sparseGoal.budget &&
                double(minPrice_) * double(stats.leafs) < kMinGain * stats.error * stats.error * stats.volume;
@@ -146,10 +151,10 @@ class NamedGridBuilder {
     NamedCells &cells_;
     NamedStats &result_;
     double bytesPerLeaf_ = kBytesPerLeaf, errorRatio_ = kErrorRatio;
-    double tableBytes_ = 0; ///< of lights, in the last grid
-    double maxBytes_;       ///< of the lump
-    float threshold_ = 0;   ///< the next one, bytes^2 times smallest cells
-    float minPrice_ = 0;    ///< of a leaf: the tree is not refined for lower ones
+    double tableBytes_ = 0; ///< of the table of lights in the last grid
+    double maxBytes_;       ///< limit of the lump
+    float threshold_ = 0;   ///< the next threshold, bytes^2 times smallest cells; 0: none yet
+    float minPrice_ = 0;    ///< of a leaf: for lower ones the tree is not fine enough
 };
 
 NamedGridSH NamedGridBuilder::GridOf(const Octree &tree) {
@@ -168,7 +173,7 @@ NamedGridSH NamedGridBuilder::GridOf(const Octree &tree) {
     return grid;
 }
 
-/// The highest price at which the pruned tree meets an error, or uses a budget.
+/// The highest price at which the pruned tree is estimated to meet the goal.
 float NamedGridBuilder::FindPrice() const {
     float low = minPrice_, high = minPrice_ * kPriceRange;
     for (int i = 0; i < kBisections; ++i) {
@@ -178,7 +183,7 @@ float NamedGridBuilder::FindPrice() const {
     return low;
 }
 
-/// Splits cells until pruning can meet the goal, or more cells do not help.
+/// Splits cells until the pruned tree is estimated to meet the goal, or smaller cells would hardly help.
 void NamedGridBuilder::Refine(GridStats &work) {
     const Vec3f &cell = cells_.Lattice().Cell();
     const float unit = kThresholdVolume / (cell.x * cell.y * cell.z);

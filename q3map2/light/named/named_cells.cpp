@@ -12,21 +12,23 @@ namespace q3 {
 
 namespace {
 
-/// Samples in each leaf, and positions from which they are drawn.
+/// Samples that a leaf gets at most, and candidate positions among which they are chosen.
 constexpr int kSamplesPerLeaf = 4;
 constexpr int kCandidates = 16;
-/// Candidates that count as fitting in a leaf that has open space, but none where a player fits.
+/// A leaf that has open space, but no candidate where a player fits, counts as having this many such candidates: its
+/// open fraction stays above 0, so that it stays open.
 constexpr float kLittle = 1e-3f;
-/// Receivers that are traced together.
+/// Receivers that are traced together, as a brick.
 constexpr std::size_t kBrickReceivers = 256;
 /// Leafs whose samples are drawn in one job.
 constexpr std::size_t kLeafChunk = 64;
-/// Lattice points are at least kMinCubicCell apart: nearer positions are one. Game units.
+/// Positions that are closer to each other are one lattice point. Points are at least kMinCubicCell apart. Game units.
 constexpr float kSamePoint = 0.5f;
-/// Edge of the smallest cells, game units.
+/// Splitting makes no cell with a shorter edge. Game units.
 constexpr float kLeastEdge = 8;
 
-/// Adds light from one direction, from the irradiance vector of its brightest channel. tint: of that channel 1.
+/// sum += factor times the coefficients, convolved with the cosine, of light from one direction with that irradiance
+/// vector. tint: factors of the channels (LightTable::Tint).
 void AddVector(float factor, const Vec3f &vector, const Vec3f &tint, SHFloats &sum) {
     const float length = Length(vector);
     if (!(length > 0))
@@ -44,21 +46,22 @@ template <typename Use> void ForChunks(const JobPool &jobs, std::size_t count, s
     });
 }
 
-/// A light that some corners of a cell know.
+/// A light with its shares at the corners of a cell.
 struct CornerShares {
     std::uint32_t light;
-    float most = 0; ///< squared light that arrives at a corner, at most
+    float most = 0; ///< largest squared irradiance that arrives at a corner
     std::array<float, 8> share{};
     std::array<bool, 8> known{};
 };
 
-/// The lights that a cell would name: the strongest `most` of those that its corners know.
+/// The lights of style 0 that a cell would name: of those traced at its corners, the `most` with the largest irradiance
+/// at a corner.
 std::vector<CornerShares> SharesOf(const CornerReceivers &corners, const LightTable &table, std::size_t most) {
     std::vector<CornerShares> shares;
     for (const NamedReceiver *corner : corners)
         for (std::size_t i = 0; corner && i < corner->lights.size(); ++i) {
             const LightHere &here = corner->lights[i];
-            if (table.Style(here.light) != 0) // stored apart
+            if (table.Style(here.light) != 0) // never part of NamedReceiver::light
                 continue;
             auto at = std::ranges::find(shares, here.light, &CornerShares::light);
             if (at == shares.end())
@@ -79,7 +82,7 @@ std::vector<CornerShares> SharesOf(const CornerReceivers &corners, const LightTa
     return shares;
 }
 
-/// What named lights leave of the light at the corners, by their irradiance vectors.
+/// The light at the corners minus the light that arrives there from named lights, by their irradiance vectors.
 std::array<SHFloats, 8> RestOf(const CornerReceivers &corners, std::span<const CornerShares> shares,
                                const LightTable &table) {
     std::array<SHFloats, 8> rest{};
@@ -94,8 +97,8 @@ std::array<SHFloats, 8> RestOf(const CornerReceivers &corners, std::span<const C
     return rest;
 }
 
-/// Factor of the squared error where light leaks into the dark, which is easier to see than the reverse: the ratio of
-/// what is shown to what is right, both with kDarkLight added.
+/// Weight of the squared error, 1 to kMost: (kDarkLight + shown) / (kDarkLight + right) of the mean light, since light
+/// that leaks into the dark is easier to see than dark that leaks into light.
 float LeakWeight(const SHFloats &right, const SHFloats &shown) {
     constexpr float kDarkLight = 0.02f, kMost = 16;
     const float ratio =
@@ -103,7 +106,7 @@ float LeakWeight(const SHFloats &right, const SHFloats &shown) {
     return std::clamp(ratio, 1.0f, kMost);
 }
 
-/// Blend of the corners of a cell at a receiver in it, as readers blend.
+/// Light that readers would interpolate between the corners of a cell at a receiver in it.
 SHFloats Blend(const OctreeCell &cell, const CornerReceivers &corners, const std::array<SHFloats, 8> &rest,
                std::span<const CornerShares> shares, const NamedReceiver &receiver, const LightTable &table) {
     SHFloats sum{};
@@ -115,7 +118,7 @@ SHFloats Blend(const OctreeCell &cell, const CornerReceivers &corners, const std
             total += weights[c];
             AddScaled(weights[c], rest[c], sum);
         }
-    if (!(total > 0)) // nothing is known: no smaller cell would help
+    if (!(total > 0)) // all corners are in solids: counts as no error, since no smaller cell would help
         return receiver.light;
     for (float &value : sum)
         value /= total;
@@ -159,7 +162,7 @@ void NamedCells::Start(GridStats &work) {
     SampleLeafs(tree_.OpenLeafs(), work);
     if (lattice_.BaseLevel() == 0)
         return;
-    // Cells above the leafs have their samples. Parents come before children.
+    // An inner cell has the samples of its leafs. Children have larger indexes than their parents.
     for (std::size_t i = tree_.Size(); i-- > 0;)
         for (std::size_t c = 0; c < 8 && tree_[i].child != 0; ++c) {
             const auto &below = samplesOf_[tree_[i].child + c];
@@ -184,7 +187,7 @@ void NamedCells::SetUniformPoints(const LightGridSH &grid, const LightCollector 
             const std::size_t index = lattice_.UniformIndex(points_[i].at);
             const Vec3f position = lattice_.PositionOf(points_[i].at);
             const auto [x, y, z] = layout_.Coordinates(std::int64_t(index));
-            // Points outside the uniform grid have the index of another.
+            // Outside the uniform grid UniformIndex returns the nearest point of the grid.
             const bool isInside = Length(Vec3f(layout_.Position(x, y, z)) - position) < kSamePoint;
             const PointState state = isInside ? states[index] : PointState::Exterior;
             points_[i].traced = state == PointState::Open || state == PointState::Beside;
@@ -250,7 +253,7 @@ void NamedCells::TraceReceivers(std::span<NamedReceiver> receivers, GridStats &w
 
 bool NamedCells::HasOpenSpace(const OctreeCell &cell) const {
     Vec3f mins = lattice_.PositionOf(cell.origin), maxs = lattice_.PositionOf(cell.Corner(7));
-    for (std::size_t axis = 0; axis < 3; ++axis) { // what lies outside the world may be in an open leaf
+    for (std::size_t axis = 0; axis < 3; ++axis) { // leafs of the BSP tree that count as open reach beyond the world
         mins[axis] = std::max(mins[axis], world_.mins[axis]);
         maxs[axis] = std::min(maxs[axis], world_.maxs[axis]);
         if (mins[axis] >= maxs[axis])
@@ -259,8 +262,9 @@ bool NamedCells::HasOpenSpace(const OctreeCell &cell) const {
     return in_.space.AnyOpen(mins, maxs, kClearance);
 }
 
-/// Positions where a player fits: x and y from a low-discrepancy sequence, z stratified. Sets the open fraction of the
-/// leaf to the fraction of candidates that fit, so that errors count where players can be. have: samples in the leaf.
+/// Draws samples where a player fits: x and y from a low-discrepancy sequence, z stratified. Sets the open fraction of
+/// the leaf to the fraction of candidates where a player fits, so that errors count where players can be. have: number
+/// of samples that the leaf has already.
 std::vector<NamedReceiver> NamedCells::DrawSamples(OctreeCell &leaf, std::size_t have) const {
     std::vector<NamedReceiver> samples;
     const auto seed = std::uint32_t(HashIndex(KeyOf(leaf.origin) * 32 + std::uint64_t(leaf.level)));
@@ -305,7 +309,7 @@ void NamedCells::SampleLeafs(std::span<const std::size_t> leafs, GridStats &work
         TakeSamples(before);
 }
 
-/// Sorts the samples from number `first` on into the cells that they are in.
+/// Adds the samples from number `first` on to the leafs that contain them.
 void NamedCells::TakeSamples(std::size_t first) {
     for (std::size_t i = first; i < samples_.size(); ++i)
         samplesOf_[tree_.LeafAt(CellAt(samples_[i].at))].push_back(std::uint32_t(i));
@@ -322,7 +326,7 @@ CornerReceivers NamedCells::CornersOf(const OctreeCell &cell) const {
 float NamedCells::ErrorOf(const OctreeCell &cell, std::span<const std::uint32_t> samples) const {
     for (std::size_t c = 0; c < 8; ++c)
         if (points_.Find(cell.Corner(c)) == LatticePoints::kUnknown)
-            return std::numeric_limits<float>::infinity(); // it cannot be a leaf
+            return std::numeric_limits<float>::infinity(); // some corners were never traced: the cell must stay split
     const CornerReceivers corners = CornersOf(cell);
     const std::vector<CornerShares> shares = SharesOf(corners, table_, mostNames_);
     const std::array<SHFloats, 8> rest = RestOf(corners, shares, table_);
@@ -341,7 +345,7 @@ float NamedCells::SquaredErrorAt(const OctreeCell &cell, const NamedReceiver &re
                            receiver.light);
 }
 
-/// Sets the errors of the cells from number `firstCell` on.
+/// Sets the errors of the cells from index `firstCell` on.
 void NamedCells::MeasureErrors(std::size_t firstCell) {
     ForChunks(in_.jobs, tree_.Size() - firstCell, kLeafChunk, [&](std::size_t first, std::size_t end, int) {
         for (std::size_t i = firstCell + first; i < firstCell + end; ++i)

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. The cells of a grid that names lights while it is built: an octree, receivers at its corners and
-// inside its cells, and the error that named lights leave there.
+// inside its cells, and the error of interpolation in each cell.
 #pragma once
 
 #include "q3map2/light/grid/light_gridsh.h"
@@ -15,13 +15,13 @@
 
 namespace q3 {
 
-/// Whether cells are those of the uniform grid, or are split and joined where that pays.
+/// Whether the grid has the cells of the uniform grid, or cells that are split and joined to lower its error.
 enum class CellSizes { Uniform, Adaptive };
 
-/// The eight corners of a cell, by number of the corner; null: in a solid.
+/// The receivers at the corners of a cell, by number of the corner; null for corners in solids.
 using CornerReceivers = std::array<const NamedReceiver *, 8>;
 
-/// An octree whose corners and samples are traced as it grows. Keeps references.
+/// An octree with traced receivers at its corners and, as samples, inside its cells. Keeps references.
 class NamedCells {
   public:
     NamedCells(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
@@ -29,23 +29,24 @@ class NamedCells {
 
     /// Traces the points of the uniform grid, makes its cells the leafs, and samples them. Call it first.
     void Start(GridStats &work);
-    /// Splits leafs whose squared error times open volume (bytes^2 times smallest cells) is above `threshold`, unless
-    /// their children would be smaller than 8 game units. The error of a cell is what blending between its corners,
-    /// with the strongest lights named, leaves at the samples inside. False: there are none.
+    /// Splits leafs whose mean squared error times open volume (bytes^2 times smallest cells) is above `threshold`,
+    /// unless their children would have an edge below 8 game units. The error is the displayed one at the samples in
+    /// the leaf, of interpolation between its corners with the strongest lights named; leaks of light into the dark
+    /// have a larger weight. False if no leaf is to be split.
     bool Split(float threshold, GridStats &work);
     const SparseLattice &Lattice() const { return lattice_; }
     const Octree &Tree() const { return tree_; }
     const LatticePoints &Points() const { return points_; }
     const LightTable &Table() const { return table_; }
-    /// Receiver at a lattice point; null: it is in a solid.
+    /// The receiver at a lattice point; null for points in solids.
     const NamedReceiver *ReceiverAt(std::uint32_t point) const {
         return points_[point].traced ? &corners_[point] : nullptr;
     }
     CornerReceivers CornersOf(const OctreeCell &cell) const;
-    /// Squared displayed error of a blend of the corners of a cell at a receiver in it, with the strongest lights
-    /// named. Bytes^2.
+    /// Squared displayed error of interpolation between the corners of a cell, with the strongest lights named, at a
+    /// receiver in the cell. Bytes^2.
     float SquaredErrorAt(const OctreeCell &cell, const NamedReceiver &receiver) const;
-    /// Receivers inside cells.
+    /// The receivers inside cells.
     std::span<const NamedReceiver> Samples() const { return samples_; }
 
   private:
@@ -64,17 +65,17 @@ class NamedCells {
     const GridInputs &in_;
     const GridLayout &layout_;
     const LightTable &table_;
-    std::size_t mostNames_; ///< of a cell
-    Boundsf world_;         ///< of model 0
+    std::size_t mostNames_; ///< lights that a cell names at most
+    Boundsf world_;         ///< bounds of model 0
     SparseLattice lattice_;
     GridSHTracer tracer_;
     ProbeIntegrator integrator_;
-    std::optional<LightAtPositions> light_; ///< after the uniform grid is traced
+    std::optional<LightAtPositions> light_; ///< set once the uniform grid is traced
     Octree tree_;
     LatticePoints points_;
     std::vector<NamedReceiver> corners_; ///< by lattice point
     std::vector<NamedReceiver> samples_;
-    std::vector<std::vector<std::uint32_t>> samplesOf_; ///< by cell: those inside when it was a leaf
+    std::vector<std::vector<std::uint32_t>> samplesOf_; ///< by cell: its samples; after a split leafs get the new ones
     ScreenError screen_;
 };
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Which lights the points of a grid name, their shares, and the rest of the light.
+// GPL-2.0-or-later. Chooses the lights that the points of a grid name, and fits their shares and the rest of the light.
 #include "q3map2/light/named/named_fit.h"
 
 #include "q3map2/light/grid/gridsh_fit.h"
@@ -11,40 +11,48 @@ namespace q3 {
 
 namespace {
 
-/// A light is named where that lowers the mean squared displayed error in the cell by more than this. Bytes^2.
+/// A cell names a light if that lowers its mean squared displayed error by more than this. Bytes^2.
 constexpr float kMinNameGain = 0.1f;
-/// Lights with a style that a cell names at most, and names of a corner: the eight points of a node then have at most
-/// 248 together.
+/// Maximum of lights with a style that a cell names, and of names of a corner. With 31 names each, the eight points of
+/// a node have at most 248 names together; a byte counts them.
 constexpr std::size_t kMostStyled = 16, kMostAtCorner = 31;
-/// RMS error, over all normals, of the L2 projection of light from one direction, as a fraction of it.
+/// RMS error, over all normals, of the L2 projection of light from one direction, as a fraction of that light on a
+/// surface that faces it. Negative values are shown as 0.
 constexpr float kDirectionFloor = 0.0325f;
-/// Mean squared light, over all normals, of light from one direction, as a fraction of its square.
+/// Mean over all normals of the squared clamped cosine: the mean squared light from one direction is this times the
+/// square of that on a surface that faces it.
 constexpr float kMeanSquareOfDirection = 1.0f / 6;
-/// Pull of a corner towards its own share, in terms of the weight that its light would have as a sample.
+/// Pull of a share towards the one that was traced at its corner, as a fraction of the weight of a sample there.
 constexpr float kSharePull = 0.5f;
-/// Pull of a corner towards its own rest, and of values that are not known, as a fraction of the weight of the samples.
+/// Pull of a rest towards the one that was traced at its corner, and of a value that could not be traced there towards
+/// the mean of the samples around it. As a fraction of the weight of these samples.
 constexpr float kRestPull = 0.1f, kUnknownPull = 0.01f;
+/// Steps of conjugate gradients.
 constexpr int kShareSteps = 4, kRestSteps = 4;
-/// Samples that are dark, and shown with more than this light, count kLeakFactor times as much in a second fit. As a
-/// fraction of the mean light of all samples: dark below kDark of it, lit above kLit.
+/// Leaks are samples with at most the fraction kDark of the mean light of all samples that are shown with more than the
+/// fraction kLit of it. A second fit gives them kLeakFactor times their weight.
 constexpr float kDark = 0.01f, kLit = 0.03f;
 constexpr float kLeakFactor = 10;
+/// Leafs, corners or samples of one job.
 constexpr std::size_t kFitChunk = 64;
-/// Corners hang on larger leafs unless that changes displayed light there by more than this. RMS, bytes.
+/// A corner hangs on a larger leaf unless that changes its displayed light by more than this: RMS over all normals,
+/// bytes.
 constexpr float kMaxHangingError = 1;
-/// Corners in solids are left out where the others have at least this weight together at all samples.
+/// Corners in solids are left out if the other corners of the leaf have at least this weight together at each sample.
 constexpr float kLeastWeight = 0.02f;
 
+/// Weight of a sample with that light in a fit.
 float FitWeightOf(const SHFloats &light) {
     return FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All);
 }
 
-/// A light with the blend of its shares.
+/// A light with its interpolated share, 0 to 1.
 struct BlendedLight {
     std::uint32_t light;
     float share;
 };
 
+/// Carries out FitNamedCorners, which has its parameters. Call Fit once.
 class NamedFit {
   public:
     NamedFit(const Octree &tree, const NamedCells &cells, CornerWeights &corners, std::size_t mostNames,
@@ -61,14 +69,15 @@ class NamedFit {
     }
 
   private:
-    /// A receiver inside a leaf or on its boundary, with the combination of stored corners that readers blend there.
+    /// A receiver inside a leaf or on its boundary, with the weights that the stored corners have there. These add up
+    /// to 1.
     struct Sample {
         const NamedReceiver *receiver;
-        float volume; ///< open volume that it stands for
+        float volume; ///< its part of the open volume of the leaf, in smallest cells
         std::uint32_t firstTerm = 0, termCount = 0;
     };
     void SortSamples();
-    /// How many lights a cell names.
+    /// Maximum of the lights that a cell names: of style 0, and of other styles.
     struct MostNames {
         std::size_t steady, styled;
     };
@@ -98,13 +107,13 @@ class NamedFit {
     std::span<const Sample> SamplesOf(std::size_t leaf) const {
         return std::span(samples_).subspan(firstSample_[leaf], firstSample_[leaf + 1] - firstSample_[leaf]);
     }
-    /// Index in slots_; SIZE_MAX: the corner does not name the light.
+    /// Index in slots_ of the share of a light at a stored corner; SIZE_MAX if the corner does not name the light.
     std::size_t SlotOf(std::uint32_t stored, std::uint32_t light) const {
         const auto &names = names_[stored];
         const auto at = std::lower_bound(names.begin(), names.end(), light);
         return at != names.end() && *at == light ? firstSlot_[stored] + std::size_t(at - names.begin()) : SIZE_MAX;
     }
-    /// The lights that the corners of a sample name.
+    /// The lights that the corners of a sample name, with the interpolated shares.
     void Blend(const Sample &sample, std::vector<BlendedLight> &lights) const;
     const NamedReceiver *CornerAt(std::size_t stored) const { return cells_.ReceiverAt(corners_.Stored()[stored]); }
 
@@ -115,15 +124,15 @@ class NamedFit {
     std::size_t mostNames_;
     const JobPool &jobs_;
     std::vector<std::size_t> leafs_;
-    std::vector<Sample> samples_;          ///< by leaf
-    std::vector<std::size_t> firstSample_; ///< by leaf, and the end
+    std::vector<Sample> samples_;          ///< those of a leaf together
+    std::vector<std::size_t> firstSample_; ///< by index in leafs_, then the end
     std::vector<CornerTerm> terms_;
-    std::vector<float> volumes_;                    ///< by stored corner: mean of Sample::volume around it
+    std::vector<float> volumes_;                    ///< by stored corner: weighted mean of Sample::volume around it
     std::vector<std::vector<std::uint32_t>> names_; ///< by stored corner, sorted
-    std::vector<std::size_t> firstSlot_;            ///< by stored corner: of its first share
-    std::vector<float> slots_;                      ///< shares
+    std::vector<std::size_t> firstSlot_;            ///< by stored corner: index of its first share in slots_
+    std::vector<float> slots_;                      ///< shares of all stored corners, 0 to 1
     std::vector<SHFloats> rest_;                    ///< by stored corner
-    std::vector<SHFloats> restOfSamples_;           ///< what named lights leave at the samples
+    std::vector<SHFloats> restOfSamples_;           ///< by sample: its light minus the interpolated named lights
 };
 
 void NamedFit::SortSamples() {
@@ -138,7 +147,7 @@ void NamedFit::SortSamples() {
     };
     for (const NamedReceiver &sample : cells_.Samples())
         add(sample);
-    for (std::uint32_t i = 0; i < cells_.Points().Size(); ++i) // those that pruning has made no corners
+    for (std::uint32_t i = 0; i < cells_.Points().Size(); ++i) // traced points that are not stored are samples
         if (const NamedReceiver *point = cells_.ReceiverAt(i); point && !corners_.IsStored(i))
             add(*point);
     for (std::size_t i = 0; i < leafs_.size(); ++i) {
@@ -167,7 +176,10 @@ void NamedFit::SortSamples() {
         volumes_[i] = weights[i] > 0 ? volumes_[i] / weights[i] : 0;
 }
 
-/// How much less the squared displayed error is, summed over the samples of a cell, if its corners name the light.
+/// By how much the squared displayed error, summed over the samples of a cell, falls if its corners name the light.
+/// With E the irradiance vector that arrives at a sample, E0 the same without shadows, s the share, and a bar over what
+/// is interpolated between the corners, the error of the light falls from |Ebar - E|^2 / 6 + kDirectionFloor^2 |E|^2 to
+/// (sbar - s)^2 |E0|^2 / 6.
 float NamedFit::GainOf(std::uint32_t light, const OctreeCell &cell, const CornerReceivers &corners,
                        std::span<const Sample> samples) const {
     std::array<std::optional<LightHere>, 8> at;
@@ -192,7 +204,7 @@ float NamedFit::GainOf(std::uint32_t light, const OctreeCell &cell, const Corner
         }
         const Vec3f seen = here->vector * here->share;
         if (table_.Style(light) != 0 && Dot(seen, seen) >= kFaintest * kFaintest)
-            return std::numeric_limits<float>::infinity(); // nothing else stores it
+            return std::numeric_limits<float>::infinity(); // the rest cannot hold it
         const float dim = ScreenFactor(sample.receiver->light) * 255;
         const Vec3f off = seen - (total > 0 ? blend / total : blend);
         const float wrong = shareWeight > 0 ? share / shareWeight - here->share : 0;
@@ -203,7 +215,7 @@ float NamedFit::GainOf(std::uint32_t light, const OctreeCell &cell, const Corner
     return gain;
 }
 
-/// The lights worth naming in a cell, the best first.
+/// The lights that are worth naming in a cell, in descending order of GainOf. leaf: index in leafs_.
 std::vector<std::uint32_t> NamedFit::RankLights(std::size_t leaf) const {
     const OctreeCell &cell = tree_[leafs_[leaf]];
     const CornerReceivers corners = cells_.CornersOf(cell);
@@ -228,7 +240,7 @@ std::vector<std::uint32_t> NamedFit::RankLights(std::size_t leaf) const {
     return lights;
 }
 
-/// Gives the corners of each cell the names of its best lights.
+/// Makes all corners of a cell name the first lights of its list, up to the maximum. ranked: by index in leafs_.
 void NamedFit::SetNames(std::span<const std::vector<std::uint32_t>> ranked, const MostNames &most) {
     names_.assign(corners_.Stored().size(), {});
     for (std::size_t i = 0; i < leafs_.size(); ++i) {
@@ -247,7 +259,7 @@ void NamedFit::SetNames(std::span<const std::vector<std::uint32_t>> ranked, cons
     }
 }
 
-/// Whether readers find all names at each place, and a node has at most 255.
+/// Whether no corner has more than kMostAtCorner names, and no place more than readers evaluate.
 bool NamedFit::AreNamesReadable() const {
     for (const std::vector<std::uint32_t> &names : names_)
         if (names.size() > kMostAtCorner)
@@ -302,7 +314,7 @@ void NamedFit::Blend(const Sample &sample, std::vector<BlendedLight> &lights) co
 
 void NamedFit::FitShares() {
     LeastSquares<float> system(slots_.size());
-    std::vector<float> sum(slots_.size()), weightSum(slots_.size()); // of the samples around a corner
+    std::vector<float> sum(slots_.size()), weightSum(slots_.size()); // weighted, of the samples around a slot's corner
     std::vector<bool> known(slots_.size());
     for (std::size_t i = 0; i < names_.size(); ++i)
         for (std::size_t n = 0; n < names_[i].size() && CornerAt(i); ++n) {
@@ -324,7 +336,7 @@ void NamedFit::FitShares() {
             if (!here || here->Squared() < kFaintest * kFaintest)
                 continue;
             terms.clear();
-            float named = 0; // weight of the corners that name it
+            float named = 0; // weight of the corners that name it: the others count as share 0
             for (const CornerTerm &term : TermsOf(sample))
                 if (const std::size_t slot = SlotOf(term.stored, one.light); slot != SIZE_MAX) {
                     terms.push_back({std::uint32_t(slot), term.weight});
@@ -341,11 +353,12 @@ void NamedFit::FitShares() {
             system.SetPull(slot, kUnknownPull * system.WeightOf(slot));
         }
     system.Solve(slots_, kShareSteps);
-    for (float &share : slots_) // as they are stored
+    for (float &share : slots_) // the rest is fitted to shares as they are stored
         share = std::round(std::clamp(share, 0.0f, 1.0f) * 255) / 255;
 }
 
-/// Sets rest_ to what the corners' own shares leave of their light, and restOfSamples_ likewise from blended shares.
+/// Sets rest_ to the light at the corners minus their named lights, and restOfSamples_ to the light at the samples
+/// minus the interpolated named lights.
 void NamedFit::TakeOutNamedLights() {
     rest_.assign(names_.size(), SHFloats{});
     ForChunks(names_.size(), [&](std::size_t i) {
@@ -367,11 +380,11 @@ void NamedFit::TakeOutNamedLights() {
     });
 }
 
-/// Moves rest_ to the least-squares fit to the samples, from what was traced. factors: of their weights.
+/// Replaces rest_, the traced values, by the least-squares fit to the samples. factors: of the weights, by sample.
 void NamedFit::SolveRest(std::span<const float> factors) {
     const std::size_t count = names_.size();
     LeastSquares<SHFloats> system(count);
-    std::vector<SHFloats> sum(count); // weighted, of the samples around a corner
+    std::vector<SHFloats> sum(count); // weighted, of the samples around a corner; for corners in solids
     std::vector<UnknownTerm> terms;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
         terms.clear();
@@ -391,7 +404,7 @@ void NamedFit::SolveRest(std::span<const float> factors) {
     system.Solve(rest_, kRestSteps);
 }
 
-/// Sets the factors of samples that are dark, but shown with light. False: there are none.
+/// Sets the factors of leaks (kLeakFactor). False if there are none.
 bool NamedFit::FindLeaks(std::span<float> factors) const {
     double total = 0;
     for (const Sample &sample : samples_)
@@ -444,7 +457,7 @@ std::vector<CornerWeights::Rule> RulesOfCorners(const Octree &tree, const NamedC
         const std::size_t first = std::size_t(job) * kFitChunk, end = std::min(rules.size(), first + kFitChunk);
         for (std::size_t i = first; i < end; ++i) {
             const NamedReceiver *corner = cells.ReceiverAt(std::uint32_t(i));
-            // A leaf with open space owns its lower corner alone: nothing can be said of other points in it.
+            // A file has one point for an open leaf, at its lower corner. Other points on the leaf can only hang.
             const std::size_t owner = tree.LeafAt(cells.Points()[i].at);
             if (owner != Octree::kNone && tree[owner].openFraction > 0 && tree[owner].origin != cells.Points()[i].at)
                 continue;

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Receivers of a grid that names lights: what arrives there of all light, and of each light apart.
+// GPL-2.0-or-later. Receivers of a grid that names lights: all light that arrives there, and the share of each light.
 #include "q3map2/light/named/named_receivers.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ std::optional<LightHere> NamedReceiver::At(std::uint32_t light, const LightTable
 
 void LightCollector::Add(std::uint32_t light, std::size_t receiver, float unshadowed, float visible) {
     std::vector<Sum> &sums = sums_[receiver];
-    // Pieces of one lamp mostly follow each other.
+    // Searched from the back, since the pieces of a lamp mostly follow each other.
     auto at = std::find_if(sums.rbegin(), sums.rend(), [&](const Sum &sum) { return sum.light == light; });
     if (at == sums.rend()) {
         sums.push_back({light, 0, 0});
@@ -33,7 +33,7 @@ void LightCollector::Add(std::uint32_t light, std::size_t receiver, float unshad
 
 void LightCollector::See(const WeightedLight &light, std::span<const ReceiverBatch> blocks,
                          std::span<const ProbeIncidentLight> incident) {
-    if (light.weight != 1) // one that represents others says nothing of itself
+    if (light.weight != 1) // it represents several faint lights, whose own shares are unknown
         return;
     const std::uint32_t number = table_.NumberOf(*light.light);
     for (std::size_t block = 0; block < blocks.size(); ++block)

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Sparse linear least squares with a pull towards first values, by conjugate gradients.
+// GPL-2.0-or-later. Sparse linear least squares with a pull towards initial values, by conjugate gradients.
 #pragma once
 
 #include "q3map2/light/grid/probe_integrator.h"
@@ -16,7 +16,7 @@ struct UnknownTerm {
     float weight = 0;
 };
 
-// What LeastSquares needs of its values.
+// Operations of LeastSquares on its values: floats, or coefficients.
 inline void AddScaledValue(float factor, const SHFloats &value, SHFloats &sum) {
     AddScaled(factor, value, sum);
 }
@@ -33,10 +33,13 @@ inline float DotOfValues(float a, float b) {
     return a * b;
 }
 
-/// Minimizes over x the sum of w(s) |sum of terms of s in x - value(s)|^2 over samples s, plus pull(i) |x(i) - x0(i)|^2
-/// over unknowns i, x0 their first values (Tikhonov regularization). The normal equations are (A^T W A + R) x = A^T W
-/// value + R x0, with A the terms of the samples, W their weights and R the pulls. Matrix-free: products are sums over
-/// the samples.
+/// Minimizes over x, with samples s and unknowns i,
+///
+///     sum over s of w(s) |sum over i of a(s, i) x(i) - value(s)|^2 + sum over i of pull(i) |x(i) - x0(i)|^2
+///
+/// x0: initial values (Tikhonov regularization); a(s, i): weight of UnknownTerm i of s. The normal equations are
+/// (A^T W A + R) x = A^T W value + R x0, with W = diag(w) and R = diag(pull). Matrix-free: products are sums over the
+/// samples.
 template <typename Value> class LeastSquares {
   public:
     explicit LeastSquares(std::size_t unknowns) : pull_(unknowns), diagonal_(unknowns), weights_(unknowns) {}
@@ -49,12 +52,13 @@ template <typename Value> class LeastSquares {
             diagonal_[term.unknown] += weight * term.weight * term.weight;
         }
     }
-    /// Sum over samples of weight times term of an unknown.
+    /// Sum over s of w(s) a(s, unknown).
     float WeightOf(std::size_t unknown) const { return weights_[unknown]; }
     void SetPull(std::size_t unknown, float pull) { pull_[unknown] = pull; }
 
-    /// Steps of conjugate gradients with Jacobi's preconditioner, from x0, which becomes the result. Names as usual:
-    /// residual r, z = M^-1 r, rho = r . z, step alpha, and beta, the part of the last direction in the next one.
+    /// Conjugate gradients with Jacobi's preconditioner M, at most `steps` of them. x: x0, replaced by the result. As
+    /// usual r is the residual, z = M^-1 r, rho = r . z, alpha the step length, and beta the factor of the last
+    /// direction in the next one.
     void Solve(std::vector<Value> &x, int steps) const {
         Vector r = ResidualAtStart(x), z = Preconditioned(r), direction = z, product(x.size());
         double rho = Dot(r, z);
@@ -87,16 +91,19 @@ template <typename Value> class LeastSquares {
         float weight;
         std::uint32_t firstTerm, termCount;
     };
+    /// (A x)(s).
     Value Combined(const Sample &sample, const Vector &x) const {
         Value sum{};
         for (std::uint32_t t = sample.firstTerm; t < sample.firstTerm + sample.termCount; ++t)
             AddScaledValue(terms_[t].weight, x[terms_[t].unknown], sum);
         return sum;
     }
+    /// to += A^T W of a vector that is `value` at s, and 0 at all other samples.
     void Scatter(const Sample &sample, const Value &value, Vector &to) const {
         for (std::uint32_t t = sample.firstTerm; t < sample.firstTerm + sample.termCount; ++t)
             AddScaledValue(sample.weight * terms_[t].weight, value, to[terms_[t].unknown]);
     }
+    /// product = (A^T W A + R) x.
     void Apply(const Vector &x, Vector &product) const {
         for (std::size_t i = 0; i < x.size(); ++i) {
             product[i] = {};
@@ -105,7 +112,7 @@ template <typename Value> class LeastSquares {
         for (const Sample &sample : samples_)
             Scatter(sample, Combined(sample, x), product);
     }
-    /// The pull does not count: x is where it pulls to.
+    /// A^T W (value - A x) for x = x0, where the pull is 0.
     Vector ResidualAtStart(const Vector &x) const {
         Vector residual(x.size());
         for (const Sample &sample : samples_) {
@@ -121,6 +128,7 @@ template <typename Value> class LeastSquares {
             sum += double(DotOfValues(a[i], b[i]));
         return sum;
     }
+    /// M^-1 r, M the diagonal of A^T W A + R.
     Vector Preconditioned(const Vector &r) const {
         Vector z(r.size());
         for (std::size_t i = 0; i < r.size(); ++i)
@@ -131,7 +139,9 @@ template <typename Value> class LeastSquares {
 
     std::vector<Sample> samples_;
     std::vector<UnknownTerm> terms_;
-    std::vector<float> pull_, diagonal_, weights_; ///< by unknown
+    std::vector<float> pull_;     ///< by unknown
+    std::vector<float> diagonal_; ///< of A^T W A
+    std::vector<float> weights_;  ///< WeightOf, by unknown
 };
 
 } // namespace q3

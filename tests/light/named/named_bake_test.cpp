@@ -31,10 +31,10 @@ std::vector<Vec3d> PositionsIn(const Boundsf &box, int count) {
     return positions;
 }
 
-/// Light at a position on a surface with that normal.
+/// Light on a surface, from its position and normal. 1 = byte 255.
 using LightAt = std::function<Vec3d(const Vec3d &, const Vec3d &)>;
 
-/// RMS of displayed light over the normals, bytes.
+/// RMS difference of displayed light over positions, normals and channels. Bytes.
 double ErrorAt(const std::vector<Vec3d> &positions, const LightAt &grid, const LightAt &exact) {
     double sum = 0;
     int count = 0;
@@ -53,7 +53,8 @@ Entity Lamp(const Vec3f &origin, std::string_view intensity, std::string_view st
                                 {"style", std::string(style)}});
 }
 
-/// Light of a point light on a surface with that normal, without SH. 1 = byte 255.
+/// Light of a point light at `light` on a surface at p with normal n, without SH: 7500 photons per unit of intensity
+/// over the squared distance, which counts as at least 16 units. 1 = byte 255.
 Vec3d FromPointOn(const Vec3d &p, const Vec3d &n, const Vec3d &light, double intensity) {
     const Vec3d to = light - p;
     const double d = std::max(16.0, Length(to)), photons = 7500 * intensity;
@@ -61,7 +62,7 @@ Vec3d FromPointOn(const Vec3d &p, const Vec3d &n, const Vec3d &light, double int
     return Vec3d{1, 1, 1} * (photons / (d * d) * cosine / 255);
 }
 
-// L2 alone has an error of 3 % of such a light, and between points far more beside it.
+// With L2 coefficients alone the error would be 3 % of such a light, and far more between points close to it.
 TEST_F(NamedBakeTest, ALampIsExactBetweenPointsAndForEveryNormal) {
     SceneBuilder scene = Room();
     scene.AddEntity(Lamp({10, 20, 100}, "40"));
@@ -95,11 +96,12 @@ TEST_F(NamedBakeTest, SmallLampsBetweenTwoLayersOfPointsAreNotMissed) {
     };
     const auto shown = [&](const Vec3d &p, const Vec3d &n) { return Evaluate(grid.Sample(p), n); };
     EXPECT_LT(ErrorAt(PositionsIn({{-492, -90, 24}, {-476, 90, 38}}, 200), shown, exact), 2.2)
-        << "about twice the target, 16 to 32 units in front of it, in terms of L2";
+        << "16 to 32 units in front of the strip, about twice the target; compared as L2 coefficients";
     EXPECT_LT(ErrorAt(PositionsIn({{-480, -400, 30}, {400, 400, 350}}, 200), shown, exact), 1);
 }
 
-/// A lamp with a style behind a pillar, and one without.
+/// A room with a pillar in the middle and lamps on both sides of it: one that is steady, and one of style 5. A faint
+/// third one is always there.
 SceneBuilder TwoLamps(bool steady, bool styled) {
     SceneBuilder scene = Room({-256, -256, 0}, {256, 256, 192});
     scene.AddBox({-20, -20, 0}, {20, 20, 192}, TestShader("textures/test/wall"));
@@ -118,32 +120,33 @@ TEST_F(NamedBakeTest, ALightWithAStyleIsSwitched) {
     off.fill(1), off[5] = 0;
     std::array<float, 64> half = off;
     half[5] = 0.5f;
-    double offError = 0, onError = 0, halfError = 0;
-    int seen = 0;
+    double worstOff = 0, onSquares = 0, halfSquares = 0;
+    int compared = 0;
     for (const Vec3d &p : PositionsIn({{-230, -230, 24}, {230, 230, 170}}, 400)) {
         if (std::abs(p.x) < 40 && std::abs(p.y) < 40)
             continue;
-        const bool lit5 = !SegmentMeets(p, {140, 100, 120}, {{-20, -20, 0}, {20, 20, 192}}, 3);
-        const bool shadow = SegmentMeets(p, {140, 100, 120}, {{-20, -20, 0}, {20, 20, 192}}, -3);
+        // Neither is true within about 3 units of a shadow edge.
+        const bool seesLamp = !SegmentMeets(p, {140, 100, 120}, {{-20, -20, 0}, {20, 20, 192}}, 3);
+        const bool isShadowed = SegmentMeets(p, {140, 100, 120}, {{-20, -20, 0}, {20, 20, 192}}, -3);
         for (const Vec3d &n : Normals()) {
             const Vec3d steady = without.Light(p, n), dark = both.Light(p, n, off.data());
-            offError = std::max(offError, 255 * Length(dark - steady));
-            if (!lit5 && !shadow)
+            worstOff = std::max(worstOff, 255 * Length(dark - steady));
+            if (!seesLamp && !isShadowed)
                 continue;
-            const Vec3d lamp = lit5 ? FromPointOn(p, n, {140, 100, 120}, 60) : Vec3d{};
-            onError += std::pow(255 * Length(both.Light(p, n) - steady - lamp), 2);
-            halfError += std::pow(255 * Length(both.Light(p, n, half.data()) - steady - lamp * 0.5), 2);
-            seen++;
+            const Vec3d lamp = seesLamp ? FromPointOn(p, n, {140, 100, 120}, 60) : Vec3d{};
+            onSquares += std::pow(255 * Length(both.Light(p, n) - steady - lamp), 2);
+            halfSquares += std::pow(255 * Length(both.Light(p, n, half.data()) - steady - lamp * 0.5), 2);
+            compared++;
         }
     }
-    EXPECT_LT(offError, 1.5) << "nothing of it is baked into the rest";
-    EXPECT_LT(std::sqrt(onError / seen), 8) << "shadow edges are blended";
-    EXPECT_LT(std::sqrt(halfError / seen), 4);
+    EXPECT_LT(worstOff, 1.5) << "no light of style 5 is part of the rest";
+    EXPECT_LT(std::sqrt(onSquares / compared), 8) << "light is interpolated across shadow edges";
+    EXPECT_LT(std::sqrt(halfSquares / compared), 4);
     EXPECT_EQ(both.CountOfStyle(5, {200, 150, 100}), 1);
     EXPECT_EQ(without.CountOfStyle(5, {200, 150, 100}), 0);
 }
 
-TEST_F(NamedBakeTest, OfTwoRoomsTheDarkOneStaysDark) {
+TEST_F(NamedBakeTest, ADarkRoomBesideALitOneStaysDark) {
     SceneBuilder scene = Room({-256, -128, 0}, {256, 128, 128});
     scene.AddBox({-4, -128, 0}, {4, 128, 128}, TestShader("textures/test/wall"));
     scene.AddEntity(Lamp({-60, 10, 64}, "50"));
