@@ -1160,46 +1160,63 @@ typedef struct {
     int hasSH;
 } shgrid_beam_;
 
-/* Adds `scale` times the coefficients of the polygons of a light to a beam. */
-static inline void shgrid_polygon_coeffs_(const shgrid_grid *grid, const unsigned char *light, const float position[3],
-                                          double scale, shgrid_beam_ *beam) {
+/* Adds `scale` times the coefficients of the polygons of a light, from all of their moments, to a beam. */
+static inline void shgrid_polygon_coeffs_(const shgrid_moments_ *m, double scale, shgrid_beam_ *beam) {
     static const float lobe[3] = {1, 2.0f / 3, 0.25f};
-    shgrid_moments_ m;
     double basis[9];
     int k;
-    shgrid_polygon_moments_(grid, light, position, 1, &m);
-    basis[0] = 0.282094791773878 * m.solidAngle;
-    basis[1] = 0.488602511902920 * m.first[1];
-    basis[2] = 0.488602511902920 * m.first[2];
-    basis[3] = 0.488602511902920 * m.first[0];
-    basis[4] = 1.092548430592079 * m.xy;
-    basis[5] = 1.092548430592079 * m.yz;
-    basis[6] = 0.315391565252520 * (2 * m.zz - m.xx - m.yy);
-    basis[7] = 1.092548430592079 * m.xz;
-    basis[8] = 0.546274215296040 * (m.xx - m.yy);
+    basis[0] = 0.282094791773878 * m->solidAngle;
+    basis[1] = 0.488602511902920 * m->first[1];
+    basis[2] = 0.488602511902920 * m->first[2];
+    basis[3] = 0.488602511902920 * m->first[0];
+    basis[4] = 1.092548430592079 * m->xy;
+    basis[5] = 1.092548430592079 * m->yz;
+    basis[6] = 0.315391565252520 * (2 * m->zz - m->xx - m->yy);
+    basis[7] = 1.092548430592079 * m->xz;
+    basis[8] = 0.546274215296040 * (m->xx - m->yy);
     beam->hasSH = 1;
     for (k = 0; k < 9; k++)
         beam->sh[k] = (float)(scale * basis[k]) * lobe[k == 0 ? 0 : k < 4 ? 1 : 2];
 }
 
+/* The largest variance of the directions to a light along any axis at right angles to the mean direction, from all of
+   its moments. (2 - c - c^2) / 6 for a disc whose angular radius has the cosine c. */
+static inline double shgrid_variance_(const shgrid_moments_ *m, double length) {
+    const double inverse = 1 / m->solidAngle, x = m->first[0] / length, y = m->first[1] / length,
+                 z = m->first[2] / length;
+    /* M are the second moments, P projects along the mean direction. P M P has the eigenvalues that are looked for,
+       and 0. Here are M times the mean direction, the trace of P M P, and the sum of the squares of its elements. */
+    const double rowX = x * m->xx + y * m->xy + z * m->xz, rowY = x * m->xy + y * m->yy + z * m->yz,
+                 rowZ = x * m->xz + y * m->yz + z * m->zz, along = x * rowX + y * rowY + z * rowZ;
+    const double trace = m->xx + m->yy + m->zz - along;
+    const double squares = m->xx * m->xx + m->yy * m->yy + m->zz * m->zz +
+                           2 * (m->xy * m->xy + m->yz * m->yz + m->xz * m->xz) -
+                           2 * (rowX * rowX + rowY * rowY + rowZ * rowZ) + along * along;
+    const double difference = 2 * squares - trace * trace;
+    return 0.5 * inverse * (trace + sqrt(difference > 0 ? difference : 0));
+}
+
 /* Polygons that appear with up to 40 degrees of angular radius act as a direction, from 50 degrees on as coefficients:
-   there both have an error under 0.5 % of the light. In terms of the mean cosine to the mean direction, which is
-   (1 + cos) / 2 for a disc. */
+   there both have an error under 0.5 % of the light. The radius is that of the disc with the same variance of
+   directions along the longest axis. A mean cosine of `narrow` excludes larger ones, whatever the shape. */
 static inline void shgrid_polygon_beam_(const shgrid_grid *grid, const unsigned char *light, const float position[3],
                                         shgrid_beam_ *beam) {
-    const double smallest = 0.883, largest = 0.821;
+    const double smallest = 0.4314, largest = 0.6294, narrow = 1 - smallest / 8; /* four variances */
     const float intensity = shgrid_f32_(light + 40);
     shgrid_moments_ m;
-    double length, inverse, cosine, directed, alpha;
+    double length, inverse, cosine, alpha, directed = 1;
     int axis;
     shgrid_polygon_moments_(grid, light, position, 0, &m);
     length = sqrt(shgrid_dot_(m.first, m.first));
     if (!(length > 0) || !isfinite(length) || !(m.solidAngle > 0))
         return;
     cosine = length / m.solidAngle;
-    directed = (cosine - largest) * (1 / (smallest - largest));
-    directed = directed < 0 ? 0 : directed < 1 ? directed : 1;
-    directed = directed * directed * (3 - 2 * directed);
+    if (cosine < narrow) {
+        shgrid_polygon_moments_(grid, light, position, 1, &m);
+        directed = (largest - 4 * shgrid_variance_(&m, length)) * (1 / (largest - smallest));
+        directed = directed < 0 ? 0 : directed < 1 ? directed : 1;
+        directed = directed * directed * (3 - 2 * directed);
+    }
     if (directed > 0) {
         alpha = 2 * cosine - 1;
         beam->strength = (float)(directed * intensity * length * (1 / 3.14159265358979));
@@ -1209,7 +1226,7 @@ static inline void shgrid_polygon_beam_(const shgrid_grid *grid, const unsigned 
             beam->direction[axis] = (float)(m.first[axis] * inverse);
     }
     if (directed < 1)
-        shgrid_polygon_coeffs_(grid, light, position, (1 - directed) * intensity, beam);
+        shgrid_polygon_coeffs_(&m, (1 - directed) * intensity, beam);
 }
 
 static inline void shgrid_beam_at_(const shgrid_grid *grid, uint32_t number, const float position[3],

@@ -4,6 +4,7 @@
 #include "libs/math/sampling.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -12,9 +13,11 @@ namespace q3 {
 
 namespace {
 
-/// Samples that a leaf gets at most, and candidate positions among which they are chosen.
-constexpr int kSamplesPerLeaf = 4;
-constexpr int kCandidates = 16;
+/// A leaf gets kFirstSamples samples, and kMostSamples in all where the squared displayed error at those is above
+/// kSmallError, bytes^2. They are chosen among kCandidates positions.
+constexpr std::size_t kFirstSamples = 1, kMostSamples = 4;
+constexpr float kSmallError = 2;
+constexpr std::uint32_t kCandidates = 8;
 /// A leaf that has open space, but no candidate where a player fits, counts as having this many such candidates: its
 /// open fraction stays above 0, so that it stays open.
 constexpr float kLittle = 1e-3f;
@@ -163,12 +166,14 @@ void NamedCells::Start(GridStats &work) {
     if (lattice_.BaseLevel() == 0)
         return;
     // An inner cell has the samples of its leafs. Children have larger indexes than their parents.
-    for (std::size_t i = tree_.Size(); i-- > 0;)
+    for (std::size_t i = tree_.Size(); i-- > 0;) {
         for (std::size_t c = 0; c < 8 && tree_[i].child != 0; ++c) {
             const auto &below = samplesOf_[tree_[i].child + c];
             samplesOf_[i].insert(samplesOf_[i].end(), below.begin(), below.end());
         }
-    MeasureErrors(0);
+        if (tree_[i].child != 0)
+            MeasureError(i);
+    }
 }
 
 void NamedCells::SetUniformPoints(const LightGridSH &grid, const LightCollector &collector,
@@ -262,57 +267,59 @@ bool NamedCells::HasOpenSpace(const OctreeCell &cell) const {
     return in_.space.AnyOpen(mins, maxs, kClearance);
 }
 
-/// Draws samples where a player fits: x and y from a low-discrepancy sequence, z stratified. Sets the open fraction of
-/// the leaf to the fraction of candidates where a player fits, so that errors count where players can be. have: number
-/// of samples that the leaf has already.
-std::vector<NamedReceiver> NamedCells::DrawSamples(OctreeCell &leaf, std::size_t have) const {
-    std::vector<NamedReceiver> samples;
+/// Candidate `number` for a sample of a leaf: x and y from a low-discrepancy sequence, z stratified.
+NamedReceiver NamedCells::Candidate(const OctreeCell &leaf, std::uint32_t number) const {
     const auto seed = std::uint32_t(HashIndex(KeyOf(leaf.origin) * 32 + std::uint64_t(leaf.level)));
-    const int wanted = kSamplesPerLeaf - int(std::min(have, std::size_t(kSamplesPerLeaf)));
-    int fitting = 0;
-    for (int i = 0; i < kCandidates; ++i) {
-        const Sample2 s = PlasticSample(std::uint32_t(i), seed);
-        const double height = UnitFromHash(HashIndex((std::uint64_t(seed) << 16) + std::uint64_t(i)));
-        NamedReceiver sample;
-        sample.at =
-            LatticePosition(leaf.origin) +
-            Vec3f{float(s.u), float(s.v), float((i % kSamplesPerLeaf + height) / kSamplesPerLeaf)} * float(leaf.Edge());
-        sample.position = lattice_.PositionOf(sample.at);
-        sample.cluster = in_.space.ClusterAt(sample.position, kClearance);
-        if (!world_.Contains(sample.position) || sample.cluster < 0 || !in_.space.PlayerFits(sample.position))
-            continue;
-        ++fitting;
-        if (int(samples.size()) < wanted)
-            samples.push_back(std::move(sample));
-    }
-    leaf.openFraction = std::max(float(fitting), kLittle) / kCandidates;
-    return samples;
+    const Sample2 s = PlasticSample(number, seed);
+    const double height = UnitFromHash(HashIndex((std::uint64_t(seed) << 16) + number));
+    const auto z = float(((seed + number) % kMostSamples + height) / kMostSamples);
+    NamedReceiver sample;
+    sample.at = LatticePosition(leaf.origin) + Vec3f{float(s.u), float(s.v), z} * float(leaf.Edge());
+    sample.position = lattice_.PositionOf(sample.at);
+    sample.cluster = in_.space.ClusterAt(sample.position, kClearance);
+    return sample;
+}
+
+/// Finds the candidates where a player fits. Sets the open fraction of the leaf to their fraction, so that errors count
+/// where players can be.
+NamedCells::LeafToSample NamedCells::FindCandidates(std::size_t leaf) {
+    LeafToSample found{leaf, 0};
+    for (std::uint32_t i = 0; i < kCandidates; ++i)
+        if (const NamedReceiver one = Candidate(tree_[leaf], i);
+            world_.Contains(one.position) && one.cluster >= 0 && in_.space.PlayerFits(one.position))
+            found.candidates |= 1u << i;
+    tree_[leaf].openFraction = std::max(float(std::popcount(found.candidates)), kLittle) / kCandidates;
+    return found;
+}
+
+/// Adds samples to leafs until they have `wanted`, from their first candidates on, and measures their errors.
+void NamedCells::AddSamples(std::span<LeafToSample> leafs, std::size_t wanted, GridStats &work) {
+    const std::size_t before = samples_.size();
+    for (LeafToSample &one : leafs)
+        for (std::size_t count = samplesOf_[one.leaf].size(); count < wanted && one.candidates != 0; ++count) {
+            const int number = std::countr_zero(one.candidates);
+            one.candidates &= one.candidates - 1;
+            samples_.push_back(Candidate(tree_[one.leaf], std::uint32_t(number)));
+        }
+    TraceReceivers(std::span(samples_).subspan(before), work);
+    for (std::size_t i = before; i < samples_.size(); ++i)
+        samplesOf_[tree_.LeafAt(CellAt(samples_[i].at))].push_back(std::uint32_t(i));
+    ForChunks(in_.jobs, leafs.size(), kLeafChunk, [&](std::size_t first, std::size_t end, int) {
+        for (std::size_t i = first; i < end; ++i)
+            MeasureError(leafs[i].leaf);
+    });
 }
 
 void NamedCells::SampleLeafs(std::span<const std::size_t> leafs, GridStats &work) {
     samplesOf_.resize(tree_.Size());
-    std::vector<std::vector<NamedReceiver>> drawn((leafs.size() + kLeafChunk - 1) / kLeafChunk);
+    std::vector<LeafToSample> found(leafs.size());
     ForChunks(in_.jobs, leafs.size(), kLeafChunk, [&](std::size_t first, std::size_t end, int) {
         for (std::size_t i = first; i < end; ++i)
-            for (NamedReceiver &sample : DrawSamples(tree_[leafs[i]], samplesOf_[leafs[i]].size()))
-                drawn[first / kLeafChunk].push_back(std::move(sample));
+            found[i] = FindCandidates(leafs[i]);
     });
-    const std::size_t before = samples_.size();
-    std::size_t count = before;
-    for (const std::vector<NamedReceiver> &part : drawn)
-        count += part.size();
-    samples_.reserve(count);
-    for (std::vector<NamedReceiver> &part : drawn)
-        std::ranges::move(part, std::back_inserter(samples_));
-    TraceReceivers(std::span(samples_).subspan(before), work);
-    if (lattice_.BaseLevel() > 0)
-        TakeSamples(before);
-}
-
-/// Adds the samples from number `first` on to the leafs that contain them.
-void NamedCells::TakeSamples(std::size_t first) {
-    for (std::size_t i = first; i < samples_.size(); ++i)
-        samplesOf_[tree_.LeafAt(CellAt(samples_[i].at))].push_back(std::uint32_t(i));
+    AddSamples(found, kFirstSamples, work);
+    std::erase_if(found, [&](const LeafToSample &one) { return tree_[one.leaf].error <= kSmallError; });
+    AddSamples(found, kMostSamples, work);
 }
 
 CornerReceivers NamedCells::CornersOf(const OctreeCell &cell) const {
@@ -345,14 +352,6 @@ float NamedCells::SquaredErrorAt(const OctreeCell &cell, const NamedReceiver &re
                            receiver.light);
 }
 
-/// Sets the errors of the cells from index `firstCell` on.
-void NamedCells::MeasureErrors(std::size_t firstCell) {
-    ForChunks(in_.jobs, tree_.Size() - firstCell, kLeafChunk, [&](std::size_t first, std::size_t end, int) {
-        for (std::size_t i = firstCell + first; i < firstCell + end; ++i)
-            tree_[i].error = ErrorOf(tree_[i], samplesOf_[i]);
-    });
-}
-
 bool NamedCells::CanSplit(const OctreeCell &cell) const {
     const Vec3f edge = lattice_.Cell() * float(cell.Edge());
     return cell.level > 0 && std::min({edge.x, edge.y, edge.z}) >= 2 * kLeastEdge;
@@ -374,7 +373,6 @@ bool NamedCells::Split(float threshold, GridStats &work) {
     }
     TracePoints(firstNew, work);
     std::vector<std::size_t> children;
-    const std::size_t firstChild = tree_.Size();
     for (const std::size_t i : cells) {
         tree_.Split(i);
         for (std::size_t c = 0; c < 8; ++c) {
@@ -390,7 +388,6 @@ bool NamedCells::Split(float threshold, GridStats &work) {
         for (const std::uint32_t i : samplesOf_[parent])
             samplesOf_[tree_.LeafAt(CellAt(samples_[i].at))].push_back(i);
     SampleLeafs(children, work);
-    MeasureErrors(firstChild);
     return true;
 }
 

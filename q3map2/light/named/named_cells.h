@@ -54,10 +54,16 @@ class NamedCells {
                           const std::vector<PointState> &states);
     void TracePoints(std::size_t first, GridStats &work);
     void SampleLeafs(std::span<const std::size_t> leafs, GridStats &work);
-    std::vector<NamedReceiver> DrawSamples(OctreeCell &leaf, std::size_t have) const;
+    /// A leaf, and the candidates for its next samples: bit i for candidate i.
+    struct LeafToSample {
+        std::size_t leaf = 0;
+        std::uint32_t candidates = 0;
+    };
+    NamedReceiver Candidate(const OctreeCell &leaf, std::uint32_t number) const;
+    LeafToSample FindCandidates(std::size_t leaf);
+    void AddSamples(std::span<LeafToSample> leafs, std::size_t wanted, GridStats &work);
     void TraceReceivers(std::span<NamedReceiver> receivers, GridStats &work) const;
-    void TakeSamples(std::size_t first);
-    void MeasureErrors(std::size_t firstCell);
+    void MeasureError(std::size_t cell) { tree_[cell].error = ErrorOf(tree_[cell], samplesOf_[cell]); }
     float ErrorOf(const OctreeCell &cell, std::span<const std::uint32_t> samples) const;
     bool HasOpenSpace(const OctreeCell &cell) const;
     bool CanSplit(const OctreeCell &cell) const;

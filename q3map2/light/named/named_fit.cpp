@@ -28,7 +28,7 @@ constexpr float kSharePull = 0.5f;
 /// the mean of the samples around it. As a fraction of the weight of these samples.
 constexpr float kRestPull = 0.1f, kUnknownPull = 0.01f;
 /// Steps of conjugate gradients.
-constexpr int kShareSteps = 4, kRestSteps = 4;
+constexpr int kShareSteps = 2, kRestSteps = 2;
 /// Leaks are samples with at most the fraction kDark of the mean light of all samples that are shown with more than the
 /// fraction kLit of it. A second fit gives them kLeakFactor times their weight.
 constexpr float kDark = 0.01f, kLit = 0.03f;

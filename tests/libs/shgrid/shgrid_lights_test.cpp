@@ -296,6 +296,47 @@ TEST(NamedLights, DirectionsBecomeCoefficientsStepByStep) {
     }
 }
 
+/// Light on a surface from a strip of 200 x 14 in the plane z = 0 around the origin, of light 1: the sum over small
+/// pieces of it.
+double FromStrip(const Vec3d &place, const Vec3d &normal) {
+    double sum = 0;
+    for (double x = -99.5; x < 100; ++x)
+        for (double y = -6.5; y < 7; ++y) {
+            const Vec3d to = Vec3d{x, y, 0} - place;
+            const double square = Dot(to, to);
+            sum += std::max(0.0, Dot(to, normal)) * place.z / (square * square * kPi);
+        }
+    return sum;
+}
+
+TEST(NamedLights, LongLampsAreNoDirectionNearby) {
+    GridLights table;
+    AddPolygonLight(table, "", {{-100, -7, 0}, {-100, 7, 0}, {100, 7, 0}, {100, -7, 0}});
+    const TableView view(table);
+    std::mt19937 random(4);
+    for (const float height : {8.0f, 16.0f, 32.0f, 64.0f, 96.0f, 128.0f, 192.0f, 384.0f})
+        for (const float side : {0.0f, 60.0f, 110.0f}) {
+            const Vec3f place{side, 0, height};
+            const shgrid_beam_ beam = view.Beam(place);
+            shgrid_lighting lighting{};
+            for (std::size_t k = 0; beam.hasSH && k < 9; ++k)
+                lighting.rest.c[k][0] = beam.sh[k];
+            lighting.count = 1;
+            std::ranges::copy(beam.direction, lighting.direct[0].direction);
+            lighting.direct[0].color[0] = beam.strength, lighting.direct[0].spread = beam.spread;
+            double squares = 0, sum = 0;
+            for (int i = 0; i < 200; ++i) {
+                const Vec3f normal = RandomDirection(random);
+                const float n[3] = {normal.x, normal.y, normal.z};
+                float rgb[3];
+                shgrid_shade(&lighting, n, rgb);
+                const double exact = FromStrip(Vec3d(place), Vec3d(normal));
+                squares += std::pow(double(rgb[0]) - exact, 2), sum += exact * exact;
+            }
+            EXPECT_LT(std::sqrt(squares / sum), 0.052) << height << ' ' << side;
+        }
+}
+
 // ---- Surfaces ----
 
 TEST(NamedLights, CoefficientsAreTheIntegralOfWhatSurfacesShow) {
