@@ -279,10 +279,12 @@ vec3 ShgridBrickLights(usampler3D names, sampler3D shares, sampler2D table, Shgr
                        vec3 n)
 {
     vec3 light = vec3(0.0);
-    for (int group = 0; group < 2; group++) {
+    for (int group = 0; group < 4; group++) {
         ivec3 brick = ivec3(vec3(p.x, p.y, p.z + float(group)) * atlas.bricks);
         uvec4 lights = texelFetch(names, brick, 0);
-        vec4 share = textureLod(shares, vec3(p.x, p.y, 0.5 * (p.z + float(group))), 0.0);
+        if (lights[0] == 65535u)
+            break;
+        vec4 share = textureLod(shares, vec3(p.x, p.y, 0.25 * (p.z + float(group))), 0.0);
         for (int i = 0; i < 4; i++)
             if (lights[i] != 65535u && share[i] > 0.0)
                 light += ShgridNamedLight(table, int(lights[i]), position, n) * share[i];

@@ -19,14 +19,15 @@ extern "C" {
    edge; each texel of the indirection texture, a cube as large as the smallest brick, names the finest brick there.
    Brick b of the atlas is at (b % bricks[0], b / bricks[0] % bricks[1], b / (bricks[0] * bricks[1])), times 5 texels.
 
-   A grid that names lights has a list of up to 8 lights for each brick as well: those that give most at its texels,
-   lights with a style first. Each texel has their visible shares; its coefficients hold the rest of the light and the
-   lights that are not in the list, these at full brightness. A table holds the numbers of all lights. */
+   Of a grid that names lights each brick has a list of up to 16 of them. Where more are named at its texels, the nodes
+   below it have bricks too, of half a cell; if there are still more, the list has those that give most, lights with a
+   style first. Each texel has the visible shares of the lights in the list; its coefficients hold the rest of the light
+   and the lights that are not in the list, these at full brightness. A table holds the numbers of all lights. */
 
 #define SHGRID_BRICK_TEXELS 5   /* on an edge of a brick */
 #define SHGRID_BRICK_VOLUME 125 /* texels of a brick */
 #define SHGRID_BRICK_AXIS 255   /* maximum of bricks along an axis of the atlas */
-#define SHGRID_BRICK_NAMES 8    /* maximum of lights in the list of a brick */
+#define SHGRID_BRICK_NAMES 16   /* maximum of lights in the list of a brick */
 #define SHGRID_NO_NAME 65535    /* in a list, behind its last light */
 
 /* Limits of graphics cards and of 32-bit programs. No atlas is made beyond them. */
@@ -85,8 +86,8 @@ static inline size_t shgrid_indirection_bytes(const shgrid_atlas *atlas) {
     return (size_t)4 * (size_t)atlas->entries[0] * (size_t)atlas->entries[1] * (size_t)atlas->entries[2];
 }
 
-/* Of a grid that names lights: bytes of the texture of names, RGBA16UI of bricks[0] x bricks[1] x 2 bricks[2] texels;
-   of shares, RGBA8 of twice the depth of the atlas; of the table, RGBA32F of SHGRID_TABLE_WIDTH x tableRows. */
+/* Of a grid that names lights: bytes of the texture of names, RGBA16UI of bricks[0] x bricks[1] x 4 bricks[2] texels;
+   of shares, RGBA8 of four times the depth of the atlas; of the table, RGBA32F of SHGRID_TABLE_WIDTH x tableRows. */
 static inline size_t shgrid_names_bytes(const shgrid_atlas *atlas) {
     return (size_t)2 * SHGRID_BRICK_NAMES * (size_t)atlas->bricks[0] * (size_t)atlas->bricks[1] *
            (size_t)atlas->bricks[2];
@@ -144,11 +145,12 @@ static inline void shgrid_add_sum_(const shgrid_sum_ *from, shgrid_sum_ *to) {
 }
 
 /* The value of a texel at a position in smallest cells. If it has none: the mean of the nearest with a value among its
-   26 neighbors in the lattice of the brick's cells; black without such a neighbor. `ring` is the squared distance. */
-static inline void shgrid_texel_(shgrid_walk_ *walk, const double at[3], double step, shgrid_sum_ *out) {
+   26 neighbors in the lattice of the brick's cells; black without such a neighbor. `ring` is the squared distance.
+   Returns whether it has one itself. */
+static inline int shgrid_texel_(shgrid_walk_ *walk, const double at[3], double step, shgrid_sum_ *out) {
     int ring, i, n, axis, found = 0;
     if (shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, out))
-        return;
+        return 1;
     for (ring = 1; ring <= 3 && !found; ring++)
         for (i = 0; i < 27; i++) {
             const int offset[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
@@ -168,6 +170,7 @@ static inline void shgrid_texel_(shgrid_walk_ *walk, const double at[3], double 
         out->coeffs.c[n / 3][n % 3] /= (float)found;
     for (n = 0; found && n < out->names; n++)
         out->share[n] /= (float)found;
+    return 0;
 }
 
 static inline void shgrid_world_(const shgrid_grid *grid, const double at[3], float position[3]) {
@@ -186,20 +189,6 @@ static inline void shgrid_brick_texel_(int i, const int32_t low[3], double step,
     }
 }
 
-/* Whether a brick at `low` with cells of edge `step` has any value. */
-static inline int shgrid_brick_is_lit_(shgrid_walk_ *walk, const int32_t low[3], double step) {
-    int i;
-    for (i = 0; i < SHGRID_BRICK_VOLUME; i++) {
-        int32_t texel[3];
-        double at[3];
-        shgrid_sum_ value;
-        shgrid_brick_texel_(i, low, step, texel, at);
-        if (shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, &value))
-            return 1;
-    }
-    return 0;
-}
-
 /* Lights that are named at the texels of a brick, and what they give there: of all texels, on surfaces that face them.
  */
 typedef struct {
@@ -208,29 +197,54 @@ typedef struct {
     float given[SHGRID_CANDIDATES];
 } shgrid_candidates_;
 
-static inline void shgrid_add_candidates_(const shgrid_grid *grid, const float position[3], const shgrid_sum_ *value,
+/* What a light gives at a position on a surface that faces it, summed over colors. */
+static inline float shgrid_given_(const shgrid_grid *grid, uint32_t number, const float position[3]) {
+    const unsigned char *light = grid->lights + (size_t)SHGRID_LIGHT_BYTES * number;
+    shgrid_beam_ beam;
+    shgrid_beam_at_(grid, number, position, &beam);
+    /* One direction of strength 1 has a mean of 1/4 over all normals, coefficient 0 one of 0.28. */
+    return ((beam.strength > 0 ? beam.strength : 0) + 1.128379f * fabsf(beam.sh[0])) *
+           (fabsf(shgrid_f32_(light + 4)) + fabsf(shgrid_f32_(light + 8)) + fabsf(shgrid_f32_(light + 12)));
+}
+
+/* Collects the lights that are named at a position. What they give counts only if lists are made. */
+static inline void shgrid_add_candidates_(const shgrid_walk_ *walk, const double at[3], const shgrid_sum_ *value,
                                           shgrid_candidates_ *all) {
-    int i, at;
+    float position[3];
+    int i, n;
+    shgrid_world_(walk->grid, at, position);
     for (i = 0; i < value->names; i++) {
-        const unsigned char *light = grid->lights + (size_t)SHGRID_LIGHT_BYTES * value->light[i];
-        const float color =
-            fabsf(shgrid_f32_(light + 4)) + fabsf(shgrid_f32_(light + 8)) + fabsf(shgrid_f32_(light + 12));
-        shgrid_beam_ beam;
-        float strength;
-        shgrid_beam_at_(grid, value->light[i], position, &beam);
-        /* One direction of strength 1 has a mean of 1/4 over all normals, coefficient 0 one of 0.28. */
-        strength = (beam.strength > 0 ? beam.strength : 0) + 1.128379f * fabsf(beam.sh[0]);
-        for (at = 0; at < all->count && all->light[at] != value->light[i]; at++) {
+        for (n = 0; n < all->count && all->light[n] != value->light[i]; n++) {
         }
-        if (at == SHGRID_CANDIDATES)
+        if (n == SHGRID_CANDIDATES)
             continue;
-        if (at == all->count) {
-            all->light[at] = value->light[i];
-            all->given[at] = 0;
+        if (n == all->count) {
+            all->light[n] = value->light[i];
+            all->given[n] = 0;
             all->count++;
         }
-        all->given[at] += value->share[i] * strength * color;
+        if (walk->names != NULL)
+            all->given[n] += value->share[i] * shgrid_given_(walk->grid, value->light[i], position);
     }
+}
+
+/* Whether a brick at `low` with cells of edge `step` has any value, and the lights that are named there. */
+static inline int shgrid_survey_(shgrid_walk_ *walk, const int32_t low[3], double step, shgrid_candidates_ *all) {
+    const int isNamed = walk->grid->lights != NULL;
+    int isLit = 0, i;
+    all->count = 0;
+    for (i = 0; i < SHGRID_BRICK_VOLUME && (isNamed || !isLit); i++) {
+        int32_t texel[3];
+        double at[3];
+        shgrid_sum_ value;
+        shgrid_brick_texel_(i, low, step, texel, at);
+        if (isNamed ? shgrid_texel_(walk, at, step, &value)
+                    : shgrid_blend_sparse_(walk->grid, at, 0, &walk->path, &value))
+            isLit = 1;
+        if (isNamed)
+            shgrid_add_candidates_(walk, at, &value, all);
+    }
+    return isLit;
 }
 
 /* The list of a brick: of all candidates those with a style first, then those that give most. Those that give nothing
@@ -272,29 +286,18 @@ static inline float shgrid_take_share_(shgrid_sum_ *sum, uint32_t light) {
 }
 
 /* Fills the list of a brick. */
-static inline void shgrid_fill_names_(shgrid_walk_ *walk, int32_t brick, const int32_t low[3], double step,
+static inline void shgrid_fill_names_(const shgrid_walk_ *walk, int32_t brick, shgrid_candidates_ *all,
                                       uint32_t names[SHGRID_BRICK_NAMES]) {
     const size_t bricks = shgrid_atlas_texels(walk->atlas) / SHGRID_BRICK_VOLUME;
-    shgrid_candidates_ all;
     int i;
-    all.count = 0;
-    for (i = 0; i < SHGRID_BRICK_VOLUME; i++) {
-        int32_t texel[3];
-        double at[3];
-        float position[3];
-        shgrid_sum_ value;
-        shgrid_brick_texel_(i, low, step, texel, at);
-        shgrid_texel_(walk, at, step, &value);
-        shgrid_world_(walk->grid, at, position);
-        shgrid_add_candidates_(walk->grid, position, &value, &all);
-    }
-    shgrid_choose_names_(walk->grid, &all, names);
+    shgrid_choose_names_(walk->grid, all, names);
     for (i = 0; i < SHGRID_BRICK_NAMES; i++)
         walk->names[4 * ((size_t)brick + bricks * (size_t)(i / 4)) + (size_t)(i % 4)] = (uint16_t)names[i];
 }
 
-/* Fills the texels of a brick of the atlas. */
-static inline void shgrid_fill_brick_(shgrid_walk_ *walk, int32_t brick, const int32_t low[3], double step) {
+/* Fills the texels of a brick of the atlas, and its list, for which `all` is used up. */
+static inline void shgrid_fill_brick_(shgrid_walk_ *walk, int32_t brick, const int32_t low[3], double step,
+                                      shgrid_candidates_ *all) {
     const shgrid_atlas *atlas = walk->atlas;
     const int32_t place[3] = {brick % atlas->bricks[0], brick / atlas->bricks[0] % atlas->bricks[1],
                               brick / atlas->bricks[0] / atlas->bricks[1]};
@@ -303,7 +306,7 @@ static inline void shgrid_fill_brick_(shgrid_walk_ *walk, int32_t brick, const i
     uint32_t names[SHGRID_BRICK_NAMES];
     int i, n;
     if (walk->names != NULL)
-        shgrid_fill_names_(walk, brick, low, step, names);
+        shgrid_fill_names_(walk, brick, all, names);
     for (i = 0; i < SHGRID_BRICK_VOLUME; i++) {
         int32_t texel[3];
         double at[3];
@@ -347,12 +350,13 @@ static inline void shgrid_fill_entries_(const shgrid_walk_ *walk, int32_t brick,
                        entry, 4);
 }
 
-/* Counts or fills the brick of a node, then those of the nodes below it, whose entries replace its own. */
-static inline void shgrid_visit_(shgrid_walk_ *walk, uint32_t index, int level, const int32_t low[3]) {
+/* Counts or fills the brick of a node, then those of the nodes below it, whose entries replace its own. isCrowded: the
+   list of the brick around the node is too short. */
+static inline void shgrid_visit_(shgrid_walk_ *walk, uint32_t index, int level, int isCrowded, const int32_t low[3]) {
     const unsigned char *node = shgrid_node_(walk->grid, index);
     const int edge = walk->grid->levels - level;
     uint32_t child = bspx_u32(node), octant;
-    int hasBrick = level == 0;
+    int hasBrick = level == 0 || isCrowded;
     if (walk->grid->lights != NULL)
         walk->scale = 128; /* scale 1: lights are among the coefficients */
     else if (node[9] && node[11] > walk->scale)
@@ -361,11 +365,13 @@ static inline void shgrid_visit_(shgrid_walk_ *walk, uint32_t index, int level, 
         hasBrick = hasBrick || shgrid_node_(walk->grid, child + octant)[8] != 255;
     if (hasBrick) {
         const double step = (double)((int32_t)1 << edge) / 4;
-        const int isLit = shgrid_brick_is_lit_(walk, low, step);
+        shgrid_candidates_ all;
+        const int isLit = shgrid_survey_(walk, low, step, &all);
+        isCrowded = all.count > SHGRID_BRICK_NAMES;
         walk->depth = level > walk->depth ? level : walk->depth;
         if (walk->indirection) {
             if (isLit)
-                shgrid_fill_brick_(walk, walk->atlas->count, low, step);
+                shgrid_fill_brick_(walk, walk->atlas->count, low, step, &all);
             shgrid_fill_entries_(walk, isLit ? walk->atlas->count : -1, low, edge);
         }
         if (walk->atlas->count < INT32_MAX)
@@ -376,7 +382,7 @@ static inline void shgrid_visit_(shgrid_walk_ *walk, uint32_t index, int level, 
             const int32_t at[3] = {low[0] + ((int32_t)(octant & 1) << (edge - 1)),
                                    low[1] + ((int32_t)(octant >> 1 & 1) << (edge - 1)),
                                    low[2] + ((int32_t)(octant >> 2) << (edge - 1))};
-            shgrid_visit_(walk, child++, level + 1, at);
+            shgrid_visit_(walk, child++, level + 1, isCrowded, at);
         }
 }
 
@@ -389,7 +395,7 @@ static inline void shgrid_visit_roots_(shgrid_walk_ *walk) {
         for (y = 0; y < walk->grid->bounds[1]; y += (int32_t)1 << levels)
             for (x = 0; x < walk->grid->bounds[0]; x += (int32_t)1 << levels) {
                 const int32_t low[3] = {x, y, z};
-                shgrid_visit_(walk, root++, 0, low);
+                shgrid_visit_(walk, root++, 0, 0, low);
             }
 }
 
@@ -544,9 +550,10 @@ static inline void shgrid_atlas_fill(const shgrid_grid *grid, const shgrid_atlas
 }
 
 /* The same in SHGRID_ATLAS_HALF for a grid that names lights, with shgrid_names_bytes for `names`, aligned to 2,
-   shgrid_shares_bytes for `shares` and shgrid_table_bytes for `table`, aligned to 4. In the first half of the depth of
-   names and shares are those of the first four lights of the lists. The first 64 floats of the table are the brightness
-   of the light styles, 1 each: set them again whenever a style changes. Does nothing if atlas->tableRows is 0. */
+   shgrid_shares_bytes for `shares` and shgrid_table_bytes for `table`, aligned to 4. The first quarter of the depth of
+   names and shares has the first four lights of all lists, and so on. The first 64 floats of the table are the
+   brightness of the light styles, 1 each: set them again whenever a style changes. Does nothing if atlas->tableRows is
+   0: then shgrid_atlas_fill is left. */
 static inline void shgrid_atlas_fill_lights(const shgrid_grid *grid, const shgrid_atlas *atlas,
                                             unsigned char *indirection, void *const textures[7], uint16_t *names,
                                             unsigned char *shares, float *table) {

@@ -287,10 +287,12 @@ float3 ShgridBrickLights(Texture3D<uint4> names, Texture3D<float4> shares, Textu
                          SamplerState filter, ShgridAtlas atlas, float3 p, float3 position, float3 n)
 {
     float3 light = float3(0.0, 0.0, 0.0);
-    for (int group = 0; group < 2; group++) {
+    for (int group = 0; group < 4; group++) {
         int3 brick = int3(float3(p.x, p.y, p.z + float(group)) * atlas.bricks);
         uint4 lights = names.Load(int4(brick, 0));
-        float4 share = shares.SampleLevel(filter, float3(p.x, p.y, 0.5 * (p.z + float(group))), 0.0);
+        if (lights[0] == 65535u)
+            break;
+        float4 share = shares.SampleLevel(filter, float3(p.x, p.y, 0.25 * (p.z + float(group))), 0.0);
         for (int i = 0; i < 4; i++)
             if (lights[i] != 65535u && share[i] > 0.0)
                 light += ShgridNamedLight(table, int(lights[i]), position, n) * share[i];
