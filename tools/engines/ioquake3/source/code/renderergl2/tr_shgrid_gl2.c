@@ -50,6 +50,7 @@ The SH light grid in renderer 2: programs that evaluate it, 3D textures, and dra
 #define	TB_SHGRIDTABLE			( TB_SHGRIDMAP + SHGRID_MAPS + 3 )
 #define	SHGRID_TEXTURES			( SHGRID_MAPS + 4 )
 #define	SHGRID_TEXTURES_PLAIN	( SHGRID_MAPS + 1 )		// without those that keep the names of lights
+#define	SHGRID_NAME_GROUPS		( SHGRID_BRICK_NAMES / 4 )	// texels of names and shares have four lights each
 
 #define	SHGRID_ENTITY_FLOATS	33
 #define	SHGRID_LIGHT_FLOATS		7		// direction, spread, color
@@ -370,7 +371,7 @@ static const char *R_SHGridTextureProblem( texImage3D_t texImage3D, const int32_
 	}
 
 	sh.named = sh.atlas.tableRows && fragmentUnits >= TB_SHGRIDMAP + SHGRID_TEXTURES && vertexUnits >= SHGRID_TEXTURES &&
-		2 * size[2] <= mostTexels && MAX( SHGRID_TABLE_WIDTH, sh.atlas.tableRows ) <= glConfig.maxTextureSize;
+		SHGRID_NAME_GROUPS * size[2] <= mostTexels && MAX( SHGRID_TABLE_WIDTH, sh.atlas.tableRows ) <= glConfig.maxTextureSize;
 	if ( sh.atlas.tableRows && !sh.named ) {
 		ri.Printf( PRINT_WARNING, "WARNING: SH light grid: textures hold named lights as coefficients: too few texture units, or too large\n" );
 	}
@@ -396,8 +397,8 @@ False: no memory. The zone of ri.Malloc is too small for large grids, and ends t
 */
 static qboolean R_FillSHGridTextures( texImage3D_t texImage3D, const int32_t size[3] ) {
 	const size_t	bytes = (size_t)8 * size[0] * size[1] * size[2];
-	const int32_t	names[3] = { sh.atlas.bricks[0], sh.atlas.bricks[1], 2 * sh.atlas.bricks[2] };
-	const int32_t	shares[3] = { size[0], size[1], 2 * size[2] }, table[3] = { SHGRID_TABLE_WIDTH, sh.atlas.tableRows, 1 };
+	const int32_t	names[3] = { sh.atlas.bricks[0], sh.atlas.bricks[1], SHGRID_NAME_GROUPS * sh.atlas.bricks[2] };
+	const int32_t	shares[3] = { size[0], size[1], SHGRID_NAME_GROUPS * size[2] }, table[3] = { SHGRID_TABLE_WIDTH, sh.atlas.tableRows, 1 };
 	byte	*texels = malloc( R_SHGridTextureBytes( size ) );
 	byte	*indirection, *at;
 	void	*maps[SHGRID_MAPS], *lights[3] = { NULL, NULL, NULL };
@@ -408,7 +409,7 @@ static qboolean R_FillSHGridTextures( texImage3D_t texImage3D, const int32_t siz
 		return qfalse;
 	}
 
-	// the sizes of all but the names are multiples of 4 bytes, and those of the names of 16
+	// all of these sizes but the last are multiples of 8 bytes
 	at = texels;
 	for ( i = 0 ; i < SHGRID_MAPS ; i++, at += bytes ) {
 		maps[i] = at;
