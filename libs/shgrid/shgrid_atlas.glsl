@@ -274,7 +274,8 @@ vec3 ShgridNamedLight(sampler2D table, int number, vec3 position, vec3 n)
     return vec3(color.x, color.y, color.z) * (light * styles[style % 4]);
 }
 
-// Light of the lights in the list of a brick on a surface with that normal. p: texture coordinates of ShgridPlace.
+// Light of the lights in the list of a brick on a surface with that normal, times the weight of the place. p: texture
+// coordinates of ShgridPlace.
 vec3 ShgridBrickLights(usampler3D names, sampler3D shares, sampler2D table, ShgridAtlas atlas, vec3 p, vec3 position,
                        vec3 n)
 {
@@ -299,9 +300,9 @@ vec3 ShgridHalfLights(usampler3D indirection, sampler3D s0, sampler3D s1, sample
 {
     vec4 at = ShgridPlace(indirection, atlas, position);
     vec3 p = vec3(at.x, at.y, at.z);
-    vec3 rest = ShgridSumTexels(textureLod(s0, p, 0.0), textureLod(s1, p, 0.0), textureLod(s2, p, 0.0),
-                                textureLod(s3, p, 0.0), textureLod(s4, p, 0.0), textureLod(s5, p, 0.0),
-                                textureLod(s6, p, 0.0), normal);
-    rest += ShgridBrickLights(names, shares, table, atlas, p, position, normal);
-    return max(rest, vec3(0.0)) * at.w;
+    vec4 last = textureLod(s6, p, 0.0);
+    vec3 light = ShgridSumTexels(textureLod(s0, p, 0.0), textureLod(s1, p, 0.0), textureLod(s2, p, 0.0),
+                                 textureLod(s3, p, 0.0), textureLod(s4, p, 0.0), textureLod(s5, p, 0.0), last, normal);
+    light += ShgridBrickLights(names, shares, table, atlas, p, position, normal);
+    return max(light, vec3(0.0)) * (at.w / max(last.w, 1e-3));
 }

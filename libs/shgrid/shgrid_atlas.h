@@ -22,7 +22,9 @@ extern "C" {
    Of a grid that names lights each brick has a list of up to 16 of them. Where more are named at its texels, the nodes
    below it have bricks too, of half a cell; if there are still more, the list has those that give most, lights with a
    style first. Each texel has the visible shares of the lights in the list; its coefficients hold the rest of the light
-   and the lights that are not in the list, these at full brightness. A table holds the numbers of all lights. */
+   and the lights that are not in the list, these at full brightness. A table holds the numbers of all lights.
+   Shares and coefficients are multiplied by the weight of the corners that have a value, which is the last component:
+   divided by it after filtering, they are the blend of shgrid_lights, which leaves corners without a value out. */
 
 #define SHGRID_BRICK_TEXELS 5   /* on an edge of a brick */
 #define SHGRID_BRICK_VOLUME 125 /* texels of a brick */
@@ -44,6 +46,7 @@ extern "C" {
 #define SHGRID_LIGHT_TEXELS 8
 #define SHGRID_POLYGON_TEXELS 3
 
+#define SHGRID_FILLED_WEIGHT 0.0078125f /* of a texel without a value of its own that takes those of its neighbors */
 #define SHGRID_CANDIDATES 256 /* lights of a brick among which its list is chosen; further ones are coefficients */
 
 typedef enum {
@@ -170,6 +173,7 @@ static inline int shgrid_texel_(shgrid_walk_ *walk, const double at[3], double s
         out->coeffs.c[n / 3][n % 3] /= (float)found;
     for (n = 0; found && n < out->names; n++)
         out->share[n] /= (float)found;
+    out->total = found ? SHGRID_FILLED_WEIGHT : 0;
     return 0;
 }
 
@@ -295,6 +299,23 @@ static inline void shgrid_fill_names_(const shgrid_walk_ *walk, int32_t brick, s
         walk->names[4 * ((size_t)brick + bricks * (size_t)(i / 4)) + (size_t)(i % 4)] = (uint16_t)names[i];
 }
 
+/* Moves the shares of the lights in a list to a texel, and multiplies all by the weight of the texel. */
+static inline void shgrid_put_shares_(const shgrid_walk_ *walk, size_t texel, const uint32_t names[SHGRID_BRICK_NAMES],
+                                      shgrid_sum_ *value) {
+    const size_t texels = shgrid_atlas_texels(walk->atlas);
+    const float weight = value->total < 1 ? value->total : 1;
+    int n;
+    for (n = 0; n < SHGRID_BRICK_NAMES; n++) {
+        const float share = shgrid_take_share_(value, names[n]);
+        walk->shares[4 * (texel + texels * (size_t)(n / 4)) + (size_t)(n % 4)] =
+            (unsigned char)lrintf(255 * weight * (share < 1 ? share : 1));
+    }
+    for (n = 0; n < value->names; n++)
+        value->share[n] *= weight;
+    for (n = 0; n < 27; n++)
+        value->coeffs.c[n / 3][n % 3] *= weight;
+}
+
 /* Fills the texels of a brick of the atlas, and its list, for which `all` is used up. */
 static inline void shgrid_fill_brick_(shgrid_walk_ *walk, int32_t brick, const int32_t low[3], double step,
                                       shgrid_candidates_ *all) {
@@ -302,9 +323,9 @@ static inline void shgrid_fill_brick_(shgrid_walk_ *walk, int32_t brick, const i
     const int32_t place[3] = {brick % atlas->bricks[0], brick / atlas->bricks[0] % atlas->bricks[1],
                               brick / atlas->bricks[0] / atlas->bricks[1]};
     const size_t side = SHGRID_BRICK_TEXELS, width = side * (size_t)atlas->bricks[0],
-                 height = side * (size_t)atlas->bricks[1], texels = shgrid_atlas_texels(atlas);
+                 height = side * (size_t)atlas->bricks[1];
     uint32_t names[SHGRID_BRICK_NAMES];
-    int i, n;
+    int i;
     if (walk->names != NULL)
         shgrid_fill_names_(walk, brick, all, names);
     for (i = 0; i < SHGRID_BRICK_VOLUME; i++) {
@@ -318,14 +339,13 @@ static inline void shgrid_fill_brick_(shgrid_walk_ *walk, int32_t brick, const i
              width *
                  (side * (size_t)place[1] + (size_t)texel[1] + height * (side * (size_t)place[2] + (size_t)texel[2]));
         shgrid_texel_(walk, at, step, &value);
-        for (n = 0; walk->names != NULL && n < SHGRID_BRICK_NAMES; n++) {
-            const float share = shgrid_take_share_(&value, names[n]);
-            walk->shares[4 * (to + texels * (size_t)(n / 4)) + (size_t)(n % 4)] =
-                (unsigned char)lrintf(255 * (share < 1 ? share : 1));
-        }
+        if (walk->names != NULL)
+            shgrid_put_shares_(walk, to, names, &value);
         shgrid_world_(walk->grid, at, position);
         shgrid_add_named_lights_(walk->grid, position, &value);
         shgrid_put_texel_(walk, to, &value.coeffs);
+        if (walk->names != NULL)
+            ((uint16_t *)walk->textures[6])[4 * to + 3] = shgrid_half_(value.total < 1 ? value.total : 1);
     }
 }
 

@@ -282,7 +282,8 @@ float3 ShgridNamedLight(Texture2D<float4> table, int number, float3 position, fl
     return float3(color.x, color.y, color.z) * (light * styles[style % 4]);
 }
 
-// Light of the lights in the list of a brick on a surface with that normal. p: texture coordinates of ShgridPlace.
+// Light of the lights in the list of a brick on a surface with that normal, times the weight of the place. p: texture
+// coordinates of ShgridPlace.
 float3 ShgridBrickLights(Texture3D<uint4> names, Texture3D<float4> shares, Texture2D<float4> table,
                          SamplerState filter, ShgridAtlas atlas, float3 p, float3 position, float3 n)
 {
@@ -308,10 +309,10 @@ float3 ShgridHalfLights(Texture3D<uint4> indirection, Texture3D<float4> s0, Text
 {
     float4 at = ShgridPlace(indirection, atlas, position);
     float3 p = float3(at.x, at.y, at.z);
-    float3 rest = ShgridSumTexels(s0.SampleLevel(filter, p, 0.0), s1.SampleLevel(filter, p, 0.0),
-                                  s2.SampleLevel(filter, p, 0.0), s3.SampleLevel(filter, p, 0.0),
-                                  s4.SampleLevel(filter, p, 0.0), s5.SampleLevel(filter, p, 0.0),
-                                  s6.SampleLevel(filter, p, 0.0), normal);
-    rest += ShgridBrickLights(names, shares, table, filter, atlas, p, position, normal);
-    return max(rest, float3(0.0, 0.0, 0.0)) * at.w;
+    float4 last = s6.SampleLevel(filter, p, 0.0);
+    float3 light = ShgridSumTexels(s0.SampleLevel(filter, p, 0.0), s1.SampleLevel(filter, p, 0.0),
+                                   s2.SampleLevel(filter, p, 0.0), s3.SampleLevel(filter, p, 0.0),
+                                   s4.SampleLevel(filter, p, 0.0), s5.SampleLevel(filter, p, 0.0), last, normal);
+    light += ShgridBrickLights(names, shares, table, filter, atlas, p, position, normal);
+    return max(light, float3(0.0, 0.0, 0.0)) * (at.w / max(last.w, 1e-3));
 }

@@ -101,6 +101,7 @@ vec3 SHGridLinearLight(vec3 normal, vec3 position)
 
 #if defined(USE_SHGRID_NAMES)
 		light += ShgridBrickLights(u_SHGridNames, u_SHGridShares, u_SHGridTable, SHGridAtlas(), at.xyz, position, normal);
+		light /= max(textureLod(u_SHGridMap6, at.xyz, 0.0).w, 1e-3);
 #endif
 		return max(light, vec3(0.0));
 	}
