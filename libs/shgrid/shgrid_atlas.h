@@ -52,7 +52,8 @@ extern "C" {
 typedef enum {
     SHGRID_ATLAS_HALF, /* 7 textures RGBA16F, components as those of shgrid_fill_half */
     SHGRID_ATLAS_SNORM /* texture 0 RGB9_E5: coefficient 0; 6 textures RGBA8_SNORM: the others over coefficient 0 and
-                          over `limits` of their band, in the same order. Not with names: the rest may be negative */
+                          over `limits` of their band, in the same order. Not of shgrid_atlas_fill_lights, whose rest
+                          may be negative */
 } shgrid_atlas_format;
 
 typedef struct {
