@@ -6,8 +6,8 @@ install(TARGETS q3map2 RUNTIME_DEPENDENCY_SET libraries RUNTIME DESTINATION ${CM
 if(NOT WIN32)
   install(CODE "file(CREATE_LINK q3map2 \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/q3map2.${CMAKE_SYSTEM_PROCESSOR} SYMBOLIC)")
 endif()
-install(FILES libs/shgrid/shgrid.h libs/shgrid/shgrid.glsl libs/shgrid/shgrid.hlsl libs/shgrid/shgrid_atlas.glsl
-              libs/shgrid/shgrid_atlas.hlsl libs/ambientcubes/ambient_cubes.h libs/staticprops/staticprops.h
+install(FILES libs/shgrid/shgrid.h libs/shgrid/shgrid.glsl libs/shgrid/shgrid.hlsl libs/shgrid/shgrid_atlas.h
+              libs/shgrid/shgrid_atlas.glsl libs/shgrid/shgrid_atlas.hlsl libs/ambientcubes/ambient_cubes.h libs/staticprops/staticprops.h
               libs/hdrlight/hdrlight.h libs/bspx/bspx.h libs/directional/directional.h libs/directional/directional.glsl
               libs/directional/directional.hlsl DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

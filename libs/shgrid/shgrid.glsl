@@ -93,8 +93,8 @@ vec3 ShgridTexel(ShgridGrid grid, vec3 position)
     return ((position - grid.mins) / grid.cell + vec3(0.5)) / grid.bounds;
 }
 
-// Light on a surface with that normal, from the seven texels.
-vec3 ShgridLightTexels(vec4 t0, vec4 t1, vec4 t2, vec4 t3, vec4 t4, vec4 t5, vec4 t6, vec3 n)
+// The sum over the basis, from the seven texels.
+vec3 ShgridSumTexels(vec4 t0, vec4 t1, vec4 t2, vec4 t3, vec4 t4, vec4 t5, vec4 t6, vec3 n)
 {
     vec3 sh[9];
     sh[0] = vec3(t0.x, t0.y, t0.z);
@@ -106,7 +106,13 @@ vec3 ShgridLightTexels(vec4 t0, vec4 t1, vec4 t2, vec4 t3, vec4 t4, vec4 t5, vec
     sh[6] = vec3(t4.z, t4.w, t5.x);
     sh[7] = vec3(t5.y, t5.z, t5.w);
     sh[8] = vec3(t6.x, t6.y, t6.z);
-    return ShgridLight(sh, n);
+    return ShgridSum(sh, n);
+}
+
+// Light on a surface with that normal, from the seven texels.
+vec3 ShgridLightTexels(vec4 t0, vec4 t1, vec4 t2, vec4 t3, vec4 t4, vec4 t5, vec4 t6, vec3 n)
+{
+    return max(ShgridSumTexels(t0, t1, t2, t3, t4, t5, t6, n), vec3(0.0));
 }
 
 // Light at a world position: shgrid_light.

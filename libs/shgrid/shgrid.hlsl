@@ -98,8 +98,8 @@ float3 ShgridTexel(ShgridGrid grid, float3 position)
     return ((position - grid.mins) / grid.cell + float3(0.5, 0.5, 0.5)) / grid.bounds;
 }
 
-// Light on a surface with that normal, from the seven texels.
-float3 ShgridLightTexels(float4 t0, float4 t1, float4 t2, float4 t3, float4 t4, float4 t5, float4 t6, float3 n)
+// The sum over the basis, from the seven texels.
+float3 ShgridSumTexels(float4 t0, float4 t1, float4 t2, float4 t3, float4 t4, float4 t5, float4 t6, float3 n)
 {
     float3 sh[9];
     sh[0] = float3(t0.x, t0.y, t0.z);
@@ -111,7 +111,13 @@ float3 ShgridLightTexels(float4 t0, float4 t1, float4 t2, float4 t3, float4 t4, 
     sh[6] = float3(t4.z, t4.w, t5.x);
     sh[7] = float3(t5.y, t5.z, t5.w);
     sh[8] = float3(t6.x, t6.y, t6.z);
-    return ShgridLight(sh, n);
+    return ShgridSum(sh, n);
+}
+
+// Light on a surface with that normal, from the seven texels.
+float3 ShgridLightTexels(float4 t0, float4 t1, float4 t2, float4 t3, float4 t4, float4 t5, float4 t6, float3 n)
+{
+    return max(ShgridSumTexels(t0, t1, t2, t3, t4, t5, t6, n), float3(0.0, 0.0, 0.0));
 }
 
 // Light at a world position: shgrid_light.

@@ -41,6 +41,9 @@ float4 main(float4 a : TEXCOORD0, float3 n : TEXCOORD1) : SV_Target
 SHGRID_GLSL = """
 uniform usampler3D indirection;
 uniform sampler3D t[7];
+uniform usampler3D names;
+uniform sampler3D shares;
+uniform sampler2D table;
 uniform vec3 mins, cell, bounds, bricks;
 uniform vec3 numbers;
 uniform vec3 sh[9];
@@ -56,6 +59,8 @@ void main()
     ShgridAtlas atlas = ShgridAtlas(mins, cell, bounds, bricks, numbers.x, numbers.y, numbers.z);
     vec3 light = ShgridHalf(indirection, t[0], t[1], t[2], t[3], t[4], t[5], t[6], atlas, position, normal);
     light += ShgridSnorm(indirection, t[0], t[1], t[2], t[3], t[4], t[5], t[6], atlas, position, normal);
+    light += ShgridHalfLights(indirection, t[0], t[1], t[2], t[3], t[4], t[5], t[6], names, shares, table, atlas,
+                              position, normal);
     ShgridGrid grid = ShgridGrid(mins, cell, bounds);
     light += ShgridLightAt(t[0], t[1], t[2], t[3], t[4], t[5], t[6], grid, position, normal) + ShgridLight(sh, normal);
     light += ShgridShade(sh, directions, colors, count, normal);
@@ -72,12 +77,17 @@ Texture3D<float4> t4 : register(t4);
 Texture3D<float4> t5 : register(t5);
 Texture3D<float4> t6 : register(t6);
 Texture3D<float4> t7 : register(t7);
+Texture3D<uint4> names : register(t8);
+Texture3D<float4> shares : register(t9);
+Texture2D<float4> table : register(t10);
 SamplerState filter : register(s0);
 cbuffer Constants : register(b0) { ShgridAtlas atlas; ShgridGrid grid; ShgridTone tone; float3 sh[9]; float4 directions[8]; float3 colors[8]; int count; };
 float4 main(float3 position : TEXCOORD0, float3 normal : TEXCOORD1) : SV_Target
 {
     float3 light = ShgridHalf(indirection, t1, t2, t3, t4, t5, t6, t7, filter, atlas, position, normal);
     light += ShgridSnorm(indirection, t1, t2, t3, t4, t5, t6, t7, filter, atlas, position, normal);
+    light += ShgridHalfLights(indirection, t1, t2, t3, t4, t5, t6, t7, names, shares, table, filter, atlas, position,
+                              normal);
     light += ShgridLightAt(t1, t2, t3, t4, t5, t6, t7, filter, grid, position, normal) + ShgridLight(sh, normal);
     light += ShgridShade(sh, directions, colors, count, normal);
     light = ShgridApplyTone(tone, light);
@@ -97,7 +107,7 @@ class Library:
 
 LIBRARIES = {
     "directional": Library(("directional",), DIRECTIONAL_GLSL, DIRECTIONAL_HLSL, each_is_called=True),
-    "shgrid": Library(("shgrid", "shgrid_atlas"), SHGRID_GLSL, SHGRID_HLSL, ("float", "int", "sampler3D", "usampler3D")),
+    "shgrid": Library(("shgrid", "shgrid_atlas"), SHGRID_GLSL, SHGRID_HLSL, ("float", "int", "sampler2D", "sampler3D", "usampler3D")),
 }
 
 

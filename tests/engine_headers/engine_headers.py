@@ -5,8 +5,8 @@ of C in each README.
 usage: engine_headers.py COMPILER LIBS
 
 COMPILER: a C compiler that knows -std=c99 -Wpedantic. LIBS: the folder of the libraries. Each header is copied to an
-empty folder and compiled as C99 without warnings; all of them are compiled together; the search of BSPX lumps that they
-hold is that of bspx/bspx.h, byte for byte."""
+empty folder, with the one that it includes, and compiled as C99 without warnings; all of them are compiled together;
+the search of BSPX lumps that they hold is that of bspx/bspx.h, byte for byte."""
 import pathlib
 import re
 import subprocess
@@ -17,11 +17,13 @@ import tempfile
 HEADERS = {
     "bspx/bspx.h": True,
     "shgrid/shgrid.h": True,
+    "shgrid/shgrid_atlas.h": False,
     "ambientcubes/ambient_cubes.h": True,
     "staticprops/staticprops.h": True,
     "hdrlight/hdrlight.h": True,
     "directional/directional.h": False,
 }
+NEEDS = {"shgrid/shgrid_atlas.h": "shgrid/shgrid.h"}  # the header that one includes
 # What the snippets take from the engine.
 ENGINE = """#include <stdint.h>
 #include <stddef.h>
@@ -73,6 +75,8 @@ def main():
             with tempfile.TemporaryDirectory() as alone:
                 folder = pathlib.Path(alone)
                 (folder / path.name).write_text(text)
+                if header in NEEDS:
+                    (folder / pathlib.Path(NEEDS[header]).name).write_text((libs / NEEDS[header]).read_text())
                 good &= compiles(compiler, folder, "alone.c", f'#include "{path.name}"\nint engine;\n')
                 good &= compiles(compiler, folder, f"{path.parent.name}_readme.c",
                                  ENGINE + snippet_of(path.parent / "README.md"))

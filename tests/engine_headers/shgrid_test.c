@@ -1,6 +1,6 @@
 /* GPL-2.0-or-later. The engine-side reader as a C99 program sees it: both containers, cut and hostile files, sampling.
  */
-#include "libs/shgrid/shgrid.h"
+#include "libs/shgrid/shgrid_atlas.h"
 #include "tests/engine_headers/check.h"
 
 #include <stdio.h>

@@ -194,7 +194,7 @@ def main():
         assert changed[name] == source.read_text()
         if name.endswith(".c"):
             assert f"/{source.stem}.o" in changed["Makefile"], f"{name} is in no list of sources"
-    assert "code/renderercommon/shgrid.h" in changed
+    assert "code/renderercommon/shgrid.h" in changed and "code/renderercommon/shgrid_atlas.h" in changed
 
     # CMake's lists of sources, and line ends of Windows.
     lists = {"cmake/renderer_common.cmake": "    a/renderercommon/tr_noise.c\n",

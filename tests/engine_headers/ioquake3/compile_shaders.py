@@ -14,7 +14,10 @@ void main()
     result = vec4(SHGridLight(normalize(normal), position), 1.0);
 }
 """
-FORMS = ("", "#define USE_SHGRID_TEXTURES\n", "#define USE_SHGRID_TEXTURES\n#define USE_SHGRID_SPARSE\n")
+TEXTURES = "#define USE_SHGRID_TEXTURES\n"
+SPARSE = TEXTURES + "#define USE_SHGRID_SPARSE\n"
+NAMES = SPARSE + "#define USE_SHGRID_LIGHTS\n#define USE_SHGRID_NAMES\n"
+FORMS = ("", "#define USE_SHGRID_LIGHTS\n", TEXTURES, SPARSE, NAMES)
 TONES = ("", "#define USE_SHGRID_TONE\n")
 LIGHTS = ("", "#define USE_LIGHT\n#define USE_PBR\n")
 

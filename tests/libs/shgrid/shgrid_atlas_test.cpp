@@ -36,8 +36,9 @@ struct Textures {
             bytes[i].resize(shgrid_atlas_bytes(&atlas, format) / 4);
             pointers[i] = bytes[i].data();
         }
-        indirection.entries.resize(shgrid_indirection_bytes(&atlas));
-        shgrid_atlas_fill(&grid, &atlas, format, indirection.entries.data(), pointers.data());
+        std::vector<unsigned char> entries(shgrid_indirection_bytes(&atlas));
+        shgrid_atlas_fill(&grid, &atlas, format, entries.data(), pointers.data());
+        indirection.entries.assign(entries.begin(), entries.end());
         for (std::size_t axis = 0; axis < 3; ++axis)
             indirection.size[axis] = atlas.entries[axis];
         for (std::size_t i = 0; i < 7; ++i)

@@ -2,7 +2,7 @@
 // can read, given vectors, samplers and a few functions.
 #pragma once
 
-#include "libs/shgrid/shgrid.h"
+#include "libs/shgrid/shgrid_atlas.h"
 
 #include <gtest/gtest.h>
 
@@ -25,9 +25,15 @@ struct vec4 {
     float x = 0, y = 0, z = 0, w = 0;
     vec4() = default;
     vec4(double x_, double y_, double z_, double w_) : x(float(x_)), y(float(y_)), z(float(z_)), w(float(w_)) {}
+    float operator[](int i) const { return i == 0 ? x : i == 1 ? y : i == 2 ? z : w; }
+};
+struct ivec2 {
+    int x, y;
+    ivec2(int x_, int y_) : x(x_), y(y_) {}
 };
 struct ivec3 {
     int x, y, z;
+    ivec3(int x_, int y_, int z_) : x(x_), y(y_), z(z_) {}
     explicit ivec3(vec3 v) : x(int(v.x)), y(int(v.y)), z(int(v.z)) {}
 };
 struct int4 {
@@ -36,6 +42,7 @@ struct int4 {
 };
 struct uvec4 {
     unsigned x, y, z, w;
+    unsigned operator[](int i) const { return i == 0 ? x : i == 1 ? y : i == 2 ? z : w; }
 };
 using float3 = vec3;
 using float4 = vec4;
@@ -78,8 +85,29 @@ inline double min(double a, double b) {
 inline double max(double a, double b) {
     return std::max(a, b);
 }
+inline double clamp(double a, double low, double high) {
+    return std::clamp(a, low, high);
+}
+inline double abs(double a) {
+    return std::abs(a);
+}
+inline double sqrt(double a) {
+    return std::sqrt(a);
+}
+inline double atan(double y, double x) {
+    return std::atan2(y, x);
+}
+inline double atan2(double y, double x) {
+    return std::atan2(y, x);
+}
 inline float dot(vec3 a, vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline float length(vec3 a) {
+    return std::sqrt(dot(a, a));
+}
+inline vec3 cross(vec3 a, vec3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline double pow(double a, double b) {
     return std::pow(a, b);
@@ -114,17 +142,26 @@ struct sampler3D {
         return texels[std::size_t(x) + std::size_t(size[0]) * (std::size_t(y) + std::size_t(size[1]) * std::size_t(z))];
     }
 };
+/// Four whole numbers a texel.
 struct usampler3D {
     std::array<int, 3> size{};
-    std::vector<unsigned char> entries;
+    std::vector<unsigned> entries;
+};
+struct sampler2D {
+    std::array<int, 2> size{};
+    std::vector<vec4> texels;
 };
 
 inline uvec4 texelFetch(const usampler3D &from, ivec3 at, int) {
     const bool inside =
         at.x >= 0 && at.y >= 0 && at.z >= 0 && at.x < from.size[0] && at.y < from.size[1] && at.z < from.size[2];
     EXPECT_TRUE(inside);
-    const unsigned char *e = &from.entries[4 * std::size_t(at.x + from.size[0] * (at.y + from.size[1] * at.z))];
+    const unsigned *e = &from.entries[4 * std::size_t(at.x + from.size[0] * (at.y + from.size[1] * at.z))];
     return {e[0], e[1], e[2], e[3]};
+}
+inline vec4 texelFetch(const sampler2D &from, ivec2 at, int) {
+    EXPECT_TRUE(at.x >= 0 && at.y >= 0 && at.x < from.size[0] && at.y < from.size[1]);
+    return from.texels[std::size_t(at.x + from.size[0] * at.y)];
 }
 inline vec4 textureLod(const sampler3D &from, vec3 p, double) {
     const std::array<float, 3> at = {p.x * float(from.size[0]) - 0.5f, p.y * float(from.size[1]) - 0.5f,
@@ -155,7 +192,12 @@ template <> struct Texture3D<float4> {
 template <> struct Texture3D<uint4> {
     const usampler3D &from;
     Texture3D(const usampler3D &texture) : from(texture) {}
-    uvec4 Load(int4 at) const { return texelFetch(from, ivec3(vec3(at.x, at.y, at.z)), at.w); }
+    uvec4 Load(int4 at) const { return texelFetch(from, ivec3(at.x, at.y, at.z), at.w); }
+};
+template <typename Texel> struct Texture2D {
+    const sampler2D &from;
+    Texture2D(const sampler2D &texture) : from(texture) {}
+    vec4 Load(int3 at) const { return texelFetch(from, ivec2(at.x, at.y), at.z); }
 };
 
 // Literals are of type double in C++, and functions of the files are not inline, so each source has its own.
@@ -165,10 +207,12 @@ template <> struct Texture3D<uint4> {
 #pragma GCC diagnostic ignored "-Wfloat-conversion"
 namespace glsl {
 namespace {
+#define sampler2D const sampler2D &
 #define sampler3D const sampler3D &
 #define usampler3D const usampler3D &
 #include "libs/shgrid/shgrid.glsl"
 #include "libs/shgrid/shgrid_atlas.glsl"
+#undef sampler2D
 #undef sampler3D
 #undef usampler3D
 } // namespace

@@ -26,6 +26,7 @@ places   prints x y z yaw of COUNT spheres with a free view, a line each
 compare  pictures FOLDER/0.tga, 1.tga, ... of the places with the light that the grid gives there
   --grid sh|legacy       (sh)
   --renderer 1|2         whose formula of the legacy grid (1)
+  --at-pixels            with the light where each pixel is, not at the center of the sphere
   --dark N               light style of the SH grid that is switched off
   --shift N              r_mapOverBrightBits less the engine's overbright bits (0)
   --limit N              exit status 1 unless the mean difference of all pixels is below N bytes
@@ -123,12 +124,16 @@ Image ReadScreenshot(const std::string &path) {
     return DecodeTga(ReadFile(path), path);
 }
 
-Differences ComparePlace(const SpherePlace &place, const Image &image, const NormalColor &light) {
+/// isAtPixels: the light where each pixel is; else that at the center of the sphere.
+Differences ComparePlace(const SpherePlace &place, const Image &image, const EngineLight &light, bool isAtPixels) {
+    const NormalColor atCenter = light(place.center);
     Differences differences;
     for (int row = 0; row < image.height; ++row)
         for (int column = 0; column < image.width; ++column)
             if (const auto normal = SphereNormal(place, image, column, row))
-                differences.Add(PixelColor(image, column, row), light(*normal));
+                differences.Add(PixelColor(image, column, row),
+                                isAtPixels ? light(place.center + *normal * kSphereRadius)(*normal)
+                                           : atCenter(*normal));
     if (differences.count == 0)
         throw Error("a picture is too small to show the sphere");
     return differences;
@@ -137,6 +142,7 @@ Differences ComparePlace(const SpherePlace &place, const Image &image, const Nor
 int CompareImages(Arguments &arguments) {
     const int renderer = arguments.TakeInteger("--renderer", 1, 1), shift = arguments.TakeInteger("--shift", 0, 0);
     const std::string grid = arguments.TakeValue("--grid").value_or("sh");
+    const bool isAtPixels = arguments.TakeFlag("--at-pixels");
     const auto limit = arguments.TakeValue("--limit"), dark = arguments.TakeValue("--dark");
     const std::optional<int> darkStyle = dark ? std::optional<int>(int(NumberFromText(*dark))) : std::nullopt;
     if (darkStyle && (*darkStyle < 0 || *darkStyle > 63))
@@ -156,7 +162,8 @@ int CompareImages(Arguments &arguments) {
     for (std::size_t i = 0; i < places.size(); ++i) {
         const SpherePlace &place = places[i];
         const NormalColor expected = light(place.center);
-        const Differences one = ComparePlace(place, ReadScreenshot(fmt::format("{}/{}.tga", folder, i)), expected);
+        const Image image = ReadScreenshot(fmt::format("{}/{}.tga", folder, i));
+        const Differences one = ComparePlace(place, image, light, isAtPixels);
         one.Print(fmt::format("{}: {} {} {} {}", i, place.center.x, place.center.y, place.center.z, place.yaw),
                   double(MeanLight(expected)));
         all.Add(one);

@@ -15,6 +15,7 @@ The SH light grid in renderer 2: programs that evaluate it, 3D textures, and dra
 
 #include "tr_local.h"
 #include "tr_dsa.h"
+#include "../renderercommon/shgrid_atlas.h"
 
 #include <stdlib.h>
 
@@ -27,6 +28,12 @@ The SH light grid in renderer 2: programs that evaluate it, 3D textures, and dra
 #define GL_RGBA8UI				0x8D7C
 #define GL_RGBA_INTEGER			0x8D99
 #endif
+#ifndef GL_RGBA16UI
+#define GL_RGBA16UI				0x8D76
+#endif
+#ifndef GL_RGBA32F
+#define GL_RGBA32F				0x8814
+#endif
 #ifndef GL_ACTIVE_TEXTURE
 #define GL_ACTIVE_TEXTURE		0x84E0
 #endif
@@ -38,7 +45,12 @@ The SH light grid in renderer 2: programs that evaluate it, 3D textures, and dra
 #define	TB_SHGRIDMAP			NUM_TEXTURE_BUNDLES
 #define	SHGRID_MAPS				7
 #define	TB_SHGRIDINDIRECTION	( TB_SHGRIDMAP + SHGRID_MAPS )
-#define	SHGRID_TEXTURES			( SHGRID_MAPS + 1 )
+#define	TB_SHGRIDNAMES			( TB_SHGRIDMAP + SHGRID_MAPS + 1 )
+#define	TB_SHGRIDSHARES			( TB_SHGRIDMAP + SHGRID_MAPS + 2 )
+#define	TB_SHGRIDTABLE			( TB_SHGRIDMAP + SHGRID_MAPS + 3 )
+#define	SHGRID_TEXTURES			( SHGRID_MAPS + 4 )
+#define	SHGRID_TEXTURES_PLAIN	( SHGRID_MAPS + 1 )		// without those that keep the names of lights
+#define	SHGRID_NAME_GROUPS		( SHGRID_BRICK_NAMES / 4 )	// texels of names and shares have four lights each
 
 #define	SHGRID_ENTITY_FLOATS	33
 #define	SHGRID_LIGHT_FLOATS		7		// direction, spread, color
@@ -64,6 +76,8 @@ static struct {
 	shGridProgram_t	generic[GENERICDEF_COUNT];
 	GLuint			textures[SHGRID_TEXTURES];		// 0: none
 	shgrid_atlas	atlas;							// count is 0 for a uniform grid
+	qboolean		named;							// the textures keep the names of lights
+	float			styles[SHGRID_STYLES];			// as they are in the table of lights
 } sh;
 
 static cvar_t	*r_shgridTextures;
@@ -125,6 +139,28 @@ static void GLSL_SetSHGridEntity( shGridProgram_t *program, const trRefEntity_t 
 
 /*
 =================
+R_SetSHGridStyles
+
+Puts the brightness of the light styles into the table of lights whenever it changes
+=================
+*/
+static void R_SetSHGridStyles( int time ) {
+	const float	*styles = R_SHGridStyles( time );
+	GLint	unit;
+
+	if ( !memcmp( styles, sh.styles, sizeof( sh.styles ) ) ) {
+		return;
+	}
+
+	Com_Memcpy( sh.styles, styles, sizeof( sh.styles ) );
+	qglGetIntegerv( GL_ACTIVE_TEXTURE, &unit );
+	qglActiveTexture( GL_TEXTURE0 + TB_SHGRIDTABLE );
+	qglTexSubImage2D( GL_TEXTURE_2D, 0, 0, 0, SHGRID_STYLE_TEXELS, 1, GL_RGBA, GL_FLOAT, sh.styles );
+	qglActiveTexture( unit );
+}
+
+/*
+=================
 GLSL_SHGridProgram
 
 The program that draws the current entity: sp, or its counterpart with the grid if the grid lights the entity
@@ -148,6 +184,9 @@ shaderProgram_t *GLSL_SHGridProgram( shaderProgram_t *sp ) {
 	}
 
 	GLSL_SetSHGridEntity( program, ent );
+	if ( sh.named ) {
+		R_SetSHGridStyles( backEnd.refdef.time );
+	}
 	return &program->sp;
 }
 
@@ -225,6 +264,11 @@ static void GLSL_SetSHGridConstants( GLuint program ) {
 	if ( sh.atlas.count ) {
 		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, "u_SHGridIndirection" ), TB_SHGRIDINDIRECTION );
 	}
+	if ( sh.named ) {
+		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, "u_SHGridNames" ), TB_SHGRIDNAMES );
+		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, "u_SHGridShares" ), TB_SHGRIDSHARES );
+		qglProgramUniform1iEXT( program, qglGetUniformLocation( program, "u_SHGridTable" ), TB_SHGRIDTABLE );
+	}
 }
 
 /*
@@ -238,8 +282,9 @@ static void GLSL_InitSHGridProgram( shGridProgram_t *program, const shaderProgra
 	char	defines[256];
 	char	*vertex, *fragment;
 
-	Com_sprintf( defines, sizeof( defines ), "#define USE_SHGRID\n%s%s%s%s", shGridWorld.hasTone ? "#define USE_SHGRID_TONE\n" : "",
-		shGridWorld.grid.lights ? "#define USE_SHGRID_LIGHTS\n" : "", sh.textures[0] ? "#define USE_SHGRID_TEXTURES\n" : "", sh.atlas.count ? "#define USE_SHGRID_SPARSE\n" : "" );
+	Com_sprintf( defines, sizeof( defines ), "#define USE_SHGRID\n%s%s%s%s%s", shGridWorld.hasTone ? "#define USE_SHGRID_TONE\n" : "",
+		shGridWorld.grid.lights ? "#define USE_SHGRID_LIGHTS\n" : "", sh.textures[0] ? "#define USE_SHGRID_TEXTURES\n" : "",
+		sh.atlas.count ? "#define USE_SHGRID_SPARSE\n" : "", sh.named ? "#define USE_SHGRID_NAMES\n" : "" );
 	vertex = GLSL_SHGridSource( like->vertexShader, defines );
 	fragment = GLSL_SHGridSource( like->fragmentShader, defines );
 	GLSL_InitGPUShader2( &program->sp, va( "%s_shgrid", like->name ), like->attribs, vertex, fragment );
@@ -272,31 +317,37 @@ static void GLSL_InitSHGridProgram( shGridProgram_t *program, const shaderProgra
 =================
 R_CreateSHGridTexture
 
-Makes a 3D texture and leaves it bound to its unit
+Makes a texture and leaves it bound to its unit. texImage3D: NULL for a 2D texture
 =================
 */
-static GLuint R_CreateSHGridTexture( texImage3D_t texImage3D, int unit, const int32_t size[3], qboolean indirection, const void *texels ) {
-	const GLenum	filter = indirection ? GL_NEAREST : GL_LINEAR;
-	GLuint	texture;
+static void R_CreateSHGridTexture( texImage3D_t texImage3D, int unit, const int32_t size[3], GLenum internalFormat, const void *texels ) {
+	const qboolean	isWhole = internalFormat == GL_RGBA8UI || internalFormat == GL_RGBA16UI;
+	const GLenum	target = texImage3D ? GL_TEXTURE_3D : GL_TEXTURE_2D, format = isWhole ? GL_RGBA_INTEGER : GL_RGBA;
+	const GLenum	filter = isWhole || !texImage3D ? GL_NEAREST : GL_LINEAR;
+	const GLenum	type = internalFormat == GL_RGBA16F_ARB ? GL_HALF_FLOAT_ARB : internalFormat == GL_RGBA16UI ? GL_UNSIGNED_SHORT :
+		internalFormat == GL_RGBA32F ? GL_FLOAT : GL_UNSIGNED_BYTE;
+	GLuint	*texture = &sh.textures[unit - TB_SHGRIDMAP];
 
-	qglGenTextures( 1, &texture );
+	qglGenTextures( 1, texture );
 	qglActiveTexture( GL_TEXTURE0 + unit );
-	qglBindTexture( GL_TEXTURE_3D, texture );
-	texImage3D( GL_TEXTURE_3D, 0, indirection ? GL_RGBA8UI : GL_RGBA16F_ARB, size[0], size[1], size[2], 0,
-		indirection ? GL_RGBA_INTEGER : GL_RGBA, indirection ? GL_UNSIGNED_BYTE : GL_HALF_FLOAT_ARB, texels );
-	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, filter );
-	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, filter );
-	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE );
-	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE );
-	qglTexParameteri( GL_TEXTURE_3D, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE );
-	return texture;
+	qglBindTexture( target, *texture );
+	if ( texImage3D ) {
+		texImage3D( target, 0, internalFormat, size[0], size[1], size[2], 0, format, type, texels );
+		qglTexParameteri( target, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE );
+	} else {
+		qglTexImage2D( target, 0, internalFormat, size[0], size[1], 0, format, type, texels );
+	}
+	qglTexParameteri( target, GL_TEXTURE_MIN_FILTER, filter );
+	qglTexParameteri( target, GL_TEXTURE_MAG_FILTER, filter );
+	qglTexParameteri( target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE );
+	qglTexParameteri( target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE );
 }
 
 /*
 =================
 R_SHGridTextureProblem
 
-Why the grid cannot be put into textures of that size; NULL if it can
+Why the grid cannot be put into textures of that size; NULL if it can. Sets sh.named where the names of lights fit too
 =================
 */
 static const char *R_SHGridTextureProblem( texImage3D_t texImage3D, const int32_t size[3] ) {
@@ -309,7 +360,7 @@ static const char *R_SHGridTextureProblem( texImage3D_t texImage3D, const int32_
 	qglGetIntegerv( GL_MAX_TEXTURE_IMAGE_UNITS, &fragmentUnits );
 	qglGetIntegerv( GL_MAX_VERTEX_TEXTURE_IMAGE_UNITS, &vertexUnits );
 	qglGetIntegerv( GL_MAX_3D_TEXTURE_SIZE, &mostTexels );
-	if ( fragmentUnits < TB_SHGRIDMAP + SHGRID_TEXTURES || vertexUnits < SHGRID_TEXTURES ) {
+	if ( fragmentUnits < TB_SHGRIDMAP + SHGRID_TEXTURES_PLAIN || vertexUnits < SHGRID_TEXTURES_PLAIN ) {
 		return "too few texture units";
 	}
 	if ( shGridWorld.grid.levels && !sh.atlas.count ) {
@@ -318,7 +369,23 @@ static const char *R_SHGridTextureProblem( texImage3D_t texImage3D, const int32_
 	if ( MAX( size[0], MAX( size[1], size[2] ) ) > mostTexels ) {
 		return va( "%i x %i x %i texels, limit %i", size[0], size[1], size[2], mostTexels );
 	}
+
+	sh.named = sh.atlas.tableRows && fragmentUnits >= TB_SHGRIDMAP + SHGRID_TEXTURES && vertexUnits >= SHGRID_TEXTURES &&
+		SHGRID_NAME_GROUPS * size[2] <= mostTexels && MAX( SHGRID_TABLE_WIDTH, sh.atlas.tableRows ) <= glConfig.maxTextureSize;
+	if ( sh.atlas.tableRows && !sh.named ) {
+		ri.Printf( PRINT_WARNING, "WARNING: SH light grid: textures hold named lights as coefficients: too few texture units, or too large\n" );
+	}
 	return NULL;
+}
+
+/*
+=================
+R_SHGridTextureBytes
+=================
+*/
+static size_t R_SHGridTextureBytes( const int32_t size[3] ) {
+	return (size_t)8 * SHGRID_MAPS * size[0] * size[1] * size[2] + shgrid_indirection_bytes( &sh.atlas ) +
+		( sh.named ? shgrid_names_bytes( &sh.atlas ) + shgrid_shares_bytes( &sh.atlas ) + shgrid_table_bytes( &sh.atlas ) : 0 );
 }
 
 /*
@@ -330,9 +397,11 @@ False: no memory. The zone of ri.Malloc is too small for large grids, and ends t
 */
 static qboolean R_FillSHGridTextures( texImage3D_t texImage3D, const int32_t size[3] ) {
 	const size_t	bytes = (size_t)8 * size[0] * size[1] * size[2];
-	byte	*texels = malloc( SHGRID_MAPS * bytes + shgrid_indirection_bytes( &sh.atlas ) );
-	byte	*indirection;
-	void	*maps[SHGRID_MAPS];
+	const int32_t	names[3] = { sh.atlas.bricks[0], sh.atlas.bricks[1], SHGRID_NAME_GROUPS * sh.atlas.bricks[2] };
+	const int32_t	shares[3] = { size[0], size[1], SHGRID_NAME_GROUPS * size[2] }, table[3] = { SHGRID_TABLE_WIDTH, sh.atlas.tableRows, 1 };
+	byte	*texels = malloc( R_SHGridTextureBytes( size ) );
+	byte	*indirection, *at;
+	void	*maps[SHGRID_MAPS], *lights[3] = { NULL, NULL, NULL };
 	GLint	unit;
 	int		i;
 
@@ -340,11 +409,21 @@ static qboolean R_FillSHGridTextures( texImage3D_t texImage3D, const int32_t siz
 		return qfalse;
 	}
 
-	indirection = texels + SHGRID_MAPS * bytes;
-	for ( i = 0 ; i < SHGRID_MAPS ; i++ ) {
-		maps[i] = texels + i * bytes;
+	// all of these sizes but the last are multiples of 8 bytes
+	at = texels;
+	for ( i = 0 ; i < SHGRID_MAPS ; i++, at += bytes ) {
+		maps[i] = at;
 	}
-	if ( sh.atlas.count ) {
+	if ( sh.named ) {
+		lights[0] = at;
+		lights[1] = at += shgrid_names_bytes( &sh.atlas );
+		lights[2] = at += shgrid_shares_bytes( &sh.atlas );
+		at += shgrid_table_bytes( &sh.atlas );
+	}
+	indirection = at;
+	if ( sh.named ) {
+		shgrid_atlas_fill_lights( &shGridWorld.grid, &sh.atlas, indirection, maps, lights[0], lights[1], lights[2] );
+	} else if ( sh.atlas.count ) {
 		shgrid_atlas_fill( &shGridWorld.grid, &sh.atlas, SHGRID_ATLAS_HALF, indirection, maps );
 	} else {
 		shgrid_fill_half( &shGridWorld.grid, maps );
@@ -352,10 +431,16 @@ static qboolean R_FillSHGridTextures( texImage3D_t texImage3D, const int32_t siz
 
 	qglGetIntegerv( GL_ACTIVE_TEXTURE, &unit );
 	for ( i = 0 ; i < SHGRID_MAPS ; i++ ) {
-		sh.textures[i] = R_CreateSHGridTexture( texImage3D, TB_SHGRIDMAP + i, size, qfalse, maps[i] );
+		R_CreateSHGridTexture( texImage3D, TB_SHGRIDMAP + i, size, GL_RGBA16F_ARB, maps[i] );
 	}
 	if ( sh.atlas.count ) {
-		sh.textures[SHGRID_MAPS] = R_CreateSHGridTexture( texImage3D, TB_SHGRIDINDIRECTION, sh.atlas.entries, qtrue, indirection );
+		R_CreateSHGridTexture( texImage3D, TB_SHGRIDINDIRECTION, sh.atlas.entries, GL_RGBA8UI, indirection );
+	}
+	if ( sh.named ) {
+		R_CreateSHGridTexture( texImage3D, TB_SHGRIDNAMES, names, GL_RGBA16UI, lights[0] );
+		R_CreateSHGridTexture( texImage3D, TB_SHGRIDSHARES, shares, GL_RGBA8, lights[1] );
+		R_CreateSHGridTexture( NULL, TB_SHGRIDTABLE, table, GL_RGBA32F, lights[2] );
+		Com_Memcpy( sh.styles, lights[2], sizeof( sh.styles ) );
 	}
 	qglActiveTexture( unit );
 	free( texels );
@@ -385,12 +470,13 @@ static void R_InitSHGridTextures( void ) {
 	}
 	if ( problem ) {
 		Com_Memset( &sh.atlas, 0, sizeof( sh.atlas ) );
+		sh.named = qfalse;
 		ri.Printf( PRINT_WARNING, "WARNING: SH light grid is not put into textures: %s\n", problem );
 		return;
 	}
 
-	ri.Printf( PRINT_ALL, "SH light grid: 7 textures of %i x %i x %i, %.1f MB, in %i ms\n", size[0], size[1], size[2],
-		SHGRID_MAPS * 8.0f * size[0] * size[1] * size[2] / ( 1024 * 1024 ), ri.Milliseconds() - start );
+	ri.Printf( PRINT_ALL, "SH light grid: 7 textures of %i x %i x %i%s, %.1f MB, in %i ms\n", size[0], size[1], size[2],
+		sh.named ? ", and those of named lights" : "", R_SHGridTextureBytes( size ) / ( 1024.0f * 1024.0f ), ri.Milliseconds() - start );
 }
 
 /*

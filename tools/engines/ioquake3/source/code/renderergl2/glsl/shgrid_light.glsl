@@ -35,17 +35,27 @@ vec3 SHGridVector(int first)
 #if defined(USE_SHGRID_SPARSE)
 uniform usampler3D u_SHGridIndirection;
 
+ShgridAtlas SHGridAtlas()
+{
+	return ShgridAtlas(SHGridVector(0), SHGridVector(3), SHGridVector(6), SHGridVector(9), u_SHGridPlace[12], 0.0, 0.0);
+}
+
 vec4 SHGridTexel(vec3 position)
 {
-	ShgridAtlas atlas = ShgridAtlas(SHGridVector(0), SHGridVector(3), SHGridVector(6), SHGridVector(9), u_SHGridPlace[12], 0.0, 0.0);
-
-	return ShgridPlace(u_SHGridIndirection, atlas, position);
+	return ShgridPlace(u_SHGridIndirection, SHGridAtlas(), position);
 }
 #elif defined(USE_SHGRID_TEXTURES)
 vec4 SHGridTexel(vec3 position)
 {
 	return vec4(ShgridTexel(ShgridGrid(SHGridVector(0), SHGridVector(3), SHGridVector(6)), position), 1.0);
 }
+#endif
+
+// names of lights, their shares, and the table of lights
+#if defined(USE_SHGRID_NAMES)
+uniform usampler3D u_SHGridNames;
+uniform sampler3D u_SHGridShares;
+uniform sampler2D u_SHGridTable;
 #endif
 
 // linear light by the coefficients and the named lights of the entity
@@ -80,7 +90,7 @@ vec3 SHGridLinearLight(vec3 normal, vec3 position)
 	{
 		vec3 bands = SHGridVector(13);
 
-		return ShgridLightTexels(
+		vec3 light = ShgridSumTexels(
 			textureLod(u_SHGridMap0, at.xyz, 0.0) * bands.xxxy,
 			textureLod(u_SHGridMap1, at.xyz, 0.0) * bands.y,
 			textureLod(u_SHGridMap2, at.xyz, 0.0) * bands.y,
@@ -88,6 +98,12 @@ vec3 SHGridLinearLight(vec3 normal, vec3 position)
 			textureLod(u_SHGridMap4, at.xyz, 0.0) * bands.z,
 			textureLod(u_SHGridMap5, at.xyz, 0.0) * bands.z,
 			textureLod(u_SHGridMap6, at.xyz, 0.0) * bands.z, normal);
+
+#if defined(USE_SHGRID_NAMES)
+		light += ShgridBrickLights(u_SHGridNames, u_SHGridShares, u_SHGridTable, SHGridAtlas(), at.xyz, position, normal);
+		light /= max(textureLod(u_SHGridMap6, at.xyz, 0.0).w, 1e-3);
+#endif
+		return max(light, vec3(0.0));
 	}
 #endif
 	return SHGridEntityLight(normal);
