@@ -172,7 +172,19 @@ ShgridMoments ShgridLightMoments(sampler2D table, int polygon, int count, bool t
 // shgrid_polygon_beam_.
 float ShgridDirected(ShgridMoments m)
 {
-    float directed = clamp((length(m.first) / m.solidAngle - 0.821) / (0.883 - 0.821), 0.0, 1.0);
+    float strength = length(m.first);
+    if (strength >= (1.0 - 0.4314 / 8.0) * m.solidAngle)
+        return 1.0;
+    // Of the largest variance at right angles to the mean direction: shgrid_variance_.
+    vec3 d = m.first / strength;
+    vec3 row = m.squares * d;
+    row += vec3(m.products.x * d.y + m.products.z * d.z, m.products.x * d.x + m.products.y * d.z,
+                m.products.z * d.x + m.products.y * d.y);
+    float along = dot(row, d);
+    float trace = m.squares.x + m.squares.y + m.squares.z - along;
+    float squares = dot(m.squares, m.squares) + 2.0 * dot(m.products, m.products) - 2.0 * dot(row, row) + along * along;
+    float variance = 0.5 * (trace + sqrt(max(2.0 * squares - trace * trace, 0.0))) / m.solidAngle;
+    float directed = clamp((0.6294 - 4.0 * variance) / (0.6294 - 0.4314), 0.0, 1.0);
     return directed * directed * (3.0 - 2.0 * directed);
 }
 
