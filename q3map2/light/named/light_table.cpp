@@ -289,17 +289,28 @@ SHFloats LightTable::At(std::uint32_t number, const Vec3f &position) const {
     return std::bit_cast<SHFloats>(sum);
 }
 
+bool LightTable::HasInPlane(std::uint32_t number, const Vec3f &position) const {
+    constexpr float kInPlane = 1.0f / 64; // game units
+    const GridLight &light = table_.lights[number];
+    const auto polygons = std::span(table_.polygons).subspan(light.firstPolygon, light.polygonCount);
+    return std::ranges::any_of(polygons, [&](const GridPolygon &polygon) {
+        const Vec3f to = Vec3f(polygon.center) - position;
+        return std::abs(Dot(Vec3f(polygon.normal), position) - polygon.dist) <= kInPlane &&
+               Dot(to, to) < polygon.radius * polygon.radius;
+    });
+}
+
 Vec3f LightTable::RoughVector(std::uint32_t number, const Vec3f &position) const {
     const GridLight &light = table_.lights[number];
-    const float color = MaxAbsComponent(Vec3f(light.color));
+    const float color = MaxAbsComponent(Vec3f(light.color)), at[3] = {position.x, position.y, position.z};
     if (light.type != SHGRID_POLYGONS) {
-        const float at[3] = {position.x, position.y, position.z};
         shgrid_beam_ beam;
         shgrid_beam_at_(&reader_, number, at, &beam);
         return Vec3f{beam.direction[0], beam.direction[1], beam.direction[2]} * (beam.strength * color);
     }
     // The form factor of a polygon of area A is about h R^2 / (d (d^2 + R^2)), with R^2 = A / pi, d the distance of its
-    // center, and h the height of the position over its plane. This is exact far away and on the axis of a disc.
+    // center, and h the height of the position over its plane. This is exact far away and on the axis of a disc. It is
+    // not on the polygon, where h is 0 and the form factor 1: at positions that near, the vector is exact.
     Vec3f sum;
     for (std::uint32_t i = light.firstPolygon; i < light.firstPolygon + light.polygonCount; ++i) {
         const GridPolygon &polygon = table_.polygons[i];
@@ -308,7 +319,11 @@ Vec3f LightTable::RoughVector(std::uint32_t number, const Vec3f &position) const
             continue;
         const Vec3f to = Vec3f(polygon.center) - position;
         const float d2 = Dot(to, to), r2 = polygon.area / std::numbers::pi_v<float>;
-        if (d2 > 0)
+        if (d2 < polygon.radius * polygon.radius) {
+            shgrid_moments_ m{};
+            shgrid_add_polygon_(&reader_, reinterpret_cast<const unsigned char *>(&polygon), at, height < 0, 0, 1, &m);
+            sum = sum + Vec3f{float(m.first[0]), float(m.first[1]), float(m.first[2])} / std::numbers::pi_v<float>;
+        } else if (d2 > 0)
             sum = sum + to * (r2 * std::abs(height) / (d2 * (d2 + r2)));
     }
     return sum * (light.intensity * color);

@@ -45,6 +45,9 @@ class LightTable {
     /// The approximate irradiance vector of that light, for a color of MaxAbsComponent(color): Tint has the factors of
     /// the channels. Much faster than At. 1 = byte 255.
     Vec3f RoughVector(std::uint32_t number, const Vec3f &position) const;
+    /// Whether a position is in the plane of a polygon of a light and less than its radius from its center. There light
+    /// differs from that a hair in front of the plane, or behind it.
+    bool HasInPlane(std::uint32_t number, const Vec3f &position) const;
 
   private:
     void GroupLights();

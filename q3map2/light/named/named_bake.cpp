@@ -15,7 +15,7 @@ namespace {
 
 /// Thresholds of refinement: the first one, the factor by which they fall, and the last one. Unit: bytes^2 times
 /// kThresholdVolume game units^3, which is the volume of a cell of 32 x 32 x 64.
-constexpr float kFirstThreshold = 1024, kThresholdStep = 2.5f, kLastThreshold = 0.25f, kThresholdVolume = 32 * 32 * 64;
+constexpr float kFirstThreshold = 16384, kThresholdStep = 2.5f, kLastThreshold = 0.25f, kThresholdVolume = 32 * 32 * 64;
 /// Leafs that a split adds: eight for one.
 constexpr float kLeafsPerSplit = 7;
 /// The price of a leaf (see PruneOctree) is found by kBisections bisections, on a logarithmic scale, of a range from
@@ -27,6 +27,9 @@ constexpr double kBytesPerLeaf = 36, kErrorRatio = 0.6;
 /// Without a budget the lump has at most this fraction of the bytes of the uniform grid of -gridsh, whose cells have
 /// half the edge of the first cells here, or kSmallLump bytes if that is more.
 constexpr double kMaxFractionOfUniform = 0.1, kSmallLump = 80e3;
+/// Unless a goal is given, refinement ends when corners and samples together are this fraction of the points of that
+/// uniform grid: that takes about as long as baking it.
+constexpr double kMaxFractionTraced = 0.3;
 /// Refinement to an error target ends where a further leaf reduces the squared error by less than this fraction of the
 /// mean squared error of a leaf.
 constexpr double kMinGain = 0.25;
@@ -113,9 +116,9 @@ class NamedGridBuilder {
   public:
     /// points: number of points of the uniform grid of the first cells.
     NamedGridBuilder(const GridInputs &in, NamedCells &cells, std::int64_t points, NamedStats &result)
-        : in_(in), cells_(cells), result_(result),
+        : in_(in), cells_(cells), result_(result), uniformPoints_(8 * double(points)),
           maxBytes_(in.options.sparseGoal.budget.value_or(
-              std::max(kSmallLump, kMaxFractionOfUniform * 8 * double(points) * double(sizeof(bspGridPointSH_t))))) {}
+              std::max(kSmallLump, kMaxFractionOfUniform * uniformPoints_ * double(sizeof(bspGridPointSH_t))))) {}
 
     NamedGridSH Uniform() { return GridOf(cells_.Tree()); }
     NamedGridSH Adaptive(const ExactReceivers &exact, GridStats &work);
@@ -143,6 +146,11 @@ class NamedGridBuilder {
         return !in_.options.sparseGoal.budget &&
                double(minPrice_) * double(stats.leafs) < kMinGain * stats.error * stats.error * stats.volume;
     }
+    /// Whether smaller cells would take longer than anybody has asked for.
+    bool TakesLong() const {
+        const double traced = double(cells_.Points().Size() + cells_.Samples().size());
+        return !in_.options.sparseGoal.isGiven && traced > kMaxFractionTraced * uniformPoints_;
+    }
     void Refine(GridStats &work);
     float FindPrice() const;
     NamedGridSH GridOf(const Octree &tree);
@@ -152,6 +160,7 @@ class NamedGridBuilder {
     NamedStats &result_;
     double bytesPerLeaf_ = kBytesPerLeaf, errorRatio_ = kErrorRatio;
     double tableBytes_ = 0; ///< of the table of lights in the last grid
+    double uniformPoints_;  ///< of the uniform grid of -gridsh
     double maxBytes_;       ///< limit of the lump
     float threshold_ = 0;   ///< the next threshold, bytes^2 times smallest cells; 0: none yet
     float minPrice_ = 0;    ///< of a leaf: for lower ones the tree is not fine enough
@@ -187,20 +196,24 @@ float NamedGridBuilder::FindPrice() const {
 void NamedGridBuilder::Refine(GridStats &work) {
     const Vec3f &cell = cells_.Lattice().Cell();
     const float unit = kThresholdVolume / (cell.x * cell.y * cell.z);
-    if (threshold_ == 0)
-        threshold_ = kFirstThreshold * unit;
-    for (;; threshold_ /= kThresholdStep) {
-        minPrice_ = threshold_ * kThresholdStep / kLeafsPerSplit;
-        const PruningStats stats = Pruned(minPrice_).stats;
-        if (MeetsGoal(stats) || threshold_ < kLastThreshold * unit || GainsLittle(stats))
-            return;
-        while (cells_.Split(threshold_, work)) {
+    const auto splitAbove = [&](float threshold) {
+        threshold_ = threshold, minPrice_ = threshold / kLeafsPerSplit;
+        while (cells_.Split(threshold, work)) {
         }
+    };
+    if (threshold_ == 0) // before that, the tree says nothing of what smaller cells gain
+        splitAbove(kFirstThreshold * unit);
+    for (;;) {
+        const PruningStats stats = Pruned(minPrice_).stats;
+        if (MeetsGoal(stats) || threshold_ <= kLastThreshold * unit || GainsLittle(stats) || TakesLong())
+            return;
+        splitAbove(threshold_ / kThresholdStep);
     }
 }
 
 NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &work) {
     const SparseGoal &goal = in_.options.sparseGoal;
+    std::size_t lastLeafs = 0;
     for (int round = 1;; ++round) {
         Refine(work);
         const PrunedTree pruned = Pruned(FindPrice());
@@ -213,12 +226,13 @@ NamedGridSH NamedGridBuilder::Adaptive(const ExactReceivers &exact, GridStats &w
         bytesPerLeaf_ = (double(result_.bytes) - tableBytes_) / double(std::max<std::size_t>(1, pruned.stats.leafs));
         if (result_.measured && pruned.stats.error > 0)
             errorRatio_ = result_.measured->rms / pruned.stats.error;
-        result_.isFull = IsFull(pruned.stats);
+        result_.isFull = IsFull(pruned.stats), result_.takesLong = TakesLong();
         const bool fits = double(result_.bytes) <= maxBytes_;
         const bool isGood = goal.budget
                                 ? double(result_.bytes) > kLeastBudgetUse * maxBytes_
                                 : !result_.measured || result_.measured->rms <= kTargetSlack * double(goal.error);
-        const bool isLast = isGood || result_.isFull || GainsLittle(pruned.stats) || round >= kMaxRounds;
+        const bool isLast = isGood || result_.isFull || pruned.stats.leafs == lastLeafs || round >= kMaxRounds;
+        lastLeafs = pruned.stats.leafs;
         if ((fits && isLast) || round == kMostRounds)
             return grid;
     }
@@ -254,19 +268,21 @@ void PrintNamedStats(const NamedStats &stats, const SparseGoal &goal, Log &log) 
     log.Count(stats.points, "points");
     log.Print("{:9.2f} names a point\n", double(stats.shares) / double(std::max<std::size_t>(1, stats.points)));
     log.Print("{:9.2f} MB\n", double(stats.bytes) / 1e6);
+    if (goal.budget && double(stats.bytes) > *goal.budget)
+        log.Warn("SH grid budget", "the SH grid that names lights has {:.2f} MB, more than the {:g} of -shbudget",
+                 double(stats.bytes) / 1e6, *goal.budget / 1e6);
     if (!stats.measured || stats.measured->receivers == 0)
         return;
     log.Print("{:9.2f} of 255 is the error of displayed light, measured at {} random positions of players (RMS)\n",
               stats.measured->rms, stats.measured->receivers);
     constexpr double kUnmentioned = 1.1; // as of the sparse grid
     if (!goal.budget && stats.measured->rms > kUnmentioned * double(goal.error))
-        log.Print("That is above the {:g} that was asked for: {}\n", goal.error,
-                  stats.isFull ? "smaller cells would take more than a tenth of the bytes of the uniform grid, or 0.08 "
-                                 "MB if that is more"
-                               : "smaller cells would hardly reduce it");
-    if (goal.budget && double(stats.bytes) > *goal.budget)
-        log.Warn("SH grid budget", "the SH grid that names lights has {:.2f} MB, more than the {:g} of -shbudget",
-                 double(stats.bytes) / 1e6, *goal.budget / 1e6);
+        log.Print("That is above the target of {:g}: {}\n", goal.error,
+                  stats.isFull      ? "smaller cells would take more than a tenth of the bytes of the uniform grid, or "
+                                      "0.08 MB if that is more"
+                  : stats.takesLong ? "smaller cells would take longer than the uniform grid, which -sherrortarget or "
+                                      "-shbudget allows"
+                                    : "smaller cells would hardly reduce it");
 }
 
 } // namespace q3

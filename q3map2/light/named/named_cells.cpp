@@ -201,8 +201,8 @@ void NamedCells::SetUniformPoints(const LightGridSH &grid, const LightCollector 
             const PlacedPoint placed =
                 state == PointState::Open ? PlaceInOpen(in_.space, position) : PlaceBeside(in_.space, position);
             points_[i].value = std::bit_cast<SHFloats>(grid.points[index]);
-            corners_[i] = {LatticePosition(points_[i].at), position, placed.cluster, points_[i].value,
-                           collector.Of(index, position)};
+            corners_[i] = {LatticePosition(points_[i].at), placed.position, placed.cluster, points_[i].value,
+                           collector.Of(index, placed.position)};
         }
     });
 }
@@ -228,9 +228,10 @@ void NamedCells::TracePoints(std::size_t first, GridStats &work) {
     TraceReceivers(receivers, work);
     corners_.resize(points_.Size());
     for (std::size_t i = 0; i < numbers.size(); ++i) {
+        if (receivers[i].isOnLight)
+            continue;
         points_[numbers[i]].traced = true;
         points_[numbers[i]].value = receivers[i].light;
-        receivers[i].position = lattice_.PositionOf(points_[numbers[i]].at);
         corners_[numbers[i]] = std::move(receivers[i]);
     }
 }
@@ -249,6 +250,7 @@ void NamedCells::TraceReceivers(std::span<NamedReceiver> receivers, GridStats &w
             light_->At(probes, HashIndex(probes.front().seed), workers[std::size_t(worker)], &collector);
         for (std::size_t i = first; i < end; ++i) {
             receivers[i].light = std::bit_cast<SHFloats>(values[i - first]);
+            receivers[i].isOnLight = collector.IsOnLight(i - first, receivers[i].position);
             receivers[i].lights = collector.Of(i - first, receivers[i].position);
         }
     });

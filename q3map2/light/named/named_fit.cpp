@@ -358,16 +358,20 @@ void NamedFit::FitShares() {
 }
 
 /// Sets rest_ to the light at the corners minus their named lights, and restOfSamples_ to the light at the samples
-/// minus the interpolated named lights.
+/// minus the interpolated named lights. At a corner the traced share counts, not the fitted one: right beside a lamp,
+/// the difference between the two would be a large and steep part of the rest.
 void NamedFit::TakeOutNamedLights() {
     rest_.assign(names_.size(), SHFloats{});
     ForChunks(names_.size(), [&](std::size_t i) {
         if (!CornerAt(i))
             return;
         rest_[i] = CornerAt(i)->light;
-        for (std::size_t n = 0; n < names_[i].size(); ++n)
-            if (const float share = slots_[firstSlot_[i] + n]; share > 0 && table_.Style(names_[i][n]) == 0)
+        for (std::size_t n = 0; n < names_[i].size(); ++n) {
+            const std::optional<LightHere> here = CornerAt(i)->At(names_[i][n], table_);
+            const float share = here ? here->share : slots_[firstSlot_[i] + n];
+            if (share > 0 && table_.Style(names_[i][n]) == 0)
                 AddScaled(-share, table_.At(names_[i][n], CornerAt(i)->position), rest_[i]);
+        }
     });
     restOfSamples_.resize(samples_.size());
     ForChunks(samples_.size(), [&](std::size_t i) {

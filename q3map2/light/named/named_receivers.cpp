@@ -6,8 +6,8 @@
 namespace q3 {
 
 const LightHere *NamedReceiver::Find(std::uint32_t light) const {
-    const auto found = std::ranges::find(lights, light, &LightHere::light);
-    return found != lights.end() ? &*found : nullptr;
+    const auto found = std::ranges::lower_bound(lights, light, {}, &LightHere::light);
+    return found != lights.end() && found->light == light ? &*found : nullptr;
 }
 
 std::optional<LightHere> NamedReceiver::At(std::uint32_t light, const LightTable &table) const {
@@ -51,7 +51,12 @@ std::vector<LightHere> LightCollector::Of(std::size_t receiver, const Vec3f &pos
         if (here.Squared() >= kFaintest * kFaintest)
             lights.push_back(here);
     }
+    std::ranges::sort(lights, {}, &LightHere::light);
     return lights;
+}
+
+bool LightCollector::IsOnLight(std::size_t receiver, const Vec3f &position) const {
+    return std::ranges::any_of(sums_[receiver], [&](const Sum &sum) { return table_.HasInPlane(sum.light, position); });
 }
 
 } // namespace q3

@@ -29,8 +29,10 @@ struct NamedReceiver {
     Vec3f at;       ///< in smallest cells of the lattice
     Vec3f position; ///< game units
     int cluster = 0;
-    SHFloats light{};              ///< all light of style 0, convolved with the cosine; 1 = byte 255
-    std::vector<LightHere> lights; ///< those traced here and not faint; the others are hidden, faint, or out of reach
+    SHFloats light{}; ///< all light of style 0, convolved with the cosine; 1 = byte 255
+    /// Those traced here and not faint, by number. The others are hidden, faint, or out of reach.
+    std::vector<LightHere> lights;
+    bool isOnLight = false; ///< as LightCollector::IsOnLight says
 
     /// The entry of a light in `lights`; null if there is none.
     const LightHere *Find(std::uint32_t light) const;
@@ -51,6 +53,8 @@ class LightCollector : public LightObserver {
              std::span<const ProbeIncidentLight> incident) override;
     /// The lights of a receiver, without faint ones. position: of the receiver.
     std::vector<LightHere> Of(std::size_t receiver, const Vec3f &position) const;
+    /// Whether a receiver is on a light: its light says nothing of that around it.
+    bool IsOnLight(std::size_t receiver, const Vec3f &position) const;
 
   private:
     /// Sums over the pieces of a light: strength without shadows, and the part of it that arrives. Byte scale.

@@ -165,7 +165,7 @@ Group GridSH() {
 
 Group SparseGridSH() {
     const auto goal = [](LightOptions &o) -> SparseGoal & {
-        o.shAdaptive = true;
+        o.shAdaptive = o.sparseGoal.isGiven = true;
         return o.sparseGoal;
     };
     return {

@@ -17,6 +17,7 @@ namespace q3 {
 struct SparseGoal {
     float error = 1.5f;           ///< displayed error, measured or, where no light is traced, expected: RMS, bytes
     std::optional<double> budget; ///< size of the lump in bytes, in place of the error
+    bool isGiven = false;         ///< by an option: a bake may take longer than that of the uniform grid
 };
 
 /// The option -sherrortarget. goal(options) returns the goal to set; it is called once for each time the option is
