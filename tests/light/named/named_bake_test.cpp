@@ -76,8 +76,11 @@ TEST_F(NamedBakeTest, ALampIsExactBetweenPointsAndForEveryNormal) {
               0.5);
 }
 
-TEST_F(NamedBakeTest, SmallLampsBetweenTwoLayersOfPointsAreNotMissed) {
-    Script(R"(textures/test/strip
+/// A room with a lamp on its lower x side: a box with an emitting face toward +x.
+class NamedLampTest : public NamedBakeTest {
+  protected:
+    NamedLampTest() {
+        Script(R"(textures/test/lamp
 {
     q3map_surfacelight 2000
     q3map_backsplash 0 0
@@ -86,18 +89,41 @@ TEST_F(NamedBakeTest, SmallLampsBetweenTwoLayersOfPointsAreNotMissed) {
     }
 }
 )");
-    SceneBuilder scene = Room({-512, -512, 0}, {512, 512, 384});
-    const int box = scene.AddBox({-512, -100, 24}, {-508, 100, 38}, TestShader("textures/test/wall"));
-    scene.SetFaceShader(box, BoxFace::PlusX, TestShader("textures/test/strip"));
-    const NamedView grid(Baked(scene, "-shadaptive -sherrortarget 1"));
-    const auto exact = [](const Vec3d &p, const Vec3d &n) {
-        return Evaluate(FromRectangle(p, {-508, -100, 24}, {0, 200, 0}, {0, 0, 14}, {1, 0, 0}, 0.75 * 2000, {1, 1, 1}),
-                        n);
-    };
-    const auto shown = [&](const Vec3d &p, const Vec3d &n) { return Evaluate(grid.Sample(p), n); };
-    EXPECT_LT(ErrorAt(PositionsIn({{-492, -90, 24}, {-476, 90, 38}}, 200), shown, exact), 2.2)
+    }
+    static SceneBuilder RoomWithLamp(const Boundsf &box) {
+        SceneBuilder scene = Room({-512, -512, 0}, {512, 512, 384});
+        const int lamp = scene.AddBox(box.mins, box.maxs, TestShader("textures/test/wall"));
+        scene.SetFaceShader(lamp, BoxFace::PlusX, TestShader("textures/test/lamp"));
+        return scene;
+    }
+    /// RMS error of the grid in a part of the room as L2 coefficients, bytes.
+    static double ErrorIn(const Boundsf &part, const NamedView &grid, const Boundsf &box) {
+        const Vec3d corner(box.maxs.x, box.mins.y, box.mins.z), size(box.maxs - box.mins);
+        return ErrorAt(
+            PositionsIn(part, 300), [&](const Vec3d &p, const Vec3d &n) { return Evaluate(grid.Sample(p), n); },
+            [&](const Vec3d &p, const Vec3d &n) {
+                return Evaluate(
+                    FromRectangle(p, corner, {0, size.y, 0}, {0, 0, size.z}, {1, 0, 0}, 0.75 * 2000, {1, 1, 1}), n);
+            });
+    }
+};
+
+TEST_F(NamedLampTest, SmallLampsBetweenTwoLayersOfPointsAreNotMissed) {
+    const Boundsf strip{{-512, -100, 24}, {-508, 100, 38}};
+    const NamedView grid(Baked(RoomWithLamp(strip), "-shadaptive -sherrortarget 1"));
+    EXPECT_LT(ErrorIn({{-492, -90, 24}, {-476, 90, 38}}, grid, strip), 2.2)
         << "16 to 32 units in front of the strip, about twice the target; compared as L2 coefficients";
-    EXPECT_LT(ErrorAt(PositionsIn({{-480, -400, 30}, {400, 400, 350}}, 200), shown, exact), 1);
+    EXPECT_LT(ErrorIn({{-480, -400, 30}, {400, 400, 350}}, grid, strip), 1);
+}
+
+// There the light of the lamp ends, and a traced point has all of it or nothing.
+TEST_F(NamedLampTest, PointsInThePlaneOfALampDoNotSpoilTheCellsAround) {
+    for (const float front : {-480.0f, -448.0f}) {
+        const Boundsf panel{{-512, -64, 64}, {front, 64, 192}};
+        const NamedView grid(Baked(RoomWithLamp(panel), "-shadaptive -sherrortarget 0.5"));
+        EXPECT_LT(ErrorIn({{front + 8, -90, 40}, {front + 40, 90, 220}}, grid, panel), 6) << front;
+        EXPECT_LT(ErrorIn({{front + 40, -400, 30}, {400, 400, 350}}, grid, panel), 1) << front;
+    }
 }
 
 /// A room with a pillar in the middle and lamps on both sides of it: one that is steady, and one of style 5. A faint
