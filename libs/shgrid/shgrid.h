@@ -1288,6 +1288,8 @@ static inline void shgrid_add_named_lights_(const shgrid_grid *grid, const float
         const unsigned char *light = grid->lights + (size_t)SHGRID_LIGHT_BYTES * sum->light[i];
         shgrid_beam_ beam;
         float color[3];
+        if (sum->share[i] == 0)
+            continue;
         shgrid_beam_at_(grid, sum->light[i], position, &beam);
         for (channel = 0; channel < 3; channel++)
             color[channel] = sum->share[i] * shgrid_f32_(light + 4 + 4 * channel);
@@ -1509,6 +1511,8 @@ static inline void shgrid_lights(const shgrid_grid *grid, const float position[3
         shgrid_direct *direct = out->direct + out->count;
         shgrid_beam_ beam;
         float color[3];
+        if (share == 0)
+            continue;
         shgrid_beam_at_(grid, sum.light[i], position, &beam);
         for (channel = 0; channel < 3; channel++)
             color[channel] = share * shgrid_f32_(light + 4 + 4 * channel);

@@ -183,8 +183,9 @@ Group SparseGridSH() {
                       "light; engines work named lights out at the place of the model: "
                       "[light_grid_sh.md](light_grid_sh.md#a-grid-that-names-lights). Cells are those of `-gridsh`. "
                       "With `-shadaptive` cells are split and joined instead, as `-sherrortarget` or `-shbudget` "
-                      "say, from first cells of twice that edge, and there is no other sparse grid. Lights with a "
-                      "style are named wherever they shine, so engines can switch them. Excludes `-shradiance`."},
+                      "say, from first cells of twice that edge, and there is no other sparse grid; without those "
+                      "two, splitting ends where it would take longer than the uniform grid. Lights with a style are "
+                      "named wherever they shine, so engines can switch them. Excludes `-shradiance`."},
           &LightOptions::shLights},
          {{.name = "-shnames",
            .values = "N",

@@ -162,7 +162,10 @@ std::vector<BakeSetting> DefaultBakes() {
             {"64 64 64 fit", "-gridsh 64 64 64 -shfit"},
             {"adaptive 3", "-sherrortarget 3"},
             {"adaptive 1.5", "-sherrortarget 1.5"},
-            {"adaptive 0.75", "-sherrortarget 0.75"}};
+            {"adaptive 0.75", "-sherrortarget 0.75"},
+            {"named", "-shlights"},
+            {"named 64", "-shlights -gridsh 64 64 128"},
+            {"named adaptive", "-shlights -shadaptive"}};
 }
 
 BenchFiles::BenchFiles(const GlobalOptions &global, const std::vector<std::string> &words,

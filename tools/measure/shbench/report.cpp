@@ -206,7 +206,8 @@ Chart SizeChart(const BenchReport &report) {
     chart.y = {"grid error, bytes of 255 (logarithmic)", AxisScale::Logarithmic};
     std::vector<ChartSeries> families;
     for (const BenchLine &line : report.lines) {
-        if (!IsSHGrid(line) || line.name == kPlainName)
+        // The L2 projection is no measure of grids that name lights.
+        if (!IsSHGrid(line) || line.name == kPlainName || line.format == BakedFormat::NamedGridSH)
             continue;
         const std::string name = FamilyOf(line);
         auto family = std::ranges::find(families, name, &ChartSeries::name);
