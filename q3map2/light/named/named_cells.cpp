@@ -14,7 +14,7 @@ namespace q3 {
 namespace {
 
 /// A leaf gets kFirstSamples samples, and kMostSamples in all where the squared displayed error at those is above
-/// kSmallError, bytes^2. They are chosen among kCandidates positions.
+/// kSmallError, bytes^2, or where a goal is given, which may take long. They are chosen among kCandidates positions.
 constexpr std::size_t kFirstSamples = 1, kMostSamples = 4;
 constexpr float kSmallError = 2;
 constexpr std::uint32_t kCandidates = 8;
@@ -319,7 +319,7 @@ void NamedCells::SampleLeafs(std::span<const std::size_t> leafs, GridStats &work
         for (std::size_t i = first; i < end; ++i)
             found[i] = FindCandidates(leafs[i]);
     });
-    AddSamples(found, kFirstSamples, work);
+    AddSamples(found, in_.options.sparseGoal.isGiven ? kMostSamples : kFirstSamples, work);
     std::erase_if(found, [&](const LeafToSample &one) { return tree_[one.leaf].error <= kSmallError; });
     AddSamples(found, kMostSamples, work);
 }
