@@ -1870,4 +1870,9 @@ static inline size_t shgrid_fill_half(const shgrid_grid *grid, void *const textu
 }
 #endif
 
+/* The atlas of sparse grids. Define SHGRID_NO_ATLAS to use shgrid.h without that file. */
+#ifndef SHGRID_NO_ATLAS
+#include "shgrid_atlas.h"
+#endif
+
 #endif

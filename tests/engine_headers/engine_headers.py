@@ -23,7 +23,9 @@ HEADERS = {
     "hdrlight/hdrlight.h": True,
     "directional/directional.h": False,
 }
-NEEDS = {"shgrid/shgrid_atlas.h": "shgrid/shgrid.h"}  # the header that one includes
+# Headers that include each other.
+NEEDS = {"shgrid/shgrid.h": "shgrid/shgrid_atlas.h", "shgrid/shgrid_atlas.h": "shgrid/shgrid.h"}
+WITHOUT = {"shgrid/shgrid.h": "SHGRID_NO_ATLAS"}  # the macro that leaves the other one out
 # What the snippets take from the engine.
 ENGINE = """#include <stdint.h>
 #include <stddef.h>
@@ -75,6 +77,9 @@ def main():
             with tempfile.TemporaryDirectory() as alone:
                 folder = pathlib.Path(alone)
                 (folder / path.name).write_text(text)
+                if header in WITHOUT:
+                    good &= compiles(compiler, folder, "without.c",
+                                     f'#define {WITHOUT[header]}\n#include "{path.name}"\nint engine;\n')
                 if header in NEEDS:
                     (folder / pathlib.Path(NEEDS[header]).name).write_text((libs / NEEDS[header]).read_text())
                 good &= compiles(compiler, folder, "alone.c", f'#include "{path.name}"\nint engine;\n')
