@@ -205,8 +205,7 @@ float ShgridPolygons(ShgridMoments m, vec3 n)
     return directed * lobe.x * strength / 3.14159265 + (1.0 - directed) * wide / 12.566370614;
 }
 
-// Falloff of a point light or spotlight with distance: shgrid_falloff_. a, b: texels 4 and
-// 5 of the light.
+// Falloff of a point light or spotlight with distance: shgrid_falloff_. a, b: texels 4 and 5 of the light.
 float ShgridFalloff(int curve, float intensity, float nearest, vec4 a, vec4 b, float range)
 {
     float d = max(sqrt(range * range + a.x * a.x), nearest);
@@ -225,8 +224,8 @@ float ShgridFalloff(int curve, float intensity, float nearest, vec4 a, vec4 b, f
     return intensity / (d * d);
 }
 
-// The fraction of a spotlight that its cone lets through: shgrid_cone_. axis: where it shines
-// to; cone: texel 6 of the light; to: from the position to the light.
+// The fraction of a spotlight that its cone lets through: shgrid_cone_. axis: direction of the beam; cone: texel 6 of
+// the light; to: from the position to the light.
 float ShgridCone(bool byAngles, vec3 axis, vec4 cone, float fade, vec3 to, float range)
 {
     float along = -dot(to, axis);

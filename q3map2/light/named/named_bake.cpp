@@ -146,7 +146,7 @@ class NamedGridBuilder {
         return !in_.options.sparseGoal.budget &&
                double(minPrice_) * double(stats.leafs) < kMinGain * stats.error * stats.error * stats.volume;
     }
-    /// Whether smaller cells would take longer than anybody has asked for.
+    /// Whether tracing more positions would take longer than baking the uniform grid, and no goal allows that.
     bool TakesLong() const {
         const double traced = double(cells_.Points().Size() + cells_.Samples().size());
         return !in_.options.sparseGoal.isGiven && traced > kMaxFractionTraced * uniformPoints_;

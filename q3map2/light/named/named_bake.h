@@ -24,8 +24,8 @@ struct NamedStats {
     std::size_t bytes = 0;                      ///< of the lump
     std::map<std::string, std::size_t> dropped; ///< by label of a light with a style: cells that cannot name it
     bool isFull = false;                        ///< with -shadaptive: the lump is at its limit of bytes
-    bool takesLong = false;                     ///< with -shadaptive and no goal: no cell was split for that reason
-    std::optional<GridSHError> measured;        ///< with -shadaptive: error of the grid
+    bool takesLong = false; ///< with -shadaptive: refinement ended because it would take longer than the uniform grid
+    std::optional<GridSHError> measured; ///< with -shadaptive: error of the grid
 };
 
 /// Bakes the grid. Its first cells are those of the layout, and with -shadaptive they are split and joined. A point
