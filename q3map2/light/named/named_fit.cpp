@@ -46,6 +46,11 @@ float FitWeightOf(const SHFloats &light) {
     return FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All);
 }
 
+void SortUnique(std::vector<std::uint32_t> &numbers) {
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
 /// A light with its interpolated share, 0 to 1.
 struct BlendedLight {
     std::uint32_t light;
@@ -77,14 +82,15 @@ class NamedFit {
         std::uint32_t firstTerm = 0, termCount = 0;
     };
     void SortSamples();
-    /// Maximum of the lights that a cell names: of style 0, and of other styles.
-    struct MostNames {
-        std::size_t steady, styled;
+    /// The lights that a cell names, in descending order of GainOf, and the stored corners that hold these names.
+    struct CellNames {
+        std::vector<std::uint32_t> lights, corners;
     };
     void NameLights(std::map<std::uint32_t, std::size_t> &dropped);
     std::vector<std::uint32_t> RankLights(std::size_t leaf) const;
-    void SetNames(std::span<const std::vector<std::uint32_t>> ranked, const MostNames &most);
-    bool AreNamesReadable() const;
+    std::vector<std::uint32_t> StoredCornersOf(std::size_t leaf) const;
+    void SetNames(std::span<const CellNames> cells);
+    bool ThinOut(std::span<CellNames> cells) const;
     float GainOf(std::uint32_t light, const OctreeCell &cell, const CornerReceivers &corners,
                  std::span<const Sample> samples) const;
     void FitShares();
@@ -227,8 +233,7 @@ std::vector<std::uint32_t> NamedFit::RankLights(std::size_t leaf) const {
     for (const Sample &sample : samples)
         for (const LightHere &here : sample.receiver->lights)
             candidates.push_back(here.light);
-    std::ranges::sort(candidates);
-    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    SortUnique(candidates);
     std::vector<std::pair<float, std::uint32_t>> gains;
     for (const std::uint32_t light : candidates)
         if (const float gain = GainOf(light, cell, corners, samples); gain > kMinNameGain * float(samples.size()))
@@ -240,56 +245,74 @@ std::vector<std::uint32_t> NamedFit::RankLights(std::size_t leaf) const {
     return lights;
 }
 
-/// Makes all corners of a cell name the first lights of its list, up to the maximum. ranked: by index in leafs_.
-void NamedFit::SetNames(std::span<const std::vector<std::uint32_t>> ranked, const MostNames &most) {
-    names_.assign(corners_.Stored().size(), {});
-    for (std::size_t i = 0; i < leafs_.size(); ++i) {
-        std::vector<std::uint32_t> names;
-        std::size_t steady = 0, styled = 0;
-        for (const std::uint32_t light : ranked[i])
-            if (table_.Style(light) != 0 ? styled++ < most.styled : steady++ < most.steady)
-                names.push_back(light);
-        for (std::size_t c = 0; c < 8 && !names.empty(); ++c)
-            for (const CornerTerm &term : corners_.TermsIn(tree_[leafs_[i]], tree_[leafs_[i]].Corner(c)))
-                names_[term.stored].insert(names_[term.stored].end(), names.begin(), names.end());
-    }
-    for (std::vector<std::uint32_t> &names : names_) {
-        std::ranges::sort(names);
-        names.erase(std::unique(names.begin(), names.end()), names.end());
-    }
+/// The stored corners that readers interpolate between in a cell. leaf: index in leafs_.
+std::vector<std::uint32_t> NamedFit::StoredCornersOf(std::size_t leaf) const {
+    const OctreeCell &cell = tree_[leafs_[leaf]];
+    std::vector<std::uint32_t> stored;
+    for (std::size_t c = 0; c < 8; ++c)
+        for (const CornerTerm &term : corners_.TermsIn(cell, cell.Corner(c)))
+            stored.push_back(term.stored);
+    SortUnique(stored);
+    return stored;
 }
 
-/// Whether no corner has more than kMostAtCorner names, and no place more than readers evaluate.
-bool NamedFit::AreNamesReadable() const {
-    for (const std::vector<std::uint32_t> &names : names_)
-        if (names.size() > kMostAtCorner)
-            return false;
+/// Makes all corners of each cell name the lights of that cell.
+void NamedFit::SetNames(std::span<const CellNames> cells) {
+    names_.assign(corners_.Stored().size(), {});
+    for (const CellNames &cell : cells)
+        for (const std::uint32_t corner : cell.corners)
+            names_[corner].insert(names_[corner].end(), cell.lights.begin(), cell.lights.end());
+    for (std::vector<std::uint32_t> &names : names_)
+        SortUnique(names);
+}
+
+/// Takes the light of the lowest gain from cells at a corner of more than kMostAtCorner names, or at a corner of a cell
+/// with more names than readers evaluate at a place. False if there are none.
+bool NamedFit::ThinOut(std::span<CellNames> cells) const {
+    std::vector<bool> isCrowded(names_.size());
+    for (std::size_t i = 0; i < names_.size(); ++i)
+        isCrowded[i] = names_[i].size() > kMostAtCorner;
     std::vector<std::uint32_t> all;
-    for (const std::size_t leaf : leafs_) {
+    for (const CellNames &cell : cells) {
         all.clear();
-        for (std::size_t c = 0; c < 8; ++c)
-            for (const CornerTerm &term : corners_.TermsIn(tree_[leaf], tree_[leaf].Corner(c)))
-                all.insert(all.end(), names_[term.stored].begin(), names_[term.stored].end());
-        std::ranges::sort(all);
-        if (std::unique(all.begin(), all.end()) - all.begin() > SHGRID_NAMES_AT_PLACE)
-            return false;
+        for (const std::uint32_t corner : cell.corners)
+            all.insert(all.end(), names_[corner].begin(), names_[corner].end());
+        SortUnique(all);
+        for (std::size_t i = 0; i < cell.corners.size() && all.size() > SHGRID_NAMES_AT_PLACE; ++i)
+            isCrowded[cell.corners[i]] = true;
     }
-    return true;
+    bool found = false;
+    for (CellNames &cell : cells)
+        if (!cell.lights.empty() &&
+            std::ranges::any_of(cell.corners, [&](std::uint32_t corner) { return isCrowded[corner]; })) {
+            cell.lights.pop_back();
+            found = true;
+        }
+    return found;
 }
 
 void NamedFit::NameLights(std::map<std::uint32_t, std::size_t> &dropped) {
-    std::vector<std::vector<std::uint32_t>> ranked(leafs_.size());
-    ForChunks(leafs_.size(), [&](std::size_t i) { ranked[i] = RankLights(i); });
-    MostNames most{mostNames_, kMostStyled};
-    for (SetNames(ranked, most); !AreNamesReadable() && most.styled > 0; SetNames(ranked, most))
-        most.steady > 0 ? --most.steady : most.styled /= 2;
+    std::vector<CellNames> cells(leafs_.size());
+    ForChunks(leafs_.size(), [&](std::size_t i) { cells[i] = {RankLights(i), StoredCornersOf(i)}; });
+    const auto forStyled = [&](const auto &use) {
+        for (const CellNames &cell : cells)
+            for (const std::uint32_t light : cell.lights)
+                if (table_.Style(light) != 0)
+                    use(light);
+    };
     dropped.clear();
-    for (const std::vector<std::uint32_t> &lights : ranked) {
-        std::size_t styled = 0;
-        for (const std::uint32_t light : lights)
-            if (table_.Style(light) != 0 && styled++ >= most.styled)
-                ++dropped[light];
+    forStyled([&](std::uint32_t light) { ++dropped[light]; });
+    for (CellNames &cell : cells) {
+        std::size_t steady = 0, styled = 0;
+        std::erase_if(cell.lights, [&](std::uint32_t light) {
+            return table_.Style(light) != 0 ? styled++ >= kMostStyled : steady++ >= mostNames_;
+        });
     }
+    do
+        SetNames(cells);
+    while (ThinOut(cells));
+    forStyled([&](std::uint32_t light) { --dropped[light]; });
+    std::erase_if(dropped, [](const auto &one) { return one.second == 0; });
     std::size_t slots = 0;
     for (const std::vector<std::uint32_t> &names : names_) {
         firstSlot_.push_back(slots);

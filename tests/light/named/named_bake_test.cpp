@@ -76,6 +76,32 @@ TEST_F(NamedBakeTest, ALampIsExactBetweenPointsAndForEveryNormal) {
               0.5);
 }
 
+// Readers bound the names at a place, so cells among hundreds of lamps name fewer of them; others do not.
+TEST_F(NamedBakeTest, ManyLampsInOnePlaceTakeNoNamesFromOthers) {
+    SceneBuilder scene = Room({-512, -128, 0}, {512, 128, 256});
+    std::vector<std::pair<Vec3f, double>> lamps;
+    for (const float x : {-472.0f, -456.0f, -440.0f, -424.0f, -408.0f, -392.0f})
+        for (const float y : {-40.0f, -24.0f, -8.0f, 8.0f, 24.0f, 40.0f})
+            for (const float z : {40.0f, 56.0f, 72.0f, 88.0f, 104.0f, 120.0f, 136.0f, 152.0f, 168.0f, 184.0f})
+                lamps.push_back({{x, y, z}, 0.2});
+    for (const Vec3f &far : {Vec3f{300, -30, 60}, Vec3f{300, 30, 120}, Vec3f{340, 30, 60}, Vec3f{340, -30, 120}})
+        lamps.push_back({far, 6});
+    for (const auto &[origin, intensity] : lamps)
+        scene.AddEntity(Lamp(origin, fmt::format("{}", intensity)));
+    const NamedView grid(Baked(scene));
+    EXPECT_LT(ErrorAt(
+                  PositionsIn({{270, -60, 30}, {370, 60, 150}}, 300),
+                  [&](const Vec3d &p, const Vec3d &n) { return grid.Light(p, n); },
+                  [&](const Vec3d &p, const Vec3d &n) {
+                      Vec3d sum;
+                      for (const auto &[origin, intensity] : lamps)
+                          sum += FromPointOn(p, n, Vec3d(origin), intensity);
+                      return sum;
+                  }),
+              0.25)
+        << "0.35 with two names in each of these cells";
+}
+
 /// A room with a lamp on its lower x side: a box with an emitting face toward +x.
 class NamedLampTest : public NamedBakeTest {
   protected:
