@@ -44,7 +44,8 @@ constexpr std::string_view kUsage = R"(usage: bounce_error [options] MAP.bsp...
                        bakes, at --luxels points; N bounces (0: all)
   --direct             measures direct light instead: --bake and --options without -bounce, --luxels, --seed, --worst
   --lit FILE.bsp       with --direct: a lit file of the map without bounces, at --luxels points; repeatable
-  --at "X Y Z"         with --direct: baked and true light of the luxel nearest to there; repeatable
+  --at "X Y Z", --at "X Y Z NX NY NZ"   with --direct: baked and true light of the luxel nearest to there, of those
+                       that face along NX NY NZ; repeatable
   --cache FOLDER, --no-cache   of the reference (the user's cache folder, q3map2-sh/bounce_error)
   -fs_basepath DIR, -fs_game MOD, -game NAME, -threads N   as for q3map2
 Prints a table by map. Displayed errors, in bytes of 255: direct light with baked bounces against the same direct light
@@ -68,9 +69,9 @@ struct BounceCommand {
     bool allBounces = false, causes = false, check = false, direct = false;
     std::filesystem::path cache;
     std::string litDirect, litBounced;
-    int litBounces = 0;           ///< of litBounced; 0: all
-    std::vector<std::string> lit; ///< --lit
-    std::vector<Vec3f> places;    ///< --at
+    int litBounces = 0;             ///< of litBounced; 0: all
+    std::vector<std::string> lit;   ///< --lit
+    std::vector<AskedPlace> places; ///< --at
     std::vector<std::string> maps;
 };
 
@@ -87,11 +88,16 @@ void AddBounces(std::string_view list, BounceCommand &command) {
     }
 }
 
-Vec3f PlaceOf(const std::string &text) {
+AskedPlace PlaceOf(const std::string &text) {
     std::istringstream words(text);
-    Vec3f place;
-    if (!(words >> place.x >> place.y >> place.z))
-        throw Error("--at \"{}\": expected three numbers", text);
+    std::vector<float> numbers;
+    for (float number; words >> number;)
+        numbers.push_back(number);
+    if (!words.eof() || (numbers.size() != 3 && numbers.size() != 6))
+        throw Error("--at \"{}\": expected three or six numbers", text);
+    AskedPlace place{{numbers[0], numbers[1], numbers[2]}, {}};
+    if (numbers.size() == 6)
+        place.normal = Normalize(Vec3f{numbers[3], numbers[4], numbers[5]});
     return place;
 }
 
@@ -215,7 +221,7 @@ class MapMeasure {
         std::vector<LuxelReceiver> luxels =
             LuxelsByArea(in_, surfaces_, tracer_.Scene(), command_.luxels, command_.seed);
         const std::size_t drawn = luxels.size();
-        for (const Vec3f &place : command_.places)
+        for (const AskedPlace &place : command_.places)
             if (const auto nearest = NearestLuxel(in_, surfaces_, tracer_.Scene(), place))
                 luxels.push_back(*nearest);
         const DirectReference reference = TraceDirect(luxels);

@@ -44,16 +44,20 @@ double LargestError(const ComparedLight &light) {
     return largest;
 }
 
+/// A place's normal and that of a luxel there have at least this cosine: 26 degrees.
+constexpr float kSameNormal = 0.9f;
+
 /// A mapped luxel and its distance from a place.
 struct FoundLuxel {
     double distance = 0;
     std::size_t luxel = 0;
 };
-std::optional<FoundLuxel> NearestOf(const RawLightmap &raw, const Vec3f &place) {
+/// Normals count as for NearestLuxel.
+std::optional<FoundLuxel> NearestOf(const RawLightmap &raw, const AskedPlace &place) {
     std::optional<FoundLuxel> nearest;
     for (std::size_t i = 0; i < raw.luxelClusters.size(); ++i)
-        if (raw.Mapped(i))
-            if (const double distance = double(Length(raw.positions[i] - place));
+        if (raw.Mapped(i) && (place.normal == Vec3f{} || Dot(raw.normals[i], place.normal) >= kSameNormal))
+            if (const double distance = double(Length(raw.positions[i] - place.position));
                 !nearest || distance < nearest->distance)
                 nearest = {distance, i};
     return nearest;
@@ -109,7 +113,7 @@ ErrorCause CauseOf(const SurfaceLight &surfaces, const LuxelReceiver &luxel, con
 }
 
 std::optional<LuxelReceiver> NearestLuxel(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
-                                          const Vec3f &place) {
+                                          const AskedPlace &place) {
     constexpr double kClearReach = 64; // game units
     struct Candidate {
         FoundLuxel found;
@@ -150,7 +154,7 @@ std::vector<LuxelReceiver> LuxelsOf(const SurfaceLight &surfaces, std::vector<Li
         const int lightmap = surfaces.lightmapOf[one.surface];
         if (lightmap < 0)
             continue;
-        const auto found = NearestOf(surfaces.lightmaps[std::size_t(lightmap)], one.position);
+        const auto found = NearestOf(surfaces.lightmaps[std::size_t(lightmap)], {one.position, {}});
         if (!found)
             continue;
         kept.push_back(one);

@@ -44,9 +44,14 @@ TruthReceiver TruthReceiverOf(const SurfaceLight &surfaces, const LuxelReceiver 
 /// The cause of errors at a luxel with this truth.
 ErrorCause CauseOf(const SurfaceLight &surfaces, const LuxelReceiver &luxel, const LuxelTruth &truth);
 
-/// The mapped luxel nearest to a place, clear of walls if there is such a luxel within 64 units; none without luxels.
+/// A place that is asked for, and the normal there; zero: any.
+struct AskedPlace {
+    Vec3f position, normal;
+};
+/// The mapped luxel nearest to a place whose normal is within 26 degrees of the place's, clear of walls if there is
+/// such a luxel within 64 units; none without luxels.
 std::optional<LuxelReceiver> NearestLuxel(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
-                                          const Vec3f &place);
+                                          const AskedPlace &place);
 /// Points of a lit file as luxels at these points, each with the nearest luxel of its surface's lightmap. Points on
 /// surfaces without one are removed from `points`.
 std::vector<LuxelReceiver> LuxelsOf(const SurfaceLight &surfaces, std::vector<LitPoint> &points);
