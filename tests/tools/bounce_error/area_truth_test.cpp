@@ -189,6 +189,18 @@ TEST(DirectErrorsTest, SharesAreByCause) {
     EXPECT_NEAR(errors.all.rmse, std::sqrt(881 / 12.0), 1e-6);
 }
 
+TEST(DirectErrorsTest, TooBrightPointsAreRemoved) {
+    std::vector<ComparedDirect> light(3);
+    light[0].light.bounced = {251, 0, 0}, light[1].light.bounced = {100, 0, 0}, light[2].light.bounced = {250, 0, 0};
+    std::vector<LuxelReceiver> luxels(3);
+    luxels[1].luxel = 1, luxels[2].luxel = 2;
+    RemoveTooBright(luxels, light);
+    ASSERT_EQ(light.size(), 2u);
+    ASSERT_EQ(luxels.size(), 2u);
+    EXPECT_EQ(light[1].light.bounced.x, 250);
+    EXPECT_EQ(luxels[1].luxel, 2u);
+}
+
 TEST_F(PathTest, CausesAndNearestLuxels) {
     const auto scene = Make(Room(), 0.5f);
     scene->Prepare();
@@ -203,6 +215,9 @@ TEST_F(PathTest, CausesAndNearestLuxels) {
     const auto wall = nearest({{3, 5, -250}, {1, 0, 0}});
     ASSERT_TRUE(wall);
     EXPECT_EQ(wall->normal, (Vec3f{1, 0, 0}));
+    const LuxelReceiver itself = AtPlace(*wall, {{-256, 5, -250}, {1, 0, 0}});
+    EXPECT_EQ(itself.luxel, wall->luxel);
+    EXPECT_EQ(itself.places, (std::vector<Vec3f>{{-255, 5, -250}}));
     LuxelTruth truth;
     EXPECT_EQ(CauseOf(scene->surfaces, *floor, truth), ErrorCause::Rest);
     const auto corner = nearest({{250, 250, -250}, {0, 0, 1}});

@@ -45,7 +45,7 @@ constexpr std::string_view kUsage = R"(usage: bounce_error [options] MAP.bsp...
   --direct             measures direct light instead: --bake and --options without -bounce, --luxels, --seed, --worst
   --lit FILE.bsp       with --direct: a lit file of the map without bounces, at --luxels points; repeatable
   --at "X Y Z", --at "X Y Z NX NY NZ"   with --direct: baked and true light of the luxel nearest to there, of those
-                       that face along NX NY NZ; repeatable
+                       that face along NX NY NZ, and then with true light at the point itself; repeatable
   --cache FOLDER, --no-cache   of the reference (the user's cache folder, q3map2-sh/bounce_error)
   -fs_basepath DIR, -fs_game MOD, -game NAME, -threads N   as for q3map2
 Prints a table by map. Displayed errors, in bytes of 255: direct light with baked bounces against the same direct light
@@ -222,8 +222,11 @@ class MapMeasure {
             LuxelsByArea(in_, surfaces_, tracer_.Scene(), command_.luxels, command_.seed);
         const std::size_t drawn = luxels.size();
         for (const AskedPlace &place : command_.places)
-            if (const auto nearest = NearestLuxel(in_, surfaces_, tracer_.Scene(), place))
+            if (const auto nearest = NearestLuxel(in_, surfaces_, tracer_.Scene(), place)) {
                 luxels.push_back(*nearest);
+                if (place.normal != Vec3f{})
+                    luxels.push_back(AtPlace(*nearest, place));
+            }
         const DirectReference reference = TraceDirect(luxels);
         for (const bench::BakeSetting &bake : command_.bakes) {
             const std::string key = OptionsWithoutBounces(bake.options);
@@ -279,13 +282,17 @@ class MapMeasure {
     void RunDirectLit(const std::string &file, std::vector<DirectRow> &rows) const {
         const auto lit = compare::LitMap::Load(file, command_.game.game->lightmapSize, map_.log);
         auto points = LitPoints(in_, tracer_.Scene(), {lit, lit}, command_.luxels, command_.seed);
-        const std::vector<LuxelReceiver> luxels = LuxelsOf(surfaces_, points);
+        std::vector<LuxelReceiver> luxels = LuxelsOf(surfaces_, points);
         const DirectReference reference = TraceDirect(luxels);
         std::vector<Vec3f> found;
         for (const LitPoint &one : points)
             found.push_back(Vec3f(lit.Light(one.surface, one.point)));
-        fmt::print("{}, {}:\n", map_.inputs.name, file);
-        AddDirectRow(file, -1, luxels, CompareDirect(surfaces_, luxels, reference.luxels, found), rows);
+        auto light = CompareDirect(surfaces_, luxels, reference.luxels, found);
+        RemoveTooBright(luxels, light);
+        const std::string name = std::filesystem::path(file).filename().string();
+        fmt::print("{}, {}:\n", map_.inputs.name, name);
+        fmt::print(stderr, "{} points are not too bright\n", light.size());
+        AddDirectRow(name, -1, luxels, light, rows);
     }
     /// Also prints the worst receivers.
     void AddDirectRow(const std::string &setting, double seconds, std::span<const LuxelReceiver> luxels,

@@ -147,6 +147,12 @@ std::optional<LuxelReceiver> NearestLuxel(const SurfaceInputs &in, const Surface
     return receiverOf(candidates.front(), {});
 }
 
+LuxelReceiver AtPlace(LuxelReceiver luxel, const AskedPlace &place) {
+    luxel.position = place.position + place.normal, luxel.normal = place.normal;
+    luxel.places = {luxel.position};
+    return luxel;
+}
+
 std::vector<LuxelReceiver> LuxelsOf(const SurfaceLight &surfaces, std::vector<LitPoint> &points) {
     std::vector<LuxelReceiver> luxels;
     std::vector<LitPoint> kept;
@@ -173,6 +179,16 @@ std::vector<ComparedDirect> CompareDirect(const SurfaceLight &surfaces, std::spa
                          CauseOf(surfaces, luxels[i], truth[i]),
                          truth[i].nearEdge});
     return light;
+}
+
+void RemoveTooBright(std::vector<LuxelReceiver> &luxels, std::vector<ComparedDirect> &light) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < light.size(); ++i)
+        if (double(MaxComponent(light[i].light.bounced)) <= kMaxComparedLight) {
+            std::swap(luxels[kept], luxels[i]);
+            light[kept++] = light[i];
+        }
+    luxels.resize(kept), light.resize(kept);
 }
 
 std::vector<Vec3f> LightAt(const SurfaceLight &surfaces, std::span<const LuxelReceiver> luxels,

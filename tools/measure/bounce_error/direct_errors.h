@@ -52,6 +52,8 @@ struct AskedPlace {
 /// such a luxel within 64 units; none without luxels.
 std::optional<LuxelReceiver> NearestLuxel(const SurfaceInputs &in, const SurfaceLight &surfaces, const PathScene &scene,
                                           const AskedPlace &place);
+/// The luxel with the place itself as receiver, 1 unit off the surface, like luxels.
+LuxelReceiver AtPlace(LuxelReceiver luxel, const AskedPlace &place);
 /// Points of a lit file as luxels at these points, each with the nearest luxel of its surface's lightmap. Points on
 /// surfaces without one are removed from `points`.
 std::vector<LuxelReceiver> LuxelsOf(const SurfaceLight &surfaces, std::vector<LitPoint> &points);
@@ -59,6 +61,8 @@ std::vector<LuxelReceiver> LuxelsOf(const SurfaceLight &surfaces, std::vector<Li
 /// The receivers with their truth, and the light of a bake, or of a lit file, at each.
 std::vector<ComparedDirect> CompareDirect(const SurfaceLight &surfaces, std::span<const LuxelReceiver> luxels,
                                           std::span<const LuxelTruth> truth, std::span<const Vec3f> baked);
+/// Removes the points of a lit file whose light is above kMaxComparedLight.
+void RemoveTooBright(std::vector<LuxelReceiver> &luxels, std::vector<ComparedDirect> &light);
 /// Light of a bake at luxels. Errors: a bake whose lightmaps differ from those of `surfaces`.
 std::vector<Vec3f> LightAt(const SurfaceLight &surfaces, std::span<const LuxelReceiver> luxels,
                            const BakedLuxels &baked);
