@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. True direct light against closed forms, and the errors of bakes against it.
+#include "common/error.h"
 #include "tests/tools/bounce_error/bounce_fixture.h"
 #include "tools/measure/bounce_error/direct_errors.h"
 
@@ -172,6 +173,44 @@ TEST_F(PathTest, DirectTruthDoesNotDependOnThreadsAndIsKept) {
         receivers.front().ambient.x += 1;
         EXPECT_EQ(MakeDirectReference(scene->in, *scene->lights, receivers, cache).fromCache, threads == 3);
     }
+}
+
+TEST_F(PathTest, BakesOfLampsInTheOpenAgreeWithTheTruth) {
+    Script(kGlow);
+    const VirtualFileSystem &files = Files();
+    KeptLog log;
+    const MeasuredMap map{files, *FindGame("quake3"), GlowRoom().Build(), {"test", {}, {}}, log.log};
+    LightmapOptions sampled = options;
+    sampled.samples = 2;
+    EXPECT_THROW(MapSetup(map, {{}, sampled}), Error);
+    EXPECT_NO_THROW(MapSetup(map, {{}, sampled}, MeasuredLight::Direct));
+    const MapSetup setup(map, {{}, options});
+    const JobPool jobs(1);
+    SurfaceLight surfaces;
+    const BakedLuxels baked = BakeLuxels(setup, 0, jobs, log.log, &surfaces);
+    const LightSetup &light = setup.light;
+    const SurfaceInputs in{light.bsp,   light.space, light.scene, light.table, light.options, setup.settings.lightmap,
+                           light.world, jobs,        log.log};
+    int culled = 0;
+    const DirectLights lights(
+        in, SetupEnvelopes(light.lights, LightPass::Surfaces, light.options, light.space, light.skySeenFrom, culled));
+    const PathScene scene(in, surfaces);
+    const auto luxels = LuxelsByArea(in, surfaces, scene, 300, 1);
+    std::vector<TruthReceiver> receivers;
+    for (const LuxelReceiver &luxel : luxels)
+        receivers.push_back(TruthReceiverOf(surfaces, luxel));
+    const DirectReference truth = MakeDirectReference(in, lights, receivers, {});
+    EXPECT_THROW(LightAt(surfaces, luxels, {}), Error);
+    const auto found = CompareDirect(surfaces, luxels, truth.luxels, LightAt(surfaces, luxels, baked));
+    int compared = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const double exact = double(found[i].light.traced.y);
+        if (std::abs(luxels[i].position.z) <= 10 || luxels[i].places.size() > 1 || exact < 1)
+            continue; // moved off the lamp's plane by the bake, at the edge of a wall, or faint
+        EXPECT_NEAR(found[i].light.bounced.y, exact, 0.01 * exact + 0.1) << luxels[i].position.z;
+        ++compared;
+    }
+    EXPECT_GT(compared, 150);
 }
 
 TEST(DirectErrorsTest, SharesAreByCause) {
