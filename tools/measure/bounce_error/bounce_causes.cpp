@@ -223,16 +223,8 @@ std::string DirectCheckText(const CauseInputs &inputs) {
         PathRandom random(i);
         Vec3f sum;
         for (int sample = 0; sample < kLightSamples; ++sample)
-            if (const UnshadowedLight one = inputs.lights.Sample(at, random); one.light) {
-                RayPacket ray;
-                ray.Set(0, at.position, one.direction, one.distance);
-                if (one.light->type == LightType::Sun)
-                    inputs.in.scene.TraceSurfaceToSky(ray, one.light->skyIndex, at.receiveShadows, counts);
-                else
-                    inputs.in.scene.TraceSurfaceToLight(ray, at.receiveShadows, counts);
-                if (ray.live[0] != 0)
-                    sum += ray.tinted ? one.color * ray.tint[0] : one.color;
-            }
+            if (const UnshadowedLight one = inputs.lights.Sample(at, random); one.light)
+                sum += ArrivingLight(inputs.in.scene, one, at, counts);
         found[i].sampled = sum / float(kLightSamples) + raw.ambient;
     });
     DifferenceSum own, atHit, sampled, light;

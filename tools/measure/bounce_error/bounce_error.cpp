@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. bounce_error: error of bounced light in lightmaps and SH grids against a path tracer.
+// GPL-2.0-or-later. bounce_error: error of bounced light in lightmaps and SH grids against a path tracer, and of direct
+// light in lightmaps against brute force.
 //
 // Luxels are drawn by area, positions uniformly where a player can be. Bounced light is the light of a bake with
 // bounces minus that of one without: at the luxel, or of the grid on 26 normals. Reference: path_tracer.h.
@@ -10,6 +11,7 @@
 #include "q3map2/light/sources/light_sources.h"
 #include "q3map2/stages/light_files.h"
 #include "tools/measure/bounce_error/bounce_causes.h"
+#include "tools/measure/bounce_error/direct_errors.h"
 #include "tools/measure/bounce_error/lit_files.h"
 #include "tools/measure/shbench/bakes.h"
 #include "tools/measure/shbench/truth.h"
@@ -20,6 +22,7 @@
 #include <cstdio>
 #include <map>
 #include <numeric>
+#include <sstream>
 
 namespace q3::bounce {
 
@@ -39,11 +42,18 @@ constexpr std::string_view kUsage = R"(usage: bounce_error [options] MAP.bsp...
   --check              compares direct light of the reference with baked luxels
   --lit-direct A.bsp, --lit-bounced B.bsp, --lit-limit N   measures the lightmaps of these files of the map in place of
                        bakes, at --luxels points; N bounces (0: all)
+  --direct             measures direct light instead: --bake and --options without -bounce, --luxels, --seed, --worst
+  --lit FILE.bsp       with --direct: a lit file of the map without bounces, at --luxels points; repeatable
+  --at "X Y Z", --at "X Y Z NX NY NZ"   with --direct: baked and true light of the luxel nearest to there, of those
+                       that face along NX NY NZ, and then with true light at the point itself; repeatable
   --cache FOLDER, --no-cache   of the reference (the user's cache folder, q3map2-sh/bounce_error)
   -fs_basepath DIR, -fs_game MOD, -game NAME, -threads N   as for q3map2
 Prints a table by map. Displayed errors, in bytes of 255: direct light with baked bounces against the same direct light
 with path traced ones, both cut to 0..255, over luxels (or positions and 26 normals) and channels. bias: their mean,
 signed. energy: sum of baked over sum of traced bounces. noise: standard error of the reference, RMS.
+--direct: bytes of 255, baked against true direct light, both cut to 0..255. gross: luxels with an error over 10 bytes
+outside two luxels of a shadow edge. Settings without --bake: default, -samples 2, -samples 3, -super 2. A second table
+has the shares of causes in the squared error, and of luxels that have them.
 )";
 
 /// Rays per luxel of --causes.
@@ -56,10 +66,12 @@ struct BounceCommand {
     std::string options; ///< light options of the reference and of all bakes
     int luxels = 2000, points = 500, paths = 4096, worst = 0;
     std::uint64_t seed = 1;
-    bool allBounces = false, causes = false, check = false;
+    bool allBounces = false, causes = false, check = false, direct = false;
     std::filesystem::path cache;
     std::string litDirect, litBounced;
-    int litBounces = 0; ///< of litBounced; 0: all
+    int litBounces = 0;             ///< of litBounced; 0: all
+    std::vector<std::string> lit;   ///< --lit
+    std::vector<AskedPlace> places; ///< --at
     std::vector<std::string> maps;
 };
 
@@ -76,6 +88,19 @@ void AddBounces(std::string_view list, BounceCommand &command) {
     }
 }
 
+AskedPlace PlaceOf(const std::string &text) {
+    std::istringstream words(text);
+    std::vector<float> numbers;
+    for (float number; words >> number;)
+        numbers.push_back(number);
+    if (!words.eof() || (numbers.size() != 3 && numbers.size() != 6))
+        throw Error("--at \"{}\": expected three or six numbers", text);
+    AskedPlace place{{numbers[0], numbers[1], numbers[2]}, {}};
+    if (numbers.size() == 6)
+        place.normal = Normalize(Vec3f{numbers[3], numbers[4], numbers[5]});
+    return place;
+}
+
 BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
     BounceCommand command;
     command.allBounces = arguments.TakeFlag("--all-bounces");
@@ -84,8 +109,18 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
         AddBounces(*text, command), hasBakes = true;
     while (const auto text = arguments.TakeValue("--bake"))
         command.bakes.push_back(bench::ParseBakeSetting(*text)), hasBakes = true;
-    if (!hasBakes)
+    command.direct = arguments.TakeFlag("--direct");
+    if (!hasBakes && command.direct)
+        command.bakes = {
+            {"default", ""}, {"-samples 2", "-samples 2"}, {"-samples 3", "-samples 3"}, {"-super 2", "-super 2"}};
+    else if (!hasBakes)
         AddBounces("1,4", command);
+    while (const auto text = arguments.TakeValue("--lit"))
+        command.lit.push_back(*text);
+    while (const auto text = arguments.TakeValue("--at"))
+        command.places.push_back(PlaceOf(*text));
+    if (!command.direct && (!command.lit.empty() || !command.places.empty()))
+        throw Error("--lit, --at: expected --direct");
     while (const auto text = arguments.TakeValue("--options"))
         command.options = *text;
     command.luxels = arguments.TakeInteger("--luxels", command.luxels, 1);
@@ -125,17 +160,24 @@ std::string VectorText(const Vec3f &v) {
     return fmt::format("{:.1f} {:.1f} {:.1f}", v.x, v.y, v.z);
 }
 
-void PrintWorst(const CauseInputs &inputs, std::span<const ComparedLight> light, int count) {
-    const Bsp &bsp = inputs.in.bsp;
-    const Receivers &receivers = inputs.receivers;
-    std::vector<std::size_t> order(light.size());
+/// The numbers of the `count` receivers with the largest errors, the largest first. squareOf(number): squared error.
+template <typename SquareOf> std::vector<std::size_t> WorstOf(std::size_t all, int count, const SquareOf &squareOf) {
+    std::vector<std::size_t> order(all);
     std::iota(order.begin(), order.end(), std::size_t(0));
     const auto shown = std::min(order.size(), std::size_t(count));
     std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(shown), order.end(),
-                      [&](std::size_t a, std::size_t b) { return SquaredError(light[a]) > SquaredError(light[b]); });
-    for (std::size_t i = 0; i < shown; ++i) {
-        const LuxelReceiver &at = receivers.luxels[order[i]];
-        const ComparedLight &one = light[order[i]];
+                      [&](std::size_t a, std::size_t b) { return squareOf(a) > squareOf(b); });
+    order.resize(shown);
+    return order;
+}
+
+void PrintWorst(const CauseInputs &inputs, std::span<const ComparedLight> light, int count) {
+    const Bsp &bsp = inputs.in.bsp;
+    const Receivers &receivers = inputs.receivers;
+    for (const std::size_t i :
+         WorstOf(light.size(), count, [&](std::size_t number) { return SquaredError(light[number]); })) {
+        const LuxelReceiver &at = receivers.luxels[i];
+        const ComparedLight &one = light[i];
         const auto &shader = bsp.shaders[std::size_t(bsp.drawSurfaces[std::size_t(at.surface)].shaderNum)];
         fmt::print("  error {:.2f} at {} normal {:.2f} {:.2f} {:.2f}: direct {}, bounced {}, traced {} +- {}; {}; {}\n",
                    std::sqrt(SquaredError(one) / 3), VectorText(at.position), at.normal.x, at.normal.y, at.normal.z,
@@ -174,6 +216,32 @@ class MapMeasure {
         fmt::print(stderr, "{} points are not too bright\n", light.size());
     }
 
+    /// Measures direct light; adds a row for each bake and lit file.
+    void RunDirect(std::vector<DirectRow> &rows) {
+        std::vector<LuxelReceiver> luxels =
+            LuxelsByArea(in_, surfaces_, tracer_.Scene(), command_.luxels, command_.seed);
+        const std::size_t drawn = luxels.size();
+        for (const AskedPlace &place : command_.places)
+            if (const auto nearest = NearestLuxel(in_, surfaces_, tracer_.Scene(), place)) {
+                luxels.push_back(*nearest);
+                if (place.normal != Vec3f{})
+                    luxels.push_back(AtPlace(*nearest, place));
+            }
+        const DirectReference reference = TraceDirect(luxels);
+        for (const bench::BakeSetting &bake : command_.bakes) {
+            const std::string key = OptionsWithoutBounces(bake.options);
+            const BakedLuxels own = key.empty() ? BakedLuxels{} : BakeDirect(bake.options);
+            const BakedLuxels &baked = key.empty() ? direct_ : own;
+            const auto light = CompareDirect(surfaces_, luxels, reference.luxels, LightAt(surfaces_, luxels, baked));
+            fmt::print("{}, {}:\n", map_.inputs.name, bake.name);
+            for (std::size_t i = drawn; i < luxels.size(); ++i)
+                fmt::print("{}", DirectText(map_.bsp, luxels[i], light[i]));
+            AddDirectRow(bake.name, baked.cpuSeconds, luxels, std::span(light).first(drawn), rows);
+        }
+        for (const std::string &file : command_.lit)
+            RunDirectLit(file, rows);
+    }
+
     void Run() {
         receivers_.luxels =
             LuxelsByArea(in_, surfaces_, tracer_.Scene(), command_.luxels, command_.seed, &receivers_.hiddenShare);
@@ -197,6 +265,44 @@ class MapMeasure {
     }
 
   private:
+    DirectReference TraceDirect(const std::vector<LuxelReceiver> &luxels) const {
+        std::vector<TruthReceiver> receivers;
+        for (const LuxelReceiver &luxel : luxels)
+            receivers.push_back(TruthReceiverOf(surfaces_, luxel));
+        DirectReference reference = MakeDirectReference(in_, lights_, receivers, command_.cache);
+        fmt::print(stderr, "{}: {} lights, {} receivers, reference {:.1f} CPU s{}\n", map_.inputs.name,
+                   lights_.Lights().size(), luxels.size(), reference.cpuSeconds,
+                   reference.fromCache ? " (from the cache)" : "");
+        return reference;
+    }
+    BakedLuxels BakeDirect(const std::string &options) const {
+        const MapSetup setup(map_, SettingsOf(options), MeasuredLight::Direct);
+        return BakeLuxels(setup, 0, jobs_, map_.log);
+    }
+    void RunDirectLit(const std::string &file, std::vector<DirectRow> &rows) const {
+        const auto lit = compare::LitMap::Load(file, command_.game.game->lightmapSize, map_.log);
+        auto points = LitPoints(in_, tracer_.Scene(), {lit, lit}, command_.luxels, command_.seed);
+        std::vector<LuxelReceiver> luxels = LuxelsOf(surfaces_, points);
+        const DirectReference reference = TraceDirect(luxels);
+        std::vector<Vec3f> found;
+        for (const LitPoint &one : points)
+            found.push_back(Vec3f(lit.Light(one.surface, one.point)));
+        auto light = CompareDirect(surfaces_, luxels, reference.luxels, found);
+        RemoveTooBright(luxels, light);
+        const std::string name = std::filesystem::path(file).filename().string();
+        fmt::print("{}, {}:\n", map_.inputs.name, name);
+        fmt::print(stderr, "{} points are not too bright\n", light.size());
+        AddDirectRow(name, -1, luxels, light, rows);
+    }
+    /// Also prints the worst receivers.
+    void AddDirectRow(const std::string &setting, double seconds, std::span<const LuxelReceiver> luxels,
+                      std::span<const ComparedDirect> light, std::vector<DirectRow> &rows) const {
+        for (const std::size_t i : WorstOf(light.size(), command_.worst,
+                                           [&](std::size_t number) { return SquaredError(light[number].light); }))
+            fmt::print("{}", DirectText(map_.bsp, luxels[i], light[i]));
+        std::fflush(stdout);
+        rows.push_back({map_.inputs.name, setting, seconds, DirectErrorsOf(light)});
+    }
     void Trace() {
         reference_ = MakeReference(in_, tracer_, lights_, receivers_, command_.paths, command_.cache);
         fmt::print(stderr,
@@ -265,17 +371,23 @@ int Run(const std::vector<std::string> &words) {
     const BounceCommand command = ParseBounceCommand(arguments, log);
     const VirtualFileSystem files = OpenGameFiles(command.game, GameFolders(command.game, {}, {}), log);
     const JobPool jobs(command.game.threads);
-    fmt::print("| map | setting | light | CPU s over direct | RMSE | 95 % | 99 % | bias | energy | noise | mean |\n"
-               "|---|---|---|---|---|---|---|---|---|---|---|\n");
+    if (!command.direct)
+        fmt::print("| map | setting | light | CPU s over direct | RMSE | 95 % | 99 % | bias | energy | noise | mean |\n"
+                   "|---|---|---|---|---|---|---|---|---|---|---|\n");
+    std::vector<DirectRow> rows;
     for (const std::string &name : command.maps) {
         const MeasuredMap map{files, *command.game.game, ReadBspFile(name, command.game.Format(), log),
-                           ReadLightInputs(FilesOf(name), log), log};
+                              ReadLightInputs(FilesOf(name), log), log};
         MapMeasure measure(command, map, jobs);
-        if (command.litDirect.empty())
+        if (command.direct)
+            measure.RunDirect(rows);
+        else if (command.litDirect.empty())
             measure.Run();
         else
             measure.RunLit();
     }
+    if (command.direct)
+        fmt::print("{}", DirectTables(rows));
     return 0;
 }
 

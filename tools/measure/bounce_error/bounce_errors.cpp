@@ -14,17 +14,17 @@ double Shown(double light) {
     return std::clamp(light, 0.0, 255.0);
 }
 
-double ShownDifference(const ComparedLight &light, std::size_t channel) {
-    const double direct = double(light.direct[channel]);
-    return Shown(direct + double(light.bounced[channel])) - Shown(direct + double(light.traced[channel]));
-}
-
 /// values: ascending.
 double Percentile(const std::vector<double> &values, double share) {
     return values.empty() ? 0 : values[std::min(values.size() - 1, std::size_t(share * double(values.size())))];
 }
 
 } // namespace
+
+double ShownDifference(const ComparedLight &light, std::size_t channel) {
+    const double direct = double(light.direct[channel]);
+    return Shown(direct + double(light.bounced[channel])) - Shown(direct + double(light.traced[channel]));
+}
 
 double SquaredError(const ComparedLight &light) {
     double sum = 0;

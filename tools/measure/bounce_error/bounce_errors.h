@@ -25,6 +25,8 @@ struct BounceErrors {
     double meanLight = 0; ///< mean traced bounced light, not clamped
 };
 BounceErrors ErrorsOf(std::span<const ComparedLight> light);
+/// Displayed error of a channel: baked - traced.
+double ShownDifference(const ComparedLight &light, std::size_t channel);
 /// Displayed squared error, summed over channels.
 double SquaredError(const ComparedLight &light);
 

@@ -15,8 +15,7 @@ namespace q3::bounce {
 
 namespace {
 
-/// Receivers within kOwnSide (game units) of an area light's plane are taken to lie on the light's own surface if the
-/// cosine between the normals is above kOwnCosine. The same values as in light/transfer/light_sample.cpp.
+/// Bounds of IsOnEmitter: distance in game units, and cosine.
 constexpr float kOwnSide = 3, kOwnCosine = 0.9f;
 /// Shadow rays to the back of a two-sided area light end this far behind its origin, which is 1 unit in front of it: 1
 /// unit behind the polygon. Game units.
@@ -40,9 +39,8 @@ UnshadowedLight SunAt(const Light &light, const SurfacePoint &at) {
 }
 
 UnshadowedLight AreaAt(const Light &light, const SurfacePoint &at) {
-    const float height = Dot(at.position, light.normal) - light.dist, along = Dot(at.normal, light.normal);
-    const bool behind = !light.twoSided && height<-kAreaBehind, own = height> - kOwnSide && along > kOwnCosine;
-    if (height < kOwnSide && (behind || own))
+    const float height = Dot(at.position, light.normal) - light.dist;
+    if ((!light.twoSided && height < -kAreaBehind) || IsOnEmitter(light, at))
         return {};
     const Vec3f pushed = std::abs(height) < kAreaPush ? at.position + light.normal * (kAreaPush - height) : at.position;
     const double factor = FormFactor(Vec3d(pushed), Vec3d(at.normal), light.polygon);
@@ -50,12 +48,20 @@ UnshadowedLight AreaAt(const Light &light, const SurfacePoint &at) {
         return Colored(light, at, float(factor) * light.radiosity, light.origin);
     if (!at.twoSided && !light.twoSided)
         return {};
-    UnshadowedLight back =
-        Colored(light, at, float(-factor) * light.radiosity, light.origin - light.normal * kOriginToBack);
+    UnshadowedLight back = Colored(light, at, float(-factor) * light.radiosity, OriginToward(light, true));
     return back.distance < light.envelope ? back : UnshadowedLight{};
 }
 
 } // namespace
+
+bool IsOnEmitter(const Light &light, const SurfacePoint &at) {
+    const float height = Dot(at.position, light.normal) - light.dist;
+    return std::abs(height) < kOwnSide && Dot(at.normal, light.normal) > kOwnCosine;
+}
+
+Vec3f OriginToward(const Light &light, bool behind) {
+    return behind ? light.origin - light.normal * kOriginToBack : light.origin;
+}
 
 UnshadowedLight LightWithoutShadow(const Light &light, const SurfacePoint &at) {
     if (at.cluster >= 0 && !light.SeenFrom(at.cluster))
@@ -75,6 +81,18 @@ UnshadowedLight LightWithoutShadow(const Light &light, const SurfacePoint &at) {
     if (light.type == LightType::Spot)
         add *= ConeFraction(light, way);
     return Colored(light, at, add, light.origin);
+}
+
+Vec3f ArrivingLight(const LightScene &scene, const UnshadowedLight &one, const SurfacePoint &at, RayCounts &counts) {
+    RayPacket rays;
+    rays.Set(0, at.position, one.direction, one.distance);
+    if (one.light->type == LightType::Sun)
+        scene.TraceSurfaceToSky(rays, one.light->skyIndex, at.receiveShadows, counts);
+    else
+        scene.TraceSurfaceToLight(rays, at.receiveShadows, counts);
+    if (rays.live[0] == 0)
+        return {};
+    return rays.tinted ? one.color * rays.tint[0] : one.color;
 }
 
 namespace {
@@ -224,21 +242,9 @@ DirectLights::~DirectLights() = default;
 
 Vec3f DirectLights::At(const SurfacePoint &at, RayCounts &counts) const {
     Vec3f sum;
-    for (const Light &light : lights_) {
-        const UnshadowedLight one = LightWithoutShadow(light, at);
-        if (!one.light)
-            continue;
-        RayPacket rays;
-        rays.Set(0, at.position, one.direction, one.distance);
-        if (at.receiveShadows != 0) {
-            if (light.type == LightType::Sun)
-                in_.scene.TraceSurfaceToSky(rays, light.skyIndex, at.receiveShadows, counts);
-            else
-                in_.scene.TraceSurfaceToLight(rays, at.receiveShadows, counts);
-        }
-        if (rays.live[0] != 0)
-            sum += rays.tinted ? one.color * rays.tint[0] : one.color;
-    }
+    for (const Light &light : lights_)
+        if (const UnshadowedLight one = LightWithoutShadow(light, at); one.light)
+            sum += ArrivingLight(in_.scene, one, at, counts);
     return sum;
 }
 

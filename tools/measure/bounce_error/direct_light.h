@@ -30,6 +30,16 @@ struct UnshadowedLight {
 /// formulas of falloff, cones and form factors. light: from SetupEnvelopes for surfaces.
 UnshadowedLight LightWithoutShadow(const Light &light, const SurfacePoint &at);
 
+/// The part of it that arrives: one shadow ray, with the tint of see-through surfaces.
+Vec3f ArrivingLight(const LightScene &scene, const UnshadowedLight &one, const SurfacePoint &at, RayCounts &counts);
+
+/// Whether the receiver lies on the emitting surface itself: within 3 units of the light's plane, with the cosine
+/// between the normals above 0.9. The same values as in light/transfer/light_sample.cpp.
+bool IsOnEmitter(const Light &light, const SurfacePoint &at);
+
+/// Where shadow rays to an area light end: its origin, or for receivers behind it the point as far behind its polygon.
+Vec3f OriginToward(const Light &light, bool behind);
+
 /// All lights of style 0 that light surfaces, to sum up or to sample. Safe from several threads; results do not depend
 /// on earlier calls.
 class DirectLights {

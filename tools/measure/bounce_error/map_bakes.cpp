@@ -21,19 +21,21 @@ std::unique_ptr<ShaderLibrary> LibraryOf(const MeasuredMap &map, const LightOpti
     return library;
 }
 
-const bench::LightmapSettings &Checked(const bench::LightmapSettings &settings) {
+const bench::LightmapSettings &Checked(const bench::LightmapSettings &settings, MeasuredLight measured) {
     const LightmapOptions &lightmap = settings.lightmap;
-    if (lightmap.dirty || lightmap.shade || lightmap.super > 1 || lightmap.samples > 1 || lightmap.filter ||
-        lightmap.faster || lightmap.halfLambert || settings.light.floodlight || settings.light.sunOnly)
-        throw Error("-dirty, -shade, -super, -samples, -filter, -faster, -lightanglehl, -floodlight and -sunonly: "
-                    "expected none of them, the reference is light without");
+    if (lightmap.dirty || lightmap.shade || lightmap.halfLambert || settings.light.floodlight || settings.light.sunOnly)
+        throw Error("-dirty, -shade, -lightanglehl, -floodlight and -sunonly: expected none of them, the reference is "
+                    "light without");
+    if (measured == MeasuredLight::Bounced &&
+        (lightmap.super > 1 || lightmap.samples > 1 || lightmap.filter || lightmap.faster))
+        throw Error("-super, -samples, -filter and -faster: expected none of them, the reference is light without");
     return settings;
 }
 
 } // namespace
 
-MapSetup::MapSetup(const MeasuredMap &map, const bench::LightmapSettings &given)
-    : settings(Checked(given)), library_(LibraryOf(map, given.light)),
+MapSetup::MapSetup(const MeasuredMap &map, const bench::LightmapSettings &given, MeasuredLight measured)
+    : settings(Checked(given, measured)), library_(LibraryOf(map, given.light)),
       light(map.bsp, map.inputs, given.light, SurfaceDefaultsOf(given.lightmap), *library_, map.log) {
     library_->ReleaseImages(KeptImages::OfReflectors);
 }

@@ -19,11 +19,16 @@ struct MeasuredMap {
     Log &log;
 };
 
+/// What is measured: it decides which options the reference supports. Options that sample or blur within luxels change
+/// direct light, so the reference of bounced light does without them; they are settings of direct light to measure.
+enum class MeasuredLight { Direct, Bounced };
+
 /// The map, its shaders with images and its lights, for one set of options. Keeps a reference to the files.
 class MapSetup {
   public:
     /// Errors: as LightWorld; options that the reference does not support.
-    MapSetup(const MeasuredMap &map, const bench::LightmapSettings &settings);
+    MapSetup(const MeasuredMap &map, const bench::LightmapSettings &settings,
+             MeasuredLight measured = MeasuredLight::Bounced);
     MapSetup(const MapSetup &) = delete;
     MapSetup &operator=(const MapSetup &) = delete;
 

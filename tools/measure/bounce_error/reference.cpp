@@ -1,22 +1,20 @@
 // GPL-2.0-or-later. Reference: path traced light at luxels and positions of a map, kept in a cache.
 #include "tools/measure/bounce_error/reference.h"
 
-#include "common/error.h"
-#include "common/files/files.h"
 #include "common/platform/platform.h"
 #include "q3map2/lightmap/bounce/bounce_scene.h"
-#include "tools/measure/shbench/map_hash.h"
+#include "tools/measure/bounce_error/record_cache.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 
 namespace q3::bounce {
 
 namespace {
 
 /// Change this with the computation of the reference or the file format, to invalidate cached files.
-constexpr std::string_view kVersion = "bounce_error reference 3";
+constexpr std::string_view kVersion = "bounce_error reference 4";
 
 struct MappedTriangle {
     int surface = 0;
@@ -49,58 +47,12 @@ std::string KeyOf(const SurfaceInputs &in, const DirectLights &lights, const Rec
     bench::AddGeometry(hash, in.bsp);
     bench::AddSurfaces(hash, in.table);
     AddReflection(hash, in);
-    for (const Light &light : lights.Lights()) {
-        bench::AddLight(hash, light);
-        hash.Value(light.envelope), hash.Value(light.endsAtTolerance), hash.Value(light.tolerance);
-        hash.Value(light.angleAttenuation), hash.Value(light.angleScale);
-    }
+    AddLights(hash, lights.Lights());
     for (const LuxelReceiver &one : receivers.luxels)
         AddReceiver(hash, one);
     for (const Vec3f &position : receivers.positions)
         hash.Value(position);
     return hash.Hex();
-}
-
-/// Header of a cache file. The estimates of luxels follow, then those of positions.
-struct ReferenceHead {
-    std::array<char, 64> key; // hexadecimal digits of a SHA-256
-    double cpuSeconds;
-    std::uint64_t luxels, positions;
-};
-
-bool LoadReference(const std::filesystem::path &path, const std::string &key, Reference &reference) {
-    static_assert(std::is_trivially_copyable_v<Estimate> && std::is_trivially_copyable_v<PositionEstimate>);
-    if (!std::filesystem::exists(path))
-        return false;
-    const std::vector<std::byte> bytes = ReadFile(path);
-    const std::size_t luxels = reference.luxels.size() * sizeof(Estimate);
-    const std::size_t positions = reference.positions.size() * sizeof(PositionEstimate);
-    ReferenceHead head;
-    if (bytes.size() != sizeof head + luxels + positions)
-        return false;
-    std::memcpy(&head, bytes.data(), sizeof head);
-    if (std::string_view(head.key.data(), head.key.size()) != key)
-        return false;
-    reference.cpuSeconds = head.cpuSeconds;
-    std::copy_n(bytes.data() + sizeof head, luxels, reinterpret_cast<std::byte *>(reference.luxels.data()));
-    std::copy_n(bytes.data() + sizeof head + luxels, positions,
-                reinterpret_cast<std::byte *>(reference.positions.data()));
-    return true;
-}
-
-void StoreReference(const std::filesystem::path &path, const std::string &key, const Reference &reference) {
-    ReferenceHead head{{}, reference.cpuSeconds, reference.luxels.size(), reference.positions.size()};
-    std::memcpy(head.key.data(), key.data(), head.key.size());
-    std::vector<std::byte> bytes;
-    const auto add = [&](const void *data, std::size_t size) {
-        const auto *first = static_cast<const std::byte *>(data);
-        bytes.insert(bytes.end(), first, first + size);
-    };
-    add(&head, sizeof head);
-    add(reference.luxels.data(), reference.luxels.size() * sizeof(Estimate));
-    add(reference.positions.data(), reference.positions.size() * sizeof(PositionEstimate));
-    MakeFolder(path.parent_path());
-    ReplaceFile(path, bytes);
 }
 
 /// Triangles of surfaces with lightmaps, to be drawn by area.
@@ -229,12 +181,11 @@ Reference MakeReference(const SurfaceInputs &in, const PathTracer &tracer, const
     Reference reference;
     reference.luxels.resize(receivers.luxels.size());
     reference.positions.resize(receivers.positions.size());
-    const std::string key = KeyOf(in, lights, receivers, paths);
-    const std::filesystem::path path = cache / (key + ".bounce");
-    if (!cache.empty() && LoadReference(path, key, reference)) {
-        reference.fromCache = true;
+    const RecordCache kept(cache, KeyOf(in, lights, receivers, paths), "bounce");
+    const std::array parts{RecordBytes(reference.luxels), RecordBytes(reference.positions)};
+    reference.fromCache = kept.Load(parts, reference.cpuSeconds);
+    if (reference.fromCache)
         return reference;
-    }
     const CpuTimer timer;
     in.jobs.For(std::int64_t(receivers.luxels.size()), [&](std::int64_t number, int) {
         const auto i = std::size_t(number);
@@ -250,8 +201,7 @@ Reference MakeReference(const SurfaceInputs &in, const PathTracer &tracer, const
         std::copy(found.begin(), found.end(), reference.positions[i].begin());
     });
     reference.cpuSeconds = timer.Seconds();
-    if (!cache.empty())
-        StoreReference(path, key, reference);
+    kept.Store(parts, reference.cpuSeconds);
     return reference;
 }
 
