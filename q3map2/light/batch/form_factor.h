@@ -47,6 +47,9 @@ void FormFactors(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygo
 /// 1 / pi, for sixteen receivers.
 void FormFactorVectors(const Lanes3 &p, std::span<const Vec3f> polygon, Lanes3 &v);
 
+/// The same for the parts of the polygon above the horizons of receivers with the normals n.
+void FormFactorVectorsAbove(const Lanes3 &p, const Lanes3 &n, std::span<const Vec3f> polygon, Lanes3 &v);
+
 /// Directions per ring for floodlight and dirt, and number of rings for floodlight.
 inline constexpr int kRingAzimuths = 16, kFloodElevations = 4;
 /// Half angle of the cone that floodlight and dirt rays fill. Degrees.

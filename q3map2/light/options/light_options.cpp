@@ -96,6 +96,9 @@ using Values = SettingValues;
 /// -shfit without a number, and its maximum.
 constexpr int kDefaultFit = 6, kMaxFit = 64;
 
+/// Rays of -areashadows without a number, and its maximum.
+constexpr int kDefaultAreaRays = 512, kMaxAreaRays = 4096;
+
 /// An option with a factor, which `multiply` applies to the options.
 template <typename Multiply>
 Setting<LightOptions> Factor(std::string_view name, std::string_view alias, std::string_view initial,
@@ -517,6 +520,9 @@ Group Rays() {
     const auto customInfoParms = [](auto &o) -> auto & {
         return o.shader.customInfoParms;
     };
+    const auto areaShadows = [](LightOptions &o, const Values &v) {
+        o.areaShadows = v.numbers.empty() ? kDefaultAreaRays : int(v.numbers[0]);
+    };
     return {
         "Lights and shadows",
         "",
@@ -524,6 +530,18 @@ Group Rays() {
            .help = "No shadows",
            .details = "Suns shine everywhere. Floodlight, dirt and bounces still look around."},
           &LightOptions::noTrace},
+         {{.name = "-areashadows",
+           .values = "[N]",
+           .kind = SettingKind::Integer,
+           .unit = "rays",
+           .initial = "off; 512 without N",
+           .range = {1, kMaxAreaRays},
+           .help = "Soft shadows of area lights on surfaces, by at most N rays from each luxel to each light",
+           .details = "A lamp that is partly hidden gives a surface the light of the part that is seen, instead of all "
+                      "or nothing by one ray to its middle. Most rays go to penumbrae; N bounds their noise. Concerns "
+                      "lightmaps, vertices and static props, and what they reflect; the SH grid always does so. "
+                      "`-faster` turns it off."},
+          Do<LightOptions>(areaShadows)},
          {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::structuralShadowsOnly},
          {{.name = "-patchshadows",
            .initial = "by game, usually off",

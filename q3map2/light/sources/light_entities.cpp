@@ -285,15 +285,24 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
         Aim(light, entity, targetOrigin);
     SetEntityFalloff(light, byQuad, entity, options, log);
 
-    lights.push_back(light);
-    for (int i = 1; i < samples; ++i) {
-        Light copy = light;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            copy.origin[axis] +=
-                float(2 * UnitFromHash(HashIndex(kSeedJitter + (number << 24) + std::uint64_t(i) * 4 + axis)) - 1) *
-                deviance;
-        lights.push_back(copy);
-    }
+    const std::uint64_t seed = kSeedJitter + (number << 24);
+    const auto sampled = [&](int count) {
+        std::vector<Light> copies(std::size_t(count), light);
+        for (int i = 0; i < count; ++i) {
+            Light &copy = copies[std::size_t(i)];
+            copy.sample = i;
+            copy.photons *= float(samples) / float(count), copy.tolerance *= float(samples) / float(count);
+            const Sample3 even = R3Sample(std::uint32_t(i), seed);
+            const std::array<double, 3> at{even.u, even.v, even.w};
+            for (std::size_t axis = 0; axis < 3 && i > 0; ++axis) {
+                const double hashed = UnitFromHash(HashIndex(seed + std::uint64_t(i) * 4 + axis));
+                copy.origin[axis] += float(2 * (count == samples ? hashed : at[axis]) - 1) * deviance;
+            }
+        }
+        return copies;
+    };
+    for (Light &copy : WithSurfaceSamples(samples, options, sampled))
+        lights.push_back(std::move(copy));
 }
 
 bool IsEnvironment(const Entity &entity) {

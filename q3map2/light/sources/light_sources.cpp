@@ -109,11 +109,11 @@ Boundsf ConeBounds(const Light &light) {
 }
 
 /// Sets the clusters of a light, and moves its origin out of solids.
-void FindClusters(Light &light, LightPass pass, const BspSpace &space) {
+void FindClusters(Light &light, bool isWhole, const BspSpace &space) {
     light.clusters.clear();
     if (const int cluster = NudgeIntoOpen(light.origin, space); cluster >= 0)
         light.clusters.push_back(cluster);
-    if (pass == LightPass::GridSH && light.type == LightType::Area) {
+    if (isWhole && light.type == LightType::Area) {
         Winding<float> lifted = light.polygon;
         for (Vec3f &p : lifted)
             p += light.normal;
@@ -189,7 +189,8 @@ std::vector<Light> SetupEnvelopes(std::vector<Light> lights, LightPass pass, con
                 light.seenFrom = skySeenFrom;
             return wanted(light);
         }
-        FindClusters(light, pass, space);
+        FindClusters(light, pass == LightPass::GridSH || (pass == LightPass::Surfaces && options.areaShadows > 0),
+                     space);
         if (light.clusters.empty())
             return false;
         light.endsAtTolerance = EndsAtTolerance(light, pass, options, fastPoint);

@@ -78,6 +78,8 @@ struct Light {
     std::string label; ///< what messages call it; of surfaces and skies, only those of styles other than 0 have one
     int entity = -1;   ///< number of its entity: as given to EntityLights, in LightSetup as in the file; -1: none
     int surface = -1;  ///< draw surface that it is from, of a sky the first one; -1: none
+    int sample = 0;    ///< number among the samples of one sun, sky or light with a deviance; those follow each other
+    int source = -1;   ///< in LightSetup: number that the samples of one share
     LightType type = LightType::Point;
     FalloffCurve curve = FalloffCurve::InverseSquare;
     Attenuation attenuation;
@@ -117,6 +119,23 @@ struct Light {
     /// Sets `shape`.
     void SetShape();
 };
+
+/// Samples of one light. count: that are asked for. With soft shadows, more than one become two lights: one for grids
+/// with these samples, and one for surfaces with at least kSurfaceSamples, which cost no more there.
+inline constexpr int kSurfaceSamples = 64;
+template <typename Make>
+std::vector<Light> WithSurfaceSamples(int count, const LightOptions &options, const Make &make) {
+    std::vector<Light> lights = make(count);
+    if (options.areaShadows == 0 || count == 1 || count >= kSurfaceSamples)
+        return lights;
+    for (Light &light : lights)
+        light.lightsSurfaces = false;
+    for (Light &light : make(kSurfaceSamples)) {
+        light.lightsGrid = false;
+        lights.push_back(std::move(light));
+    }
+    return lights;
+}
 
 /// What messages call a light of a style other than 0.
 inline std::string StyledLightName(const Light &light) {

@@ -139,18 +139,21 @@ std::vector<Vec3f> SkyDirections(const SkyLightDirective &sky) {
 
 } // namespace
 
-std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOptions &options) {
-    const int samples = std::clamp(sun.samples, 1, kMaxSunSamples);
+namespace {
+
+/// `count` samples of a sun.
+std::vector<Light> SunSamples(const SunDirective &sun, int count, int skyIndex, const LightOptions &options) {
     const double azimuth = std::atan2(sun.direction.y, sun.direction.x);
     const double elevation = std::asin(std::clamp(double(sun.direction.z), -1.0, 1.0));
     std::vector<Light> lights;
-    for (int i = 0; i < samples; ++i) {
+    for (int i = 0; i < count; ++i) {
         Light light;
         light.type = LightType::Sun;
-        light.photons = sun.photons / float(samples) * options.skyScale;
+        light.sample = i;
+        light.photons = sun.photons / float(count) * options.skyScale;
         light.color = sun.color;
         light.style = options.noStyles ? 0 : sun.style;
-        light.filterRadius = std::max(0.0f, sun.filterRadius) / float(samples);
+        light.filterRadius = std::max(0.0f, sun.filterRadius) / float(count);
         light.skyIndex = skyIndex;
         Vec3f direction = sun.direction;
         if (i > 0) {
@@ -164,12 +167,19 @@ std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOp
     return lights;
 }
 
+} // namespace
+
+std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOptions &options) {
+    return WithSurfaceSamples(std::clamp(sun.samples, 1, kMaxSunSamples), options,
+                              [&](int count) { return SunSamples(sun, count, skyIndex, options); });
+}
+
 void AddSunOfEntity(const SunDirective &sun, const Light &common, const LightOptions &options,
                     std::vector<Light> &lights) {
     constexpr int kAnySky = -1; // as Light::skyIndex
     for (Light &one : MakeSuns(sun, kAnySky, options)) {
         one.name = common.name, one.label = common.label;
-        one.lightsGrid = common.lightsGrid, one.lightsSurfaces = common.lightsSurfaces;
+        one.lightsGrid &= common.lightsGrid, one.lightsSurfaces &= common.lightsSurfaces;
         lights.push_back(std::move(one));
     }
 }
@@ -263,23 +273,28 @@ std::vector<SkyDirection> UniformSky() {
 
 std::vector<Light> EnvironmentLights(const Environment &environment, const Light &common, const LightOptions &options) {
     std::vector<Light> lights;
-    const auto add = [&](const Vec3f &toSky, const Vec3f &color, float photons) {
+    const auto add = [&](const Vec3f &toSky, const Vec3f &color, float photons, int sample, std::vector<Light> &to) {
         const SunDirective sun{.direction = toSky,
                                .color = color,
                                .photons = photons,
                                .filterRadius = common.filterRadius,
                                .style = common.style};
-        AddSunOfEntity(sun, common, options, lights);
+        AddSunOfEntity(sun, common, options, to);
+        to.back().sample = sample;
     };
     if (environment.photons != 0) {
-        const int count = environment.spread > 0 ? environment.samples : 1;
         const double halfAngle = double(environment.spread) * kPi / 360; // half of `spread`, radians
-        for (const Vec3f &toSun : ConeDirections(-environment.direction, halfAngle, count))
-            add(toSun, environment.color, environment.photons / float(count));
+        lights = WithSurfaceSamples(environment.spread > 0 ? environment.samples : 1, options, [&](int count) {
+            std::vector<Light> samples;
+            for (const Vec3f &toSun : ConeDirections(-environment.direction, halfAngle, count))
+                add(toSun, environment.color, environment.photons / float(count), int(samples.size()), samples);
+            return samples;
+        });
     }
+    int sample = 0;
     if (environment.ambient != 0)
         for (const SkyDirection &one : UniformSky())
-            add(one.direction, environment.ambientColor, environment.ambient * float(one.light));
+            add(one.direction, environment.ambientColor, environment.ambient * float(one.light), sample++, lights);
     return lights;
 }
 

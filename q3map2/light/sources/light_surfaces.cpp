@@ -468,16 +468,20 @@ class SkyLights {
         const int number = options_.oneSky ? -1 : next_++;
         numbers_[&shader] = number;
         if (!world_.noShaderSun)
-            AddSuns(shader, shader.suns, number);
+            for (const SunDirective &sun : shader.suns)
+                AddSamples(shader, {&sun, 1}, number);
         for (const SkyLightDirective &sky : shader.skyLights)
-            AddSuns(shader, SkyLightSuns(sky, shader, library_, log_), number);
+            AddSamples(shader, SkyLightSuns(sky, shader, library_, log_), number);
         return number;
     }
 
   private:
-    void AddSuns(const ShaderInfo &shader, const std::vector<SunDirective> &suns, int number) {
+    /// The lights of one sun, or of one sky.
+    void AddSamples(const ShaderInfo &shader, std::span<const SunDirective> suns, int number) {
+        int sample = 0;
         for (const SunDirective &sun : suns)
             for (Light &light : MakeSuns(sun, number, options_)) {
+                light.sample = sample++;
                 if (light.style != 0)
                     light.label = "sun or sky of shader " + shader.name;
                 lights_.push_back(std::move(light));

@@ -140,6 +140,13 @@ struct Picks {
         for (std::size_t i = 0; i + 1 < sums.size(); ++i)
             Advance(double(sums[i]));
     }
+    /// The given points, with u from 0 to below 1.
+    Picks(const Lanes &unitU, const Lanes &unitV, const std::vector<float> &sums) {
+        for (const std::size_t i : kEachLane)
+            u[i] = double(unitU[i]) * double(sums.back()), v[i] = double(unitV[i]), triangle[i] = 0;
+        for (std::size_t i = 0; i + 1 < sums.size(); ++i)
+            Advance(double(sums[i]));
+    }
     /// Whether a point falls in that triangle.
     bool AnyIn(std::size_t number) const {
         return std::find(triangle.begin(), triangle.end(), std::int32_t(number)) != triangle.end();
@@ -210,6 +217,15 @@ Q3_VECTOR void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, 
     }
 }
 
+/// Samples by area in the polygon of a light.
+void SampleByArea(const Light &light, const Picks &picks, Lanes3 &target) {
+    const std::vector<float> &sums = light.shape.cumulative;
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        if (picks.AnyIn(i))
+            SampleByArea(picks, PickedTriangle(sums, i), light.polygon[0], light.polygon[i + 1], light.polygon[i + 2],
+                         target);
+}
+
 /// Directions to samples by area and their weights, strength / d^3.
 Q3_VECTOR void AimByArea(Vec3f p, float strength, AreaSamples &samples) {
     for (const std::size_t i : kEachLane) {
@@ -231,6 +247,39 @@ Vec3f SampleUniformArea(const Light &light, const Sample2 &s) {
         ++i;
     const float root = std::sqrt(float(PickedTriangle(sums, i).Within(pick))), v = float(s.v);
     return light.polygon[0] * (1 - root) + light.polygon[i + 1] * (root * (1 - v)) + light.polygon[i + 2] * (root * v);
+}
+
+/// Points of the parallelogram a + u (b - a) + v (c - a).
+Q3_VECTOR void PointsOfParallelogram(Vec3f a, Vec3f b, Vec3f c, const Lanes &u, const Lanes &v, Lanes3 &points) {
+    for (const std::size_t i : kEachLane)
+        points.Set(i, a + (b - a) * u[i] + (c - a) * v[i]);
+}
+
+/// Points in one triangle. Those of the half of the parallelogram a b c that is not in it are turned into it, which
+/// keeps patterns as even as they are.
+Q3_VECTOR void FoldIntoTriangle(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &points) {
+    Q3_INDEPENDENT
+    for (const std::size_t i : kEachLane) {
+        const float u = float(picked.Within(picks.u[i])), v = float(picks.v[i]);
+        const bool turned = u + v > 1;
+        const Vec3f at = a + (b - a) * (turned ? 1 - u : u) + (c - a) * (turned ? 1 - v : v);
+        const bool ours = picks.triangle[i] == picked.number;
+        points.x[i] = ours ? at.x : points.x[i];
+        points.y[i] = ours ? at.y : points.y[i];
+        points.z[i] = ours ? at.z : points.z[i];
+    }
+}
+
+void PointsByArea(const Light &light, const Lanes &u, const Lanes &v, Lanes3 &points) {
+    const Winding<float> &w = light.polygon;
+    constexpr float kParallel = 1e-3f; // of the radius
+    if (w.size() == 4 && Length(w[0] + w[2] - w[1] - w[3]) < kParallel * light.shape.radius)
+        return PointsOfParallelogram(w[0], w[1], w[3], u, v, points);
+    const std::vector<float> &sums = light.shape.cumulative;
+    const Picks picks(u, v, sums);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        if (picks.AnyIn(i))
+            FoldIntoTriangle(picks, PickedTriangle(sums, i), w[0], w[i + 1], w[i + 2], points);
 }
 
 AreaSampler::AreaSampler(const Light &light, std::span<const Vec3f> corners, const Vec3f &p, float height,
@@ -260,12 +309,7 @@ void AreaSampler::Sample(std::uint32_t first, AreaSamples &samples) const {
         samples.weight.fill(float(cumulative_.back()));
         return;
     }
-    const std::vector<float> &sums = light_.shape.cumulative;
-    const Picks picks(start_, first, sums);
-    for (std::size_t i = 0; i < sums.size(); ++i)
-        if (picks.AnyIn(i))
-            SampleByArea(picks, PickedTriangle(sums, i), light_.polygon[0], light_.polygon[i + 1],
-                         light_.polygon[i + 2], samples.target);
+    SampleByArea(light_, Picks(start_, first, light_.shape.cumulative), samples.target);
     AimByArea(p_, height_ * light_.shape.area, samples);
 }
 

@@ -47,6 +47,9 @@ class MomentLanes {
 /// Point of the emitter for a sample of the unit square, uniform in area.
 Vec3f SampleUniformArea(const Light &light, const Sample2 &s);
 
+/// The same for sixteen samples. u, v: from 0 to below 1.
+void PointsByArea(const Light &light, const Lanes &u, const Lanes &v, Lanes3 &points);
+
 /// Sixteen samples: points of the emitter, unit directions to them, and weights: the mean of weight * f(direction) over
 /// all samples estimates the integral of f over the solid angle of the emitter.
 struct AreaSamples {

@@ -15,8 +15,6 @@ namespace q3 {
 
 namespace {
 
-/// Receivers nearer than this to an emitter's plane get nothing from it. Game units.
-constexpr float kPlaneClearance = 1.0f / 64;
 /// Lights that give less than this get one probe ray; brighter ones a ray to each corner. Byte scale.
 constexpr float kFaint = 1.0f / 4;
 /// Receivers that a light is partly hidden from are refined if it gives them at least this; else it is scaled by the
@@ -39,14 +37,11 @@ constexpr float kNearPointError = 0.25f;
 constexpr float kMinRefinedRays = 16, kMaxRefinedRays = 1024;
 /// Expected error that determines this number. Byte scale.
 constexpr float kRefinedError = 0.25f;
-/// Rays end this far in front of the emitter, since its surface is in the scene, or half way to its plane if that is
-/// nearer. Game units.
-constexpr float kEmitterGap = 0.125f;
 
-/// Number of rays to a partly hidden light: n times `samples`, where kRefinedError = (estimate / 2) n^-0.75, which is
-/// about the error of n stratified samples.
+/// Number of rays to a partly hidden light that gives about `estimate`: that of RaysForShare times `samples`, in whole
+/// packets.
 int RefinedRays(float estimate, float samples) {
-    const float n = std::pow(0.5f * estimate / kRefinedError, 1 / 0.75f) * samples;
+    const float n = RaysForShare(estimate, kRefinedError) * samples;
     return int(std::ceil(std::clamp(n, kMinRefinedRays, kMaxRefinedRays * samples) / AreaSampler::kSamplesPerCall)) *
            AreaSampler::kSamplesPerCall;
 }

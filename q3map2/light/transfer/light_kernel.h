@@ -4,6 +4,7 @@
 #include "q3map2/light/batch/receivers.h"
 #include "q3map2/light/sources/light_sources.h"
 
+#include <cmath>
 #include <cstdint>
 
 namespace q3 {
@@ -32,6 +33,25 @@ struct ContributionCounts : RayCounts {
 inline constexpr float kAreaPush = 8;
 /// One-sided area lights do not light receivers farther than this behind their plane. Game units.
 inline constexpr float kAreaBehind = 1;
+/// Receivers within kAreaOwnSide (game units) of an area light's plane lie on its own surface if the cosine between the
+/// normals is over kAreaOwnCosine.
+inline constexpr float kAreaOwnSide = 3, kAreaOwnCosine = 0.9f;
+/// Receivers nearer than this to an area light's plane get nothing from it where its light is exact. Game units.
+inline constexpr float kPlaneClearance = 1.0f / 64;
+/// Rays to points of an area light end this far in front of it, since its surface is in the scene, or half way to its
+/// plane if that is nearer. Game units.
+inline constexpr float kEmitterGap = 0.125f;
+
+/// No point of an area light's polygon is farther from its origin. Game units.
+inline float ReachOfPolygon(const Light &light) {
+    return light.shape.radius + Length(light.shape.center - light.origin);
+}
+
+/// Number n of stratified rays to a partly hidden light for which the expected error of its light is `error`:
+/// error = (light / 2) n^-0.75.
+inline float RaysForShare(float light, float error) {
+    return std::pow(0.5f * light / error, 1 / 0.75f);
+}
 
 /// Wanted receivers that may see the light; with skipPvs, by visibility data. Counts pairs.
 LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers, ContributionCounts &counts);

@@ -4,6 +4,7 @@
 #include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/sources/falloff.h"
 #include "q3map2/light/transfer/light_kernel.h"
+#include "q3map2/light/transfer/soft_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +15,6 @@ namespace q3 {
 
 namespace {
 
-/// Receivers within kAreaOwnSide (game units) of an area light's plane lie on its own surface if the cosine between the
-/// normals is over kAreaOwnCosine.
-constexpr float kAreaOwnSide = 3, kAreaOwnCosine = 0.9f;
 /// Half-Lambert light is 0 up to this cosine.
 constexpr float kLeastHalfLambert = 0.001f;
 
@@ -202,6 +200,8 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
     const bool sun = light.type == LightType::Sun;
     if (!light.lightsSurfaces || (settings.sunOnly && !sun))
         return;
+    if (light.type == LightType::Area && settings.HasSoftShadows())
+        return SoftAreaLight(light, settings, scene, counts).Evaluate(receivers, incident);
     const bool traced = settings.TracesShadowsOf(light);
     incident.live = InSight(light, traced || !sun, receivers, counts);
     const int inSight = incident.live.Count();
@@ -216,6 +216,39 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
         TraceShadows(light, settings, scene, receivers, incident, counts);
     if (settings.directional && incident.live.Any())
         SetLightDirections(light, settings.pointAreas, receivers, transfer.cosine, transfer.angleFactor, incident);
+}
+
+// ---- Sources of light ----
+
+LightSource::LightSource(std::span<const Light *const> samples) : samples_(samples), color_(First().color) {
+    const auto colored = [&](const Light *sample) { return sample->color != First().color; };
+    if (std::ranges::none_of(samples, colored))
+        return;
+    color_ = {};
+    for (const Light *sample : samples)
+        color_ += sample->color / float(samples.size());
+}
+
+std::vector<LightSource> SourcesOf(std::span<const Light *const> lights, const SurfaceLightSettings &settings) {
+    std::vector<LightSource> sources;
+    for (std::size_t first = 0; first < lights.size();) {
+        std::size_t count = 1;
+        const Light &light = *lights[first];
+        while (first + count < lights.size() && light.source >= 0 && lights[first + count]->source == light.source &&
+               SoftSampledLight::Takes(light, settings))
+            ++count;
+        sources.emplace_back(lights.subspan(first, count));
+        first += count;
+    }
+    return sources;
+}
+
+void SourceContributionToSample(const LightSource &source, const SurfaceLightSettings &settings,
+                                const LightScene &scene, SurfaceReceiverBatch &receivers,
+                                SurfaceIncidentLight &incident, ContributionCounts &counts) {
+    if (source.Samples().size() == 1)
+        return LightContributionToSample(source.First(), settings, scene, receivers, incident, counts);
+    SoftSampledLight(source, settings, scene, counts).Evaluate(receivers, incident);
 }
 
 // ---- The directions that the light of one source comes from, at receivers on surfaces ----

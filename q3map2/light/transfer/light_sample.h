@@ -6,6 +6,9 @@
 #include "q3map2/light/sources/light_sources.h"
 #include "q3map2/light/transfer/light_kernel.h"
 
+#include <span>
+#include <vector>
+
 namespace q3 {
 
 /// Settings of a pass over surfaces.
@@ -19,12 +22,37 @@ struct SurfaceLightSettings {
     float faint = 0;          ///< as LightSettings::faint
     int ignoredProp = -1;     ///< static prop that does not shadow the receivers; -1: none
     bool directional = false; ///< SurfaceIncidentLight::directions are wanted
+    int areaShadows = 0;      ///< -areashadows: most rays of a receiver to an area light; 0: one, to its origin
 
+    /// Whether area lights have soft shadows.
+    bool HasSoftShadows() const { return areaShadows > 0 && !pointAreas; }
     /// Whether shadow rays are traced for the light.
     bool TracesShadowsOf(const Light &light) const {
         return shadows && receiveShadows != 0 && (sunShadows || light.type != LightType::Sun);
     }
 };
+
+/// What lights surfaces at once: a light, or with soft shadows all samples of one.
+class LightSource {
+  public:
+    explicit LightSource(std::span<const Light *const> samples);
+    const Light &First() const { return *samples_.front(); }
+    std::span<const Light *const> Samples() const { return samples_; }
+    /// By which incident light is multiplied: the mean color of the samples.
+    const Vec3f &Color() const { return color_; }
+
+  private:
+    std::span<const Light *const> samples_;
+    Vec3f color_;
+};
+
+/// The sources of a list of lights, in its order.
+std::vector<LightSource> SourcesOf(std::span<const Light *const> lights, const SurfaceLightSettings &settings);
+
+/// LightContributionToSample for a source; if it has more than one sample, its light is that of SoftSampledLight.
+void SourceContributionToSample(const LightSource &source, const SurfaceLightSettings &settings,
+                                const LightScene &scene, SurfaceReceiverBatch &receivers,
+                                SurfaceIncidentLight &incident, ContributionCounts &counts);
 
 /// Sets `incident` to the light of `light`, prepared by SetupEnvelopes for surfaces, at receivers on surfaces: falloff,
 /// cones, form factors, sides, angles, visibility by PVS and by one ray each; with settings.directional also its

@@ -32,13 +32,16 @@ struct LightReach {
     bool area = false, oneSided = false;
     bool endsAtTolerance = false; ///< an area light that leaves out light up to its tolerance
     float areaRadius = 0;         ///< of a sphere around center that holds an area light, plus kMaxPush
+    float aboveOrigin = 0;        ///< how far parts of it that light surfaces may be above the origin. Game units
     float strength = 0;           ///< of an area light: its light at form factor 1, times its area / pi
     float tolerance = 0;
 
-    LightReach(const Light &light, bool pointAreas)
+    LightReach(const Light &light, const SurfaceLightSettings &settings)
         : origin(light.origin), normal(light.normal), center(light.shape.center), dist(light.dist),
           envelope(light.envelope), area(light.type == LightType::Area), oneSided(!light.twoSided),
-          endsAtTolerance(area && light.endsAtTolerance && !pointAreas), areaRadius(light.shape.radius + kMaxPush),
+          endsAtTolerance(area && light.endsAtTolerance && !settings.pointAreas),
+          areaRadius(light.shape.radius + kMaxPush),
+          aboveOrigin(area && settings.HasSoftShadows() ? ReachOfPolygon(light) : 0),
           strength(light.radiosity * light.shape.area / std::numbers::pi_v<float>), tolerance(light.tolerance) {
         // Rays to the back of a two-sided light end 2 units behind `origin`: both ends are 1 unit off the polygon.
         envelope += area && light.twoSided ? 2 : 0;
@@ -54,7 +57,7 @@ struct BlockSpheres {
 Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
                           std::int32_t *__restrict mayReach) {
     // How far the light may be behind receivers, and receivers behind the light; what is added to its strength.
-    const float behindReceiver = twoSided ? kUnlimited : 0;
+    const float behindReceiver = twoSided ? kUnlimited : light.aboveOrigin;
     const float behindLight = light.area && light.oneSided ? kAreaBehind : kUnlimited;
     const float extraStrength = light.endsAtTolerance ? 0 : kUnlimited;
     for (std::size_t i = 0; i < count; ++i) {
@@ -140,7 +143,7 @@ void LuxelBlocks::FindReached(const Light &light, const SurfaceLightSettings &se
         std::fill(mayReach_.begin(), mayReach_.end(), -1);
     else
         CullBlocks(
-            LightReach(light, settings.pointAreas), Count() > 0 && receivers_[0].twoSided,
+            LightReach(light, settings), Count() > 0 && receivers_[0].twoSided,
             {x_.data(), y_.data(), z_.data(), radius_.data(), nx_.data(), ny_.data(), nz_.data(), thickness_.data()},
             mayReach_.size(), mayReach_.data());
     for (std::size_t i = 0; i < Count(); ++i)
@@ -234,10 +237,10 @@ namespace {
 
 /// Sets color and direction of incident light. directionScale: length of a direction per unit of light; 0: no
 /// directions.
-Q3_VECTOR void SetIncidentLight(const Light &light, const SurfaceIncidentLight &from, float directionScale,
+Q3_VECTOR void SetIncidentLight(const Vec3f &color, const SurfaceIncidentLight &from, float directionScale,
                                 LuxelIncidentLight &out) {
-    SetIncidentColor(light.color, from, from.strength, out.color);
-    const std::int32_t colored = light.color.x + light.color.y + light.color.z > 0 ? -1 : 0;
+    SetIncidentColor(color, from, from.strength, out.color);
+    const std::int32_t colored = color.x + color.y + color.z > 0 ? -1 : 0;
     for (std::size_t i = 0; i < kPacketSize; ++i) {
         out.lit[i] = from.live[i] & colored;
         out.filtered[i] = from.strength[i] > 1 ? from.filtered[i] : 0;
@@ -267,17 +270,22 @@ LuxelSum &LuxelSums::FindOrAdd(std::size_t slot, float filterRadius, std::size_t
     return sum;
 }
 
-bool LuxelContribution(const Light &light, const LuxelPass &pass, const LightScene &scene,
+void SetLuxelLight(const LightSource &source, const LuxelPass &pass, const BasisLanes *basis,
+                   const SurfaceIncidentLight &incident, LuxelIncidentLight &out, ChannelLanes &channels) {
+    const float scale = pass.deluxe ? DeluxeWeight(source.Color()) * (pass.bounce ? kDeluxeBounceFraction : 1) : 0;
+    SetIncidentLight(source.Color(), incident, scale, out);
+    if (pass.channels.Any())
+        SetChannels(source.Color(), incident, pass.channels, basis, channels);
+}
+
+bool LuxelContribution(const LightSource &source, const LuxelPass &pass, const LightScene &scene,
                        const LuxelReceivers &receivers, LuxelIncidentLight &out, ChannelLanes &channels,
                        ContributionCounts &counts) {
     SurfaceIncidentLight incident;
-    LightContributionToSample(light, pass.settings, scene, receivers.batch, incident, counts);
+    SourceContributionToSample(source, pass.settings, scene, receivers.batch, incident, counts);
     if (!incident.live.Any() && !incident.filtered.Any())
         return false;
-    const float scale = pass.deluxe ? DeluxeWeight(light.color) * (pass.bounce ? kDeluxeBounceFraction : 1) : 0;
-    SetIncidentLight(light, incident, scale, out);
-    if (pass.channels.Any())
-        SetChannels(light.color, incident, pass.channels, receivers.basis, channels);
+    SetLuxelLight(source, pass, receivers.basis, incident, out, channels);
     return true;
 }
 

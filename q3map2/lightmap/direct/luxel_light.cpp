@@ -8,6 +8,7 @@
 #include "q3map2/lightmap/direct/luxel_contribution.h"
 #include "q3map2/lightmap/direct/luxel_filter.h"
 #include "q3map2/lightmap/direct/luxel_samples.h"
+#include "q3map2/lightmap/direct/luxel_soft.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
 
@@ -26,28 +27,31 @@ constexpr float kSameFacing = 0.999f;
 /// Lights up to this far behind the plane of a surface count. Game units.
 constexpr float kBehindPlane = 1;
 
-/// Whether the light can reach the front side of a plane.
-bool OnLitSide(const Light &light, const Vec3f &center, const Vec3f &normal) {
+/// Whether the light can reach the front side of a plane; of area lights with soft shadows, some part of it.
+bool OnLitSide(const Light &light, bool softShadows, const Vec3f &center, const Vec3f &normal) {
     if (!light.twoSided && Dot(light.normal, normal) > kSameFacing)
         return false;
     const Vec3f origin = light.type == LightType::Sun ? light.normal * -kSunDistance : light.origin;
-    return Dot(origin - center, normal) >= -kBehindPlane;
+    const float radius = softShadows && light.type == LightType::Area ? ReachOfPolygon(light) : 0;
+    return Dot(origin - center, normal) >= -kBehindPlane - radius;
 }
 
 } // namespace
 
-void LuxelLightList::Build(const LightsByCluster &passLights, const RawLightmap &lightmap, bool sunOnly) {
+void LuxelLightList::Build(const LightsByCluster &passLights, const RawLightmap &lightmap,
+                           const SurfaceLightSettings &settings) {
     list_.clear();
     const Vec3f center = lightmap.bounds.Center();
     const float radius = 0.5f * Length(lightmap.bounds.maxs - lightmap.bounds.mins);
     const auto use = [&](std::size_t number) {
         const Light &light = passLights.Lights()[number];
         const bool sun = light.type == LightType::Sun;
-        if (!light.lightsSurfaces || light.envelope <= 0 || (sunOnly && !sun))
+        if (!light.lightsSurfaces || light.envelope <= 0 || (settings.sunOnly && !sun))
             return;
         if (!sun && (Length(light.origin - center) - light.envelope - radius > 0 || ConeMisses(light, center, radius)))
             return;
-        if (lightmap.planar && !lightmap.twoSided && !OnLitSide(light, center, lightmap.planeNormal))
+        if (lightmap.planar && !lightmap.twoSided &&
+            !OnLitSide(light, settings.HasSoftShadows(), center, lightmap.planeNormal))
             return;
         list_.push_back(&light);
     };
@@ -172,6 +176,7 @@ struct Worker {
     LuxelBlocks blocks;
     LuxelSums sums;
     LuxelSampler sampler;
+    SoftLuxels soft;
     LuxelLightList list;
     std::vector<std::uint32_t> reachedBlocks;
     ContributionCounts counts;
@@ -205,11 +210,14 @@ class LightmapPass {
         }
         if (supersamples_)
             worker_.sampler.Start(in_, lightmap_, worker_.blocks, pass_);
-        worker_.list.Build(lights_, lightmap_, in_.options.sunOnly);
+        if (pass_.settings.HasSoftShadows())
+            worker_.soft.Start(lightmap_, worker_.blocks);
+        worker_.list.Build(lights_, lightmap_, pass_.settings);
+        const std::vector<LightSource> sources = SourcesOf(worker_.list.Lights(), pass_.settings);
         if (StyleChoice::IsNeeded(worker_.list.Lights()))
-            ChooseStyles();
-        for (const Light *light : worker_.list.Lights())
-            AddLight(*light);
+            ChooseStyles(sources);
+        for (const LightSource &source : sources)
+            AddLight(source);
         for (std::size_t i = 0; i < worker_.sums.used; ++i)
             AddSum(worker_.sums.sums[i]);
     }
@@ -239,55 +247,82 @@ class LightmapPass {
         return worker_.sums.FindOrAdd(slot, std::max(0.0f, light.filterRadius), worker_.blocks.Count());
     }
 
-    void AddLight(const Light &light) {
+    void AddLight(const LightSource &source) {
+        const Light &light = source.First();
         const std::size_t slot = StyleSlotFor(lightmap_.styles, light.style);
         if (slot == kStyles || styles_.Drops(light.style))
             return;
-        worker_.reachedBlocks.clear();
-        worker_.blocks.FindReached(light, pass_.settings, worker_.reachedBlocks);
+        FindReached(source);
         if (supersamples_)
-            worker_.sampler.StartLight(light);
+            worker_.sampler.StartLight(source);
         LuxelSum *sum = nullptr;
         const float sign = light.negative ? -1.0f : 1.0f;
-        LuxelIncidentLight incident;
+        LuxelIncidentLight luxels;
         ChannelLanes channels;
-        for (const std::uint32_t block : worker_.reachedBlocks) {
-            if (!Contribution(light, block, incident, channels))
-                continue;
+        ForLitBlocks(source, [&](std::uint32_t block, const SurfaceIncidentLight &incident) {
+            SetLuxelLight(source, pass_, worker_.blocks.Basis(block), incident, luxels, channels);
             if (!sum)
                 sum = &SumFor(light, slot);
-            AddLanes(incident.color, sign, sum->color[block]);
+            AddLanes(luxels.color, sign, sum->color[block]);
             if (pass_.deluxe)
-                AddLanes(incident.direction, 1, sum->direction[block]);
+                AddLanes(luxels.direction, 1, sum->direction[block]);
             for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
                 AddLanes(channels[c], sign, sum->channels[block][c]);
             if (supersamples_)
-                worker_.sampler.SetBlock(block, incident, channels);
-        }
+                worker_.sampler.SetBlock(block, luxels, channels);
+        });
         if (supersamples_ && sum)
             worker_.sampler.Refine(*sum, worker_.counts);
     }
 
-    bool Contribution(const Light &light, std::size_t block, LuxelIncidentLight &incident, ChannelLanes &channels) {
-        const LuxelReceivers receivers{worker_.blocks.Receivers(block), worker_.blocks.Basis(block)};
-        return LuxelContribution(light, pass_, in_.scene, receivers, incident, channels, worker_.counts);
+    /// Sets worker_.reachedBlocks to the blocks that a source may reach.
+    void FindReached(const LightSource &source) {
+        std::vector<std::uint32_t> &reached = worker_.reachedBlocks;
+        reached.clear();
+        for (const Light *sample : source.Samples()) {
+            worker_.blocks.FindReached(*sample, pass_.settings, reached);
+            if (sample->type == LightType::Sun)
+                return; // it may reach all of them
+        }
+        if (source.Samples().size() > 1) {
+            std::ranges::sort(reached);
+            reached.erase(std::unique(reached.begin(), reached.end()), reached.end());
+        }
+    }
+
+    /// Calls use(block, light) for the reached blocks at which light of the source arrives.
+    template <typename Use> void ForLitBlocks(const LightSource &source, const Use &use) {
+        const SurfaceLightSettings &settings = pass_.settings;
+        if (source.Samples().size() > 1)
+            return worker_.soft.Add(SoftSampledLight(source, settings, in_.scene, worker_.counts),
+                                    worker_.reachedBlocks, use);
+        const Light &light = source.First();
+        if (light.type == LightType::Area && settings.HasSoftShadows())
+            return worker_.soft.Add(SoftAreaLight(light, settings, in_.scene, worker_.counts), worker_.reachedBlocks,
+                                    use);
+        SurfaceIncidentLight incident;
+        for (const std::uint32_t block : worker_.reachedBlocks) {
+            LightContributionToSample(light, settings, in_.scene, worker_.blocks.Receivers(block), incident,
+                                      worker_.counts);
+            if (incident.live.Any() || incident.filtered.Any())
+                use(block, incident);
+        }
     }
 
     /// Measures the light of all styles to find those to drop.
-    void ChooseStyles() {
-        LuxelIncidentLight incident;
-        ChannelLanes channels;
-        for (const Light *light : worker_.list.Lights()) {
+    void ChooseStyles(std::span<const LightSource> sources) {
+        for (const LightSource &source : sources) {
             double energy = 0;
-            worker_.reachedBlocks.clear();
-            if (light->style != 0)
-                worker_.blocks.FindReached(*light, pass_.settings, worker_.reachedBlocks);
-            for (const std::uint32_t block : worker_.reachedBlocks)
-                if (Contribution(*light, block, incident, channels))
+            if (source.First().style != 0) {
+                FindReached(source);
+                ForLitBlocks(source, [&](std::uint32_t block, const SurfaceIncidentLight &incident) {
+                    Lanes3 color;
+                    SetIncidentColor(source.Color(), incident, incident.strength, color);
                     for (std::size_t i = 0; i < worker_.blocks.Receivers(block).count; ++i)
-                        energy +=
-                            double(incident.color.x[i]) + double(incident.color.y[i]) + double(incident.color.z[i]);
-            styles_.Add(*light, energy);
+                        energy += double(color.x[i]) + double(color.y[i]) + double(color.z[i]);
+                });
+            }
+            styles_.Add(source.First(), energy);
         }
         styles_.Choose();
     }
@@ -348,7 +383,8 @@ LuxelPass LuxelPassOf(const SurfaceInputs &in, const SurfacePass &pass, const Ra
                        .halfLambert = in.lightmap.halfLambert,
                        .receiveShadows = lightmap.receiveShadows,
                        .faint = in.options.skip.faint ? kFaint : 0,
-                       .directional = lightmap.channels.Any()};
+                       .directional = lightmap.channels.Any(),
+                       .areaShadows = in.options.areaShadows};
     return result;
 }
 

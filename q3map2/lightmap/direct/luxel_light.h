@@ -17,7 +17,7 @@ LuxelPass LuxelPassOf(const SurfaceInputs &in, const SurfacePass &pass, const Ra
 class LuxelLightList {
   public:
     /// passLights: the lights of the pass, made with SunsSeen::Everywhere.
-    void Build(const LightsByCluster &passLights, const RawLightmap &lightmap, bool sunOnly);
+    void Build(const LightsByCluster &passLights, const RawLightmap &lightmap, const SurfaceLightSettings &settings);
     const std::vector<const Light *> &Lights() const { return list_; }
 
   private:

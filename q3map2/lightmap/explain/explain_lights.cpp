@@ -22,8 +22,6 @@ constexpr std::size_t kMostWithObstacles = 32;
 constexpr float kUnshadowedShare = 0.999f;
 /// Lights below this have no account of obstacles. Byte scale.
 constexpr float kLeastLight = 0.01f;
-/// Shadow rays to an area light end this far in front of it. Game units.
-constexpr float kEmitterGap = 0.125f;
 
 Vec3f AimOf(const Light &light) {
     return light.type == LightType::Area ? light.shape.center : light.origin;

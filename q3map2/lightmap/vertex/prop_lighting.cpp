@@ -141,7 +141,7 @@ class PropLighter {
     /// All receivers are one-sided, or all are two-sided.
     void AddDirect(const PropJob &job, std::span<const PropReceiver> receivers, PropPass pass, std::vector<Vec3f> &sums,
                    ContributionCounts &counts) const;
-    void AddLight(const Light &light, const StaticProp &prop, const SurfaceLightSettings &settings,
+    void AddLight(const LightSource &source, const StaticProp &prop, const SurfaceLightSettings &settings,
                   std::span<SurfaceReceiverBatch> batches, std::span<const PropReceiver> receivers,
                   std::vector<Vec3f> &sums, ContributionCounts &counts) const;
     void AddOcclusion(const PropJob &job, std::vector<Vec3f> &light, ContributionCounts &counts) const;
@@ -304,37 +304,42 @@ void PropLighter::AddDirect(const PropJob &job, std::span<const PropReceiver> re
     settings.pointAreas = in_.options.faster;
     settings.halfLambert = in_.lightmap.halfLambert;
     settings.receiveShadows = prop.receiveShadows;
+    settings.areaShadows = in_.options.areaShadows;
     // A box is not the shape of the prop, and what is moved out of a wall may be inside of it.
     if (!prop.selfShadows || !in_.options.staticPropPolys || pass == PropPass::Buried)
         settings.ignoredProp = int(job.prop);
     const Vec3f center = bounds.Center();
     const float radius = Length(bounds.maxs - center);
+    std::vector<const Light *> reaching;
     for (const Light &light : lights_) {
         const bool misses = light.type != LightType::Sun &&
                             (in_.options.sunOnly || Length(light.origin - center) - light.envelope - radius > 0 ||
                              ConeMisses(light, center, radius));
         if (!misses)
-            AddLight(light, prop, settings, batches, receivers, sums, counts);
+            reaching.push_back(&light);
     }
+    for (const LightSource &source : SourcesOf(reaching, settings))
+        AddLight(source, prop, settings, batches, receivers, sums, counts);
 }
 
-void PropLighter::AddLight(const Light &light, const StaticProp &prop, const SurfaceLightSettings &settings,
+void PropLighter::AddLight(const LightSource &source, const StaticProp &prop, const SurfaceLightSettings &settings,
                            std::span<SurfaceReceiverBatch> batches, std::span<const PropReceiver> receivers,
                            std::vector<Vec3f> &sums, ContributionCounts &counts) const {
     SurfaceIncidentLight incident;
+    const Light &light = source.First();
     const float factor = prop.ignoresNormals && light.angleAttenuation ? kNoNormalFactor : 1;
     for (std::size_t b = 0; b < batches.size(); ++b) {
         SurfaceReceiverBatch &batch = batches[b];
         for (std::size_t i = 0; i < batch.count && prop.ignoresNormals; ++i)
             batch.normal.Set(i, light.type == LightType::Sun ? -light.normal
                                                              : Normalize(light.origin - batch.position[i]));
-        LightContributionToSample(light, settings, in_.scene, batch, incident, counts);
+        SourceContributionToSample(source, settings, in_.scene, batch, incident, counts);
         for (std::size_t i = 0; i < batch.count; ++i) {
             if (incident.live[i] == 0)
                 continue;
             const PropReceiver &receiver = receivers[b * kPacketSize + i];
             const float strength = incident.strength[i] * factor * receiver.weight;
-            const Vec3f color = light.color * (light.negative ? -strength : strength);
+            const Vec3f color = source.Color() * (light.negative ? -strength : strength);
             sums[receiver.point] += incident.tinted ? color * incident.tint[i] : color;
         }
     }

@@ -172,6 +172,7 @@ VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &
     settings_.pointAreas = in.options.faster;
     settings_.halfLambert = in.lightmap.halfLambert;
     settings_.receiveShadows = entry_.receiveShadows;
+    settings_.areaShadows = in.options.areaShadows;
     settings_.shadows = surfaces.lightmapOf[surface] < 0; // -cpma lights lightmapped surfaces without shadows
     settings_.sunShadows = settings_.shadows && !entry_.shader->forceSunlight;
     FindLights(lights);
@@ -241,17 +242,18 @@ void VertexLighter::ChooseStyles() {
     std::vector<SurfaceReceiverBatch> batches = OpenVertices(every, {}, open);
     StyleChoice choice;
     SurfaceIncidentLight incident;
-    for (const Light *light : lights_) {
+    for (const LightSource &source : SourcesOf(lights_, settings_)) {
         double energy = 0;
+        const Vec3f &color = source.Color();
         for (SurfaceReceiverBatch &batch : batches) {
-            if (light->style == 0)
+            if (source.First().style == 0)
                 continue;
-            LightContributionToSample(*light, settings_, in_.scene, batch, incident, counts_);
+            SourceContributionToSample(source, settings_, in_.scene, batch, incident, counts_);
             for (std::size_t i = 0; i < batch.count; ++i)
                 if (incident.live[i] != 0)
-                    energy += double(incident.strength[i]) * double(light->color.x + light->color.y + light->color.z);
+                    energy += double(incident.strength[i]) * double(color.x + color.y + color.z);
         }
-        choice.Add(*light, energy);
+        choice.Add(source.First(), energy);
     }
     choice.Choose();
     result_.dropped = choice.DroppedLightNames();
@@ -273,17 +275,18 @@ VertexLighter::VertexIndices VertexLighter::LightAt(const VertexIndices &vertice
 
 void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> batches, const VertexIndices &vertices) {
     SurfaceIncidentLight incident;
-    for (const Light *light : lights_) {
+    for (const LightSource &source : SourcesOf(lights_, settings_)) {
+        const Light *light = &source.First();
         const std::size_t slot = StyleSlotFor(result_.styles, light->style);
         if (slot == kStyles) // its light arrived beside vertices in solids only, where ChooseStyles did not look
             continue;
         for (std::size_t b = 0; b < batches.size(); ++b) {
-            LightContributionToSample(*light, settings_, in_.scene, batches[b], incident, counts_);
+            SourceContributionToSample(source, settings_, in_.scene, batches[b], incident, counts_);
             for (std::size_t i = 0; i < batches[b].count; ++i) {
                 if (incident.live[i] == 0)
                     continue;
                 const std::size_t v = vertices[b * kPacketSize + i];
-                const Vec3f color = light->color * (light->negative ? -incident.strength[i] : incident.strength[i]);
+                const Vec3f color = source.Color() * (light->negative ? -incident.strength[i] : incident.strength[i]);
                 AddTo(slot, v, incident.tinted ? color * incident.tint[i] : color);
                 result_.styles[slot] = std::uint8_t(light->style);
                 const Vec3f &soFar = result_.values[0][v];

@@ -178,6 +178,7 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o chea
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o cheapgrid -d '-cheap for the legacy grid only'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o nogrid -d 'Leave the legacy light grid as it is'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o notrace -d 'No shadows'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o areashadows -d 'Soft shadows of area lights on surfaces, by at most N rays from each luxel to each light'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o nosurf -d 'Shadows of structural brushes only'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o patchshadows -d 'Curved surfaces cast shadows'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o sunonly -d 'Only suns and sky light shine'

@@ -67,10 +67,12 @@ std::optional<FoundLuxel> NearestOf(const RawLightmap &raw, const AskedPlace &pl
 
 DirectErrors DirectErrorsOf(std::span<const ComparedDirect> light) {
     DirectErrors errors;
-    std::vector<ComparedLight> all;
+    std::vector<ComparedLight> all, clear;
     double squares = 0;
     for (const ComparedDirect &one : light) {
         all.push_back(one.light);
+        if (one.isClear)
+            clear.push_back(one.light);
         const auto cause = std::size_t(one.cause);
         const double square = SquaredError(one.light);
         errors.receivers[cause] += 1, errors.squares[cause] += square, squares += square;
@@ -78,6 +80,7 @@ DirectErrors DirectErrorsOf(std::span<const ComparedDirect> light) {
     }
     const double count = std::max(1.0, double(light.size()));
     errors.all = ErrorsOf(all);
+    errors.rmseClear = ErrorsOf(clear).rmse;
     errors.grossShare /= count;
     for (std::size_t cause = 0; cause < kCauseNames.size(); ++cause) {
         errors.receivers[cause] /= count;
@@ -177,7 +180,8 @@ std::vector<ComparedDirect> CompareDirect(const SurfaceLight &surfaces, std::spa
     for (std::size_t i = 0; i < luxels.size(); ++i)
         light.push_back({{{}, baked[i], truth[i].light, truth[i].error},
                          CauseOf(surfaces, luxels[i], truth[i]),
-                         truth[i].nearEdge});
+                         truth[i].nearEdge,
+                         luxels[i].places == std::vector<Vec3f>{luxels[i].position}});
     return light;
 }
 
@@ -205,13 +209,14 @@ std::vector<Vec3f> LightAt(const SurfaceLight &surfaces, std::span<const LuxelRe
 }
 
 std::string DirectTables(std::span<const DirectRow> rows) {
-    std::string text = "| map | setting | CPU s | RMSE | 95 % | 99 % | bias | noise | mean | gross % |\n"
-                       "|---|---|---|---|---|---|---|---|---|---|\n";
+    std::string text = "| map | setting | CPU s | RMSE | RMSE clear | 95 % | 99 % | bias | noise | mean | gross % |\n"
+                       "|---|---|---|---|---|---|---|---|---|---|---|\n";
     for (const DirectRow &row : rows) {
         const BounceErrors &e = row.errors.all;
-        text += fmt::format("| {} | {} | {} | {:.3f} | {:.2f} | {:.2f} | {:+.3f} | {:.3f} | {:.2f} | {:.2f} |\n",
-                            row.map, row.setting, row.seconds < 0 ? "-" : fmt::format("{:.2f}", row.seconds), e.rmse,
-                            e.percentile95, e.percentile99, e.bias, e.noise, e.meanLight, 100 * row.errors.grossShare);
+        text += fmt::format(
+            "| {} | {} | {} | {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:+.3f} | {:.3f} | {:.2f} | {:.2f} |\n", row.map,
+            row.setting, row.seconds < 0 ? "-" : fmt::format("{:.2f}", row.seconds), e.rmse, row.errors.rmseClear,
+            e.percentile95, e.percentile99, e.bias, e.noise, e.meanLight, 100 * row.errors.grossShare);
     }
     text += "\n| map | setting | share of |";
     for (const std::string_view name : kCauseNames)

@@ -27,11 +27,13 @@ struct ComparedDirect {
     ComparedLight light; ///< `direct` is 0, `bounced` and `traced` are baked and true direct light
     ErrorCause cause = ErrorCause::Rest;
     bool nearEdge = false; ///< LuxelTruth::nearEdge
+    bool isClear = true;   ///< the truth is that at the receiver's own position, not at clear places of its luxel
 };
 
 /// Displayed errors of a setting over receivers.
 struct DirectErrors {
     BounceErrors all;
+    double rmseClear = 0;  ///< of receivers that are clear
     double grossShare = 0; ///< of receivers: an error over kGrossError outside two luxels of a shadow edge
     std::array<double, kCauseNames.size()> receivers{}, squares{}; ///< shares by cause: of receivers, of squared error
 };

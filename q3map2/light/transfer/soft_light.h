@@ -1,0 +1,152 @@
+// GPL-2.0-or-later. Soft shadows on surfaces (-areashadows): lights of which a receiver may see a part.
+#pragma once
+
+#include "q3map2/light/transfer/light_sample.h"
+
+#include <cstdint>
+#include <span>
+
+namespace q3 {
+
+/// Light of one SoftLight at a batch of receivers while its rays are cast, a lane per receiver.
+struct SoftBatch {
+    SurfaceReceiverBatch *receivers = nullptr;
+    SurfaceIncidentLight incident; ///< without shadows until SoftLight::Finish
+    Lanes3 normal;                 ///< of the receiver; of area lights, of the side that is lit
+    /// Without shadows: sum of vectors that point to the light with the length of the strength on a receiver that faces
+    /// it, and sum of their lengths. Nothing of light from behind.
+    Lanes3 vector;
+    Lanes length;
+    Lanes3 color;                 ///< sum over the samples of strength times color, over SoftLight::Color
+    Lanes whole, seen;            ///< sums of the strengths of all points tried, and of those whose rays arrived
+    Lanes3 seenVector;            ///< sum of the vectors of the points whose rays arrived
+    Lanes seenLength;             ///< sum of their lengths
+    Lanes3 wholeColor, seenColor; ///< the sums `whole` and `seen` with color and transmittance; valid if tinted
+    LaneMask behind{};            ///< behind the plane of an area light
+    Lanes3 position;              ///< of the receiver, moved off the plane of an area light
+    Lanes height;                 ///< its distance to that plane. Game units
+    std::uint64_t seed = 0;       ///< of the sequence of points
+    int rays = 0;                 ///< cast so far by each live receiver
+
+    /// Receivers that see something of the light, and receivers from which some of it is hidden.
+    LaneMask Seeing() const;
+    LaneMask Hidden() const;
+    /// Live receivers that see a part of the light; all live ones, if some see something and some do not see all.
+    LaneMask Disagreeing() const;
+};
+
+/// A light of which receivers on surfaces may see a part.
+///
+/// Its light without shadows is known. Of that the share V / W arrives: W sums up the light that points of the source
+/// would give, and V that of the points whose rays arrive. So the light is exact where nothing or everything is hidden.
+///
+/// Start casts the first rays of the receivers of a batch to different points, so that together they look over the
+/// whole source. Where they and their neighbors agree, that is the result. Finish casts more rays from the others.
+class SoftLight {
+  public:
+    SoftLight(const Light &light, const SurfaceLightSettings &settings, const LightScene &scene,
+              ContributionCounts &counts)
+        : light_(light), settings_(settings), scene_(scene), counts_(counts) {}
+    virtual ~SoftLight() = default;
+
+    /// False: no receiver gets light.
+    bool Start(SurfaceReceiverBatch &receivers, SoftBatch &batch) const;
+    /// Sets batch.incident; receivers that get nothing are live no longer. doubtful: receivers that cast more rays.
+    void Finish(SoftBatch &batch, const LaneMask &doubtful) const;
+    /// Start and Finish for a batch whose neighbors are unknown.
+    void Evaluate(SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident) const;
+    /// The color by which incident light is multiplied.
+    virtual Vec3f Color() const { return light_.color; }
+
+  protected:
+    /// Rays from all receivers, one to a point each, and what these points give.
+    struct PointRays {
+        RayPacket rays;
+        Lanes strength; ///< 0 and not live: none
+        Lanes vector;   ///< length of the vector, see SoftBatch; the ray has its direction
+        Lanes3 color;   ///< over Color(), if IsColored
+    };
+
+    /// Sets incident (live, strength, undirected) and normal, vector, length of a batch.
+    virtual void SetUnshadowed(SoftBatch &batch) const = 0;
+    /// Rays to point `number` of the sequence of each receiver.
+    virtual void Aim(const SoftBatch &batch, std::uint32_t number, PointRays &to) const = 0;
+    virtual void Cast(RayPacket &rays) const;
+    virtual bool IsColored() const { return false; }
+    /// Rays of each receiver in Start. strongest: of all receivers without shadows, byte scale.
+    virtual int FirstRays(float strongest) const;
+    /// The rays of Finish.
+    virtual void CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const = 0;
+    /// Adds a traced ray to the sums of its receiver; not if the light IsColored.
+    static void AddRay(const RayPacket &traced, std::size_t ray, std::size_t receiver, float strength, float vector,
+                       SoftBatch &batch);
+    /// Casts the rays of the receivers in `lanes`, and adds the results to the sums of the batch.
+    void CastAndCount(const LaneMask &lanes, PointRays &to, SoftBatch &batch) const;
+
+    const Light &light_;
+    const SurfaceLightSettings &settings_;
+    const LightScene &scene_;
+    ContributionCounts &counts_;
+
+  private:
+    static void SetTinted(SoftBatch &batch);
+    void Count(const PointRays &to, const LaneMask &lanes, SoftBatch &batch) const;
+    static void FillUntried(SoftBatch &batch);
+    void SetShares(SoftBatch &batch) const;
+    void SetDirections(SoftBatch &batch) const;
+};
+
+/// An area light: the form factor of the part of its polygon above the receiver's horizon, in closed form, and points
+/// of the polygon, uniform in area, by the R2 sequence.
+class SoftAreaLight : public SoftLight {
+  public:
+    using SoftLight::SoftLight;
+
+  protected:
+    void SetUnshadowed(SoftBatch &batch) const override;
+    void Aim(const SoftBatch &batch, std::uint32_t number, PointRays &to) const override;
+    /// Rays until the expected error is kShareError, or the limit of -areashadows is reached.
+    void CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const override;
+
+  private:
+    void AimLanes(const SoftBatch &batch, std::uint32_t number, PointRays &to) const;
+    void MeasureSides(SoftBatch &batch) const;
+    bool MeasureHorizons(SoftBatch &batch) const;
+    void MeasureVectors(bool isCrossing, SoftBatch &batch) const;
+};
+
+/// The samples of one light (Light::source): directions to a sun or to the sky, or places within the deviance of a
+/// point light. The points are the samples. Where receivers disagree, the result is the sum of these lights.
+class SoftSampledLight : public SoftLight {
+  public:
+    SoftSampledLight(const LightSource &source, const SurfaceLightSettings &settings, const LightScene &scene,
+                     ContributionCounts &counts);
+    Vec3f Color() const override { return color_; }
+    /// Whether this class can do the samples of the source of that light.
+    static bool Takes(const Light &light, const SurfaceLightSettings &settings);
+
+  protected:
+    void SetUnshadowed(SoftBatch &batch) const override;
+    void Aim(const SoftBatch &batch, std::uint32_t number, PointRays &to) const override;
+    void Cast(RayPacket &rays) const override;
+    /// Rays to all samples.
+    void CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const override;
+    bool IsColored() const override { return isColored_; }
+    int FirstRays(float strongest) const override;
+
+  private:
+    void AimFrom(const SoftBatch &batch, std::size_t receiver, const Light &sample, PointRays &to) const;
+    void AimFromAll(const SoftBatch &batch, const Light &sun, PointRays &to) const;
+    void ClearRays(const SurfaceReceiverBatch &receivers, PointRays &to) const;
+    static void AddSun(const Light &sun, const Vec3f &color, SoftBatch &batch);
+    static void AddPoint(const Light &light, const Vec3f &color, SoftBatch &batch);
+    /// Color of a sample over color_.
+    Vec3f RelativeColor(const Light &sample) const;
+
+    std::span<const Light *const> samples_;
+    Vec3f color_;            ///< LightSource::Color
+    bool isColored_ = false; ///< samples have different colors
+    std::size_t step_ = 1;   ///< from a sample to the next one of a receiver
+};
+
+} // namespace q3
