@@ -211,6 +211,7 @@ LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOpt
           log)),
       scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)) {
     props.shadows = {}; // the scene has a copy
+    lights = CutCrossedLights(std::move(lights), space, scene);
     WarnOfHiddenLights(lights, space, options.noTrace ? nullptr : &scene, log);
     log.Count(scene.TriangleCount(), "triangles that rays can meet");
 }

@@ -538,9 +538,11 @@ Group Rays() {
            .range = {1, kMaxAreaRays},
            .help = "Soft shadows of area lights on surfaces, by at most N rays from each luxel to each light",
            .details = "A lamp that is partly hidden gives a surface the light of the part that is seen, instead of all "
-                      "or nothing by one ray to its middle. Most rays go to penumbrae; N bounds their noise. Concerns "
-                      "lightmaps, vertices and static props, and what they reflect; the SH grid always does so. "
-                      "`-faster` turns it off."},
+                      "or nothing by one ray to its middle. Most rays go to penumbrae, where N bounds the noise. Suns "
+                      "with a deviance, skies, and lights with `_samples` take all of their samples only where some "
+                      "are hidden, and have at least 64. Concerns lightmaps, vertices and static props, and what they "
+                      "reflect; the SH grid always does so. `-samples` leaves such lights alone, since their shadows "
+                      "have no hard edges. `-faster` turns it off. [lightmaps.md](lightmaps.md#soft-shadows)"},
           Do<LightOptions>(areaShadows)},
          {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::structuralShadowsOnly},
          {{.name = "-patchshadows",

@@ -97,7 +97,7 @@ struct LightOptions {
     bool faster = false;    ///< treat area lights as points, except for the SH grid
     bool cheap = false;     ///< add no more light to white vertices and legacy grid points
     bool cheapGrid = false; ///< the same for legacy grid points only; set by -cheap too
-    int areaShadows = 0; ///< -areashadows: most rays of a luxel to an area light; 0: one, to its middle
+    int areaShadows = 0;    ///< -areashadows: most rays of a luxel to an area light; 0: one, to its middle
     bool noTrace = false, structuralShadowsOnly = false, sunOnly = false, oneSky = false, noStyles = false,
          patchShadows = false;
     bool switchable = false; ///< lights of a targetname get a style

@@ -151,6 +151,79 @@ std::vector<OpenFrontPart> CutByBack(const Light &back, const BspSpace &space,
     return result;
 }
 
+/// Surfaces that cross area lights.
+class CrossingSurfaces {
+  public:
+    explicit CrossingSurfaces(const LightScene &scene) : scene_(scene) {}
+
+    /// The plane of a surface that crosses the light within kCrossing of its origin.
+    std::optional<Plane> Across(const Light &light) {
+        // Rays from around the origin through it, parallel to the light.
+        const Vec3f across = Normalize(light.polygon[1] - light.polygon[0]), along = Cross(light.normal, across);
+        RayPacket rays;
+        for (const std::size_t i : kEachLane) {
+            const float turn = 2 * std::numbers::pi_v<float> * float(i) / float(kPacketSize);
+            const Vec3f direction = across * std::cos(turn) + along * std::sin(turn);
+            rays.Set(i, light.origin - direction * kCrossing, direction, 2 * kCrossing);
+        }
+        LightScene::Blockers hits;
+        RayCounts counts;
+        scene_.TraceBlockers(rays, LightScene::BlockerKind::Surfaces, 1, Lanes{}, hits, counts);
+        for (const std::size_t i : kEachLane)
+            if (hits.hit[i] != 0)
+                if (const auto plane = PlaneOf(hits.surface[i], rays.origin[i] + rays.direction[i] * hits.distance[i]))
+                    return plane;
+        return {};
+    }
+
+  private:
+    static constexpr float kCrossing = 1; ///< game units
+
+    /// The plane of the triangle of a surface that has the point.
+    std::optional<Plane> PlaneOf(int surface, const Vec3f &point) {
+        constexpr double kOnPlane = 0.05, kSliver = 1e-6; // game units, square units
+        using Triangle = LightScene::BlockerTriangle;
+        if (triangles_.empty()) {
+            triangles_ = scene_.BlockerTriangles();
+            std::ranges::stable_sort(triangles_, {}, &Triangle::surface);
+        }
+        for (const Triangle &triangle : std::ranges::equal_range(triangles_, surface, {}, &Triangle::surface)) {
+            const Vec3d a(triangle.corners[0]), b(triangle.corners[1]), c(triangle.corners[2]), p(point);
+            const Vec3d cross = Cross(b - a, c - a), normal = Normalize(cross);
+            const auto inside = [&](const Vec3d &u, const Vec3d &v) {
+                return Dot(Cross(v - u, p - u), cross) >= -kSliver;
+            };
+            if (Length(cross) > kSliver && std::abs(Dot(p - a, normal)) < kOnPlane && inside(a, b) && inside(b, c) &&
+                inside(c, a))
+                return Plane{normal, Dot(normal, a)};
+        }
+        return {};
+    }
+
+    const LightScene &scene_;
+    std::vector<LightScene::BlockerTriangle> triangles_; ///< by surface; empty until one is needed
+};
+
+/// Adds the parts into which surfaces cut a light, or the light.
+void AddUncrossed(const Light &light, int cuts, CrossingSurfaces &surfaces, const BspSpace &space,
+                  std::vector<Light> &parts) {
+    constexpr double kOnCut = 0.1; // game units
+    const std::optional<Plane> plane = cuts > 0 ? surfaces.Across(light) : std::nullopt;
+    std::vector<Light> halves;
+    if (plane) {
+        Polygon front, back;
+        ClipPolygon(light.polygon, *plane, kOnCut, front, back);
+        const EmittingSides sides = light.twoSided ? EmittingSides::Both : EmittingSides::Front;
+        for (Polygon *half : {&front, &back})
+            if (half->size() >= 3)
+                AddPart(light, std::move(*half), sides, space, halves);
+    }
+    if (halves.size() < 2)
+        return parts.push_back(light);
+    for (const Light &half : halves)
+        AddUncrossed(half, cuts - 1, surfaces, space, parts);
+}
+
 } // namespace
 
 int NudgeIntoOpen(Vec3f &origin, const BspSpace &space) {
@@ -194,6 +267,18 @@ std::vector<Light> OpenAreaLights(Light light, const BspSpace &space) {
     if (Vec3f origin = light.origin; lights.empty() && NudgeIntoOpen(origin, space) >= 0)
         lights.push_back(std::move(light));
     return lights;
+}
+
+std::vector<Light> CutCrossedLights(std::vector<Light> lights, const BspSpace &space, const LightScene &scene) {
+    constexpr int kMostCuts = 3; // one behind the other: 8 parts
+    CrossingSurfaces surfaces(scene);
+    std::vector<Light> result;
+    for (Light &light : lights)
+        if (light.type == LightType::Area)
+            AddUncrossed(light, kMostCuts, surfaces, space, result);
+        else
+            result.push_back(std::move(light));
+    return result;
 }
 
 float BacksplashDistance(const Light &light, float distance, const BspSpace &space) {

@@ -22,6 +22,10 @@ int NudgeIntoOpen(Vec3f &origin, const BspSpace &space);
 /// out, else there is none.
 std::vector<Light> OpenAreaLights(Light light, const BspSpace &space);
 
+/// Cuts area lights along surfaces that cross them through their middle, such as the second one of two crossed flames,
+/// and returns all lights. Each part has an origin of its own, so that a receiver sees those on its side.
+std::vector<Light> CutCrossedLights(std::vector<Light> lights, const BspSpace &space, const LightScene &scene);
+
 /// Distance from an area light to its backsplash, game units: `distance`, or half the distance to the first solid in
 /// between.
 float BacksplashDistance(const Light &light, float distance, const BspSpace &space);

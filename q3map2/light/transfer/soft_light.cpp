@@ -14,6 +14,9 @@ namespace {
 
 /// From these strengths on, receivers cast two and four rays before they are compared. Byte scale.
 constexpr float kTwoRaysFrom = 2, kFourRaysFrom = 16;
+/// First rays of receivers that are not compared with neighbors.
+constexpr int kRaysAlone = 8;
+
 std::uint64_t HashOf(const Vec3f &p) {
     const auto bits = [](float value) { return std::uint64_t(std::bit_cast<std::uint32_t>(value)); };
     return HashIndex(bits(p.x) ^ HashIndex(bits(p.y) ^ HashIndex(bits(p.z))));
@@ -109,7 +112,7 @@ void SoftLight::CastAndCount(const LaneMask &lanes, PointRays &to, SoftBatch &ba
     Count(to, lanes, batch);
 }
 
-bool SoftLight::Start(SurfaceReceiverBatch &receivers, SoftBatch &batch) const {
+bool SoftLight::Start(SurfaceReceiverBatch &receivers, int leastRays, SoftBatch &batch) const {
     SurfaceIncidentLight &incident = batch.incident;
     batch.receivers = &receivers;
     incident.tinted = IsColored();
@@ -129,7 +132,7 @@ bool SoftLight::Start(SurfaceReceiverBatch &receivers, SoftBatch &batch) const {
     if (!traced)
         return true;
     batch.seed = HashOf(receivers.position[0]);
-    const int rays = FirstRays(Strongest(incident) * MaxAbsComponent(Color()));
+    const int rays = std::max(leastRays, FirstRays(Strongest(incident) * MaxAbsComponent(Color())));
     PointRays to;
     for (; batch.rays < rays; ++batch.rays) {
         Aim(batch, std::uint32_t(batch.rays), to);
@@ -222,7 +225,7 @@ void SoftLight::Finish(SoftBatch &batch, const LaneMask &doubtful) const {
 
 void SoftLight::Evaluate(SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident) const {
     SoftBatch batch;
-    const bool any = Start(receivers, batch);
+    const bool any = Start(receivers, kRaysAlone, batch);
     if (any)
         Finish(batch, batch.Disagreeing());
     incident = batch.incident;

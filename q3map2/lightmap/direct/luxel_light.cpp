@@ -253,7 +253,8 @@ class LightmapPass {
         if (slot == kStyles || styles_.Drops(light.style))
             return;
         FindReached(source);
-        if (supersamples_)
+        const bool supersamples = supersamples_ && !IsSoft(source);
+        if (supersamples)
             worker_.sampler.StartLight(source);
         LuxelSum *sum = nullptr;
         const float sign = light.negative ? -1.0f : 1.0f;
@@ -268,11 +269,17 @@ class LightmapPass {
                 AddLanes(luxels.direction, 1, sum->direction[block]);
             for (std::size_t c = 0; c < pass_.channels.Count(); ++c)
                 AddLanes(channels[c], sign, sum->channels[block][c]);
-            if (supersamples_)
+            if (supersamples)
                 worker_.sampler.SetBlock(block, luxels, channels);
         });
-        if (supersamples_ && sum)
+        if (supersamples && sum)
             worker_.sampler.Refine(*sum, worker_.counts);
+    }
+
+    /// Whether the light of a source has soft shadows; these have no edges for -samples to find.
+    bool IsSoft(const LightSource &source) const {
+        return source.Samples().size() > 1 ||
+               (source.First().type == LightType::Area && pass_.settings.HasSoftShadows());
     }
 
     /// Sets worker_.reachedBlocks to the blocks that a source may reach.
@@ -297,7 +304,7 @@ class LightmapPass {
             return worker_.soft.Add(SoftSampledLight(source, settings, in_.scene, worker_.counts),
                                     worker_.reachedBlocks, use);
         const Light &light = source.First();
-        if (light.type == LightType::Area && settings.HasSoftShadows())
+        if (IsSoft(source))
             return worker_.soft.Add(SoftAreaLight(light, settings, in_.scene, worker_.counts), worker_.reachedBlocks,
                                     use);
         SurfaceIncidentLight incident;

@@ -61,7 +61,7 @@ void SoftLuxels::Add(const SoftLight &light, std::span<const std::uint32_t> reac
     std::vector<std::pair<std::uint32_t, SoftBatch *>> lit;
     for (const std::uint32_t block : reached) {
         SoftBatch &batch = batches_[lit.size()];
-        if (!light.Start(blocks_->Receivers(block), batch))
+        if (!light.Start(blocks_->Receivers(block), 1, batch))
             continue;
         lit.push_back({block, &batch});
         const LaneMask seeing = batch.Seeing(), hidden = batch.Hidden();

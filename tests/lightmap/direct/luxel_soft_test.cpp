@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Soft shadows on luxels (-areashadows): against closed forms and sums of lights.
 #include "q3map2/light/batch/form_factor.h"
+#include "q3map2/light/sources/hidden_lights.h"
 #include "q3map2/light/sources/light_suns.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "tests/lightmap/direct/test_lights.h"
@@ -111,6 +112,19 @@ TEST_F(SoftLuxelTest, ALampWithACoveredMiddleIsStillSeen) {
     }
     EXPECT_GT(dark, 5) << "one ray to the middle sees nothing there";
     EXPECT_LT(most, 2);
+}
+
+// One ray goes to the middle of each part, so both sides of the crossing surface get the light of theirs.
+TEST_F(SoftLuxelTest, ALampIsCutWhereASurfaceCrossesItsMiddle) {
+    scene_.AddQuad({Vec3f{0, -60, 260}, {0, 60, 260}, {0, 60, 150}, {0, -60, 150}}, Shaded("textures/test/wall"));
+    const SurfaceCase c(scene_, folder_);
+    const Light lamp = AreaLight({0, 0, 200}, 96, 48, {0, 0, -1}, 1000),
+                aside = AreaLight({200, 0, 200}, 96, 48, {0, 0, -1}, 1000);
+    const std::vector<Light> lights = CutCrossedLights({lamp, aside}, c.space, c.scene);
+    ASSERT_EQ(lights.size(), 3u);
+    EXPECT_LT(lights[0].origin.x * lights[1].origin.x, -100) << "one on each side";
+    EXPECT_FLOAT_EQ(lights[0].photons + lights[1].photons, lamp.photons);
+    EXPECT_EQ(lights[2].origin, aside.origin);
 }
 
 TEST_F(SoftLuxelTest, TheDirectionIsThatOfTheVisiblePart) {
