@@ -14,9 +14,6 @@ namespace {
 
 /// From these strengths on, receivers cast two and four rays before they are compared. Byte scale.
 constexpr float kTwoRaysFrom = 2, kFourRaysFrom = 16;
-/// First rays of receivers that are not compared with neighbors.
-constexpr int kRaysAlone = 8;
-
 std::uint64_t HashOf(const Vec3f &p) {
     const auto bits = [](float value) { return std::uint64_t(std::bit_cast<std::uint32_t>(value)); };
     return HashIndex(bits(p.x) ^ HashIndex(bits(p.y) ^ HashIndex(bits(p.z))));
@@ -112,7 +109,7 @@ void SoftLight::CastAndCount(const LaneMask &lanes, PointRays &to, SoftBatch &ba
     Count(to, lanes, batch);
 }
 
-bool SoftLight::Start(SurfaceReceiverBatch &receivers, int leastRays, SoftBatch &batch) const {
+bool SoftLight::Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch &batch) const {
     SurfaceIncidentLight &incident = batch.incident;
     batch.receivers = &receivers;
     incident.tinted = IsColored();
@@ -132,7 +129,7 @@ bool SoftLight::Start(SurfaceReceiverBatch &receivers, int leastRays, SoftBatch 
     if (!traced)
         return true;
     batch.seed = HashOf(receivers.position[0]);
-    const int rays = std::max(leastRays, FirstRays(Strongest(incident) * MaxAbsComponent(Color())));
+    const int rays = rayFactor * FirstRays(Strongest(incident) * MaxAbsComponent(Color()));
     PointRays to;
     for (; batch.rays < rays; ++batch.rays) {
         Aim(batch, std::uint32_t(batch.rays), to);
@@ -225,7 +222,7 @@ void SoftLight::Finish(SoftBatch &batch, const LaneMask &doubtful) const {
 
 void SoftLight::Evaluate(SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident) const {
     SoftBatch batch;
-    const bool any = Start(receivers, kRaysAlone, batch);
+    const bool any = Start(receivers, 2, batch);
     if (any)
         Finish(batch, batch.Disagreeing());
     incident = batch.incident;

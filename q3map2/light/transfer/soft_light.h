@@ -49,11 +49,11 @@ class SoftLight {
         : light_(light), settings_(settings), scene_(scene), counts_(counts) {}
     virtual ~SoftLight() = default;
 
-    /// leastRays: first rays of a receiver at least. False: no receiver gets light.
-    bool Start(SurfaceReceiverBatch &receivers, int leastRays, SoftBatch &batch) const;
+    /// rayFactor: factor of the number of first rays. False: no receiver gets light.
+    bool Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch &batch) const;
     /// Sets batch.incident; receivers that get nothing are live no longer. doubtful: receivers that cast more rays.
     void Finish(SoftBatch &batch, const LaneMask &doubtful) const;
-    /// Start and Finish for receivers that need not be neighbors, such as vertices: with more first rays.
+    /// Start and Finish for receivers that need not be neighbors, such as vertices: with twice the first rays.
     void Evaluate(SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident) const;
     /// The color by which incident light is multiplied.
     virtual Vec3f Color() const { return light_.color; }

@@ -84,7 +84,7 @@ Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSph
 
 } // namespace
 
-void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, std::size_t luxel) {
+void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, const Vec3f &position, std::size_t luxel) {
     if (receivers_.empty() || receivers_.back().count == kPacketSize) {
         FinishBlock();
         receivers_.emplace_back();
@@ -98,7 +98,7 @@ void LuxelBlocks::AddLuxel(const RawLightmap &lightmap, std::size_t luxel) {
     laneIndices_[luxel] = std::int32_t((receivers_.size() - 1) * kPacketSize + block.count);
     if (lightmap.channels.basis)
         SetLane(block.count, lightmap.BasisOf(luxel), basis_.back());
-    block.Add(lightmap.positions[luxel], lightmap.normals[luxel], lightmap.luxelClusters[luxel]);
+    block.Add(position, lightmap.normals[luxel], lightmap.luxelClusters[luxel]);
 }
 
 void LuxelBlocks::FinishBlock() {
@@ -124,12 +124,43 @@ void LuxelBlocks::FinishBlock() {
     nx_.push_back(normal.x), ny_.push_back(normal.y), nz_.push_back(normal.z);
 }
 
+/// The place of a luxel, or the nearest one on its surface that clears walls by kClear and is in the same cluster.
+Vec3f PlaceOffWalls(const RawLightmap &lightmap, std::size_t luxel, const BspSpace &space) {
+    constexpr float kClear = 0.5f, kTries[] = {1, LuxelBlocks::kMostOff}; // game units
+    constexpr int kDirections = 8;
+    const Vec3f position = lightmap.positions[luxel], normal = lightmap.normals[luxel];
+    const Vec3f margin{kClear, kClear, kClear};
+    const auto isClear = [&](const Vec3f &p) { return !space.AnySolid(p - margin, p + margin); };
+    if (isClear(position))
+        return position;
+    const Vec3f u = Normalize(Cross(std::abs(normal.z) > 0.7f ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1}, normal));
+    const Vec3f v = Cross(normal, u);
+    for (const float distance : kTries)
+        for (int i = 0; i < kDirections; ++i) {
+            const float turn = 2 * std::numbers::pi_v<float> * float(i) / kDirections;
+            const Vec3f place = position + (u * std::cos(turn) + v * std::sin(turn)) * distance;
+            if (isClear(place) && space.ClusterAt(place, 0) == lightmap.luxelClusters[luxel])
+                return place;
+        }
+    return position;
+}
+
 void LuxelBlocks::Build(const RawLightmap &lightmap) {
+    Build(lightmap, nullptr);
+}
+
+void LuxelBlocks::BuildOffWalls(const RawLightmap &lightmap, const BspSpace &space) {
+    Build(lightmap, &space);
+}
+
+void LuxelBlocks::Build(const RawLightmap &lightmap, const BspSpace *space) {
     receivers_.clear(), luxels_.clear(), basis_.clear();
     laneIndices_.assign(lightmap.luxelClusters.size(), -1);
     for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})
         row->clear();
-    ForMappedLuxelsByTile(lightmap, kTile, [&](std::size_t luxel, int, int) { AddLuxel(lightmap, luxel); });
+    ForMappedLuxelsByTile(lightmap, kTile, [&](std::size_t luxel, int, int) {
+        AddLuxel(lightmap, space ? PlaceOffWalls(lightmap, luxel, *space) : lightmap.positions[luxel], luxel);
+    });
     FinishBlock();
     const std::size_t padded = (Count() + kPacketSize - 1) / kPacketSize * kPacketSize;
     for (auto *row : {&x_, &y_, &z_, &radius_, &nx_, &ny_, &nz_, &thickness_})

@@ -33,6 +33,10 @@ void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const
 class LuxelBlocks {
   public:
     void Build(const RawLightmap &lightmap);
+    /// The same with luxels that touch a wall moved off it, up to kMostOff game units along their surface. Luxels at
+    /// the edge of a surface often lie in the plane of the next one, and a half of what shines on them seems hidden.
+    void BuildOffWalls(const RawLightmap &lightmap, const BspSpace &space);
+    static constexpr float kMostOff = 2;
 
     std::size_t Count() const { return receivers_.size(); }
     SurfaceReceiverBatch &Receivers(std::size_t block) { return receivers_[block]; }
@@ -48,7 +52,8 @@ class LuxelBlocks {
     void FindReached(const Light &light, const SurfaceLightSettings &settings, std::vector<std::uint32_t> &reached);
 
   private:
-    void AddLuxel(const RawLightmap &lightmap, std::size_t luxel);
+    void Build(const RawLightmap &lightmap, const BspSpace *space);
+    void AddLuxel(const RawLightmap &lightmap, const Vec3f &position, std::size_t luxel);
     void FinishBlock();
 
     std::vector<SurfaceReceiverBatch> receivers_;

@@ -197,7 +197,10 @@ class LightmapPass {
     std::vector<std::string> Dropped() const { return styles_.DroppedLightNames(); }
 
     void Run() {
-        worker_.blocks.Build(lightmap_);
+        if (pass_.settings.HasSoftShadows())
+            worker_.blocks.BuildOffWalls(lightmap_, in_.space);
+        else
+            worker_.blocks.Build(lightmap_);
         worker_.sums.Clear();
         worker_.sums.deluxe = pass_.deluxe;
         worker_.sums.directional = pass_.channels.Any();
