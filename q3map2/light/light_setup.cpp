@@ -98,9 +98,9 @@ std::vector<Light> CreateLights(const BspSpace &space, const std::vector<Entity>
     auto ofSurfaces = SurfaceLights(space, table, options, world, library, counts, log);
     std::move(ofSurfaces.begin(), ofSurfaces.end(), std::back_inserter(lights));
     LogLightCounts(lights, counts, log);
-    int source = -1;
+    int group = -1;
     for (Light &light : lights)
-        light.source = light.sample == 0 ? ++source : source;
+        light.group = light.sample == 0 ? ++group : group;
     // Lights are traced in reverse order of creation, as in the established program: -cheapgrid depends on it.
     std::reverse(lights.begin(), lights.end());
     return lights;

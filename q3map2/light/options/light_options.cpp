@@ -34,6 +34,10 @@ LightOptions GameDefaults(const Game &game) {
 /// Sets options that other options include.
 void ApplyInclusions(LightOptions &o) {
     o.fast |= o.faster;
+    if (o.faster && o.areaShadows > 0) {
+        o.areaShadows = 0;
+        o.withoutEffect.emplace_back("-areashadows");
+    }
     o.fastGrid |= o.fast;
     o.cheapGrid |= o.cheap;
     o.skip.coarse &= o.fastGrid;
@@ -540,9 +544,9 @@ Group Rays() {
            .details = "A lamp that is partly hidden gives a surface the light of the part that is seen, instead of all "
                       "or nothing by one ray to its middle. Most rays go to penumbrae, where N bounds the noise. Suns "
                       "with a deviance, skies, and lights with `_samples` take all of their samples only where some "
-                      "are hidden, and have at least 64. Concerns lightmaps, vertices and static props, and what they "
-                      "reflect; the SH grid always does so. `-samples` leaves such lights alone, since their shadows "
-                      "have no hard edges. `-faster` turns it off. [lightmaps.md](lightmaps.md#soft-shadows)"},
+                      "are hidden; 2 to 63 samples become 64. Concerns lightmaps, vertices and static props, and what "
+                      "they reflect; the SH grid always does so. `-samples` leaves such lights alone, since their "
+                      "shadows have no hard edges. `-faster` turns it off. [lightmaps.md](lightmaps.md#soft-shadows)"},
           Do<LightOptions>(areaShadows)},
          {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::structuralShadowsOnly},
          {{.name = "-patchshadows",

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lights whose origin, or part of whose polygon, is inside a solid.
+// GPL-2.0-or-later. Lights whose origin, or part of whose polygon, is inside a solid or crossed by a surface.
 #include "q3map2/light/sources/hidden_lights.h"
 
 #include "q3map2/light/scene/open_parts.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Lights whose origin, or part of whose polygon, is inside a solid.
+// GPL-2.0-or-later. Lights whose origin, or part of whose polygon, is inside a solid or crossed by a surface.
 #pragma once
 
 #include "common/log.h"

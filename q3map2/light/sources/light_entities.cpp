@@ -287,21 +287,24 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
 
     const std::uint64_t seed = kSeedJitter + (number << 24);
     const auto sampled = [&](int count) {
+        const bool asAsked = count == samples;
         std::vector<Light> copies(std::size_t(count), light);
         for (int i = 0; i < count; ++i) {
             Light &copy = copies[std::size_t(i)];
             copy.sample = i;
             copy.photons *= float(samples) / float(count), copy.tolerance *= float(samples) / float(count);
-            const Sample3 even = R3Sample(std::uint32_t(i), seed);
+            const Sample3 even = R3Sample(std::uint32_t(i), seed); // of the samples for surfaces alone
             const std::array<double, 3> at{even.u, even.v, even.w};
             for (std::size_t axis = 0; axis < 3 && i > 0; ++axis) {
                 const double hashed = UnitFromHash(HashIndex(seed + std::uint64_t(i) * 4 + axis));
-                copy.origin[axis] += float(2 * (count == samples ? hashed : at[axis]) - 1) * deviance;
+                copy.origin[axis] += float(2 * (asAsked ? hashed : at[axis]) - 1) * deviance;
             }
         }
         return copies;
     };
-    for (Light &copy : WithSurfaceSamples(samples, options, sampled))
+    const bool isOneOnSurfaces = // see SoftSampledLight::CanGroup
+        deviance > 0 && light.angleAttenuation && light.angleScale == 0 && light.curve != FalloffCurve::Linear;
+    for (Light &copy : isOneOnSurfaces ? WithSurfaceSamples(samples, options, sampled) : sampled(samples))
         lights.push_back(std::move(copy));
 }
 

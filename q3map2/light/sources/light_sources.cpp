@@ -109,11 +109,11 @@ Boundsf ConeBounds(const Light &light) {
 }
 
 /// Sets the clusters of a light, and moves its origin out of solids.
-void FindClusters(Light &light, bool isWhole, const BspSpace &space) {
+void FindClusters(Light &light, bool ofWholePolygon, const BspSpace &space) {
     light.clusters.clear();
     if (const int cluster = NudgeIntoOpen(light.origin, space); cluster >= 0)
         light.clusters.push_back(cluster);
-    if (isWhole && light.type == LightType::Area) {
+    if (ofWholePolygon && light.type == LightType::Area) {
         Winding<float> lifted = light.polygon;
         for (Vec3f &p : lifted)
             p += light.normal;

@@ -79,7 +79,7 @@ struct Light {
     int entity = -1;   ///< number of its entity: as given to EntityLights, in LightSetup as in the file; -1: none
     int surface = -1;  ///< draw surface that it is from, of a sky the first one; -1: none
     int sample = 0;    ///< number among the samples of one sun, sky or light with a deviance; those follow each other
-    int source = -1;   ///< in LightSetup: number that the samples of one share
+    int group = -1;    ///< in LightSetup: number that the samples of one share, see LightGroup
     LightType type = LightType::Point;
     FalloffCurve curve = FalloffCurve::InverseSquare;
     Attenuation attenuation;
@@ -120,8 +120,8 @@ struct Light {
     void SetShape();
 };
 
-/// Samples of one light. count: that are asked for. With soft shadows, more than one become two lights: one for grids
-/// with these samples, and one for surfaces with at least kSurfaceSamples, which cost no more there.
+/// The `count` samples of one light that are asked for. With soft shadows and 2 to kSurfaceSamples - 1 of them, these
+/// light the grids alone, and kSurfaceSamples others light surfaces.
 inline constexpr int kSurfaceSamples = 64;
 template <typename Make>
 std::vector<Light> WithSurfaceSamples(int count, const LightOptions &options, const Make &make) {

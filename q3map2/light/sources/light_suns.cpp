@@ -137,9 +137,9 @@ std::vector<Vec3f> SkyDirections(const SkyLightDirective &sky) {
     return directions;
 }
 
-} // namespace
-
-namespace {
+int SampleCount(const SunDirective &sun) {
+    return std::clamp(sun.samples, 1, kMaxSunSamples);
+}
 
 /// `count` samples of a sun.
 std::vector<Light> SunSamples(const SunDirective &sun, int count, int skyIndex, const LightOptions &options) {
@@ -153,7 +153,7 @@ std::vector<Light> SunSamples(const SunDirective &sun, int count, int skyIndex, 
         light.photons = sun.photons / float(count) * options.skyScale;
         light.color = sun.color;
         light.style = options.noStyles ? 0 : sun.style;
-        light.filterRadius = std::max(0.0f, sun.filterRadius) / float(count);
+        light.filterRadius = std::max(0.0f, sun.filterRadius) / float(SampleCount(sun));
         light.skyIndex = skyIndex;
         Vec3f direction = sun.direction;
         if (i > 0) {
@@ -170,7 +170,7 @@ std::vector<Light> SunSamples(const SunDirective &sun, int count, int skyIndex, 
 } // namespace
 
 std::vector<Light> MakeSuns(const SunDirective &sun, int skyIndex, const LightOptions &options) {
-    return WithSurfaceSamples(std::clamp(sun.samples, 1, kMaxSunSamples), options,
+    return WithSurfaceSamples(SampleCount(sun), options,
                               [&](int count) { return SunSamples(sun, count, skyIndex, options); });
 }
 

@@ -217,15 +217,6 @@ Q3_VECTOR void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, 
     }
 }
 
-/// Samples by area in the polygon of a light.
-void SampleByArea(const Light &light, const Picks &picks, Lanes3 &target) {
-    const std::vector<float> &sums = light.shape.cumulative;
-    for (std::size_t i = 0; i < sums.size(); ++i)
-        if (picks.AnyIn(i))
-            SampleByArea(picks, PickedTriangle(sums, i), light.polygon[0], light.polygon[i + 1], light.polygon[i + 2],
-                         target);
-}
-
 /// Directions to samples by area and their weights, strength / d^3.
 Q3_VECTOR void AimByArea(Vec3f p, float strength, AreaSamples &samples) {
     for (const std::size_t i : kEachLane) {
@@ -309,7 +300,12 @@ void AreaSampler::Sample(std::uint32_t first, AreaSamples &samples) const {
         samples.weight.fill(float(cumulative_.back()));
         return;
     }
-    SampleByArea(light_, Picks(start_, first, light_.shape.cumulative), samples.target);
+    const std::vector<float> &sums = light_.shape.cumulative;
+    const Picks picks(start_, first, sums);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        if (picks.AnyIn(i))
+            SampleByArea(picks, PickedTriangle(sums, i), light_.polygon[0], light_.polygon[i + 1],
+                         light_.polygon[i + 2], samples.target);
     AimByArea(p_, height_ * light_.shape.area, samples);
 }
 

@@ -47,7 +47,7 @@ class MomentLanes {
 /// Point of the emitter for a sample of the unit square, uniform in area.
 Vec3f SampleUniformArea(const Light &light, const Sample2 &s);
 
-/// The same for sixteen samples. u, v: from 0 to below 1.
+/// Sixteen points of the emitter, uniform in area. u, v: from 0 to below 1; points are as evenly spread as these.
 void PointsByArea(const Light &light, const Lanes &u, const Lanes &v, Lanes3 &points);
 
 /// Sixteen samples: points of the emitter, unit directions to them, and weights: the mean of weight * f(direction) over

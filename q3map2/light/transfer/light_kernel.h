@@ -36,7 +36,8 @@ inline constexpr float kAreaBehind = 1;
 /// Receivers within kAreaOwnSide (game units) of an area light's plane lie on its own surface if the cosine between the
 /// normals is over kAreaOwnCosine.
 inline constexpr float kAreaOwnSide = 3, kAreaOwnCosine = 0.9f;
-/// Receivers nearer than this to an area light's plane get nothing from it where its light is exact. Game units.
+/// SH grid: receivers nearer than this to an area light's plane get nothing from it. Soft shadows: so far behind the
+/// plane of a one-sided light counts as in front. Game units.
 inline constexpr float kPlaneClearance = 1.0f / 64;
 /// Rays to points of an area light end this far in front of it, since its surface is in the scene, or half way to its
 /// plane if that is nearer. Game units.

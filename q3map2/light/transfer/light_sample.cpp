@@ -218,37 +218,38 @@ void LightContributionToSample(const Light &light, const SurfaceLightSettings &s
         SetLightDirections(light, settings.pointAreas, receivers, transfer.cosine, transfer.angleFactor, incident);
 }
 
-// ---- Sources of light ----
+// ---- Groups of samples ----
 
-LightSource::LightSource(std::span<const Light *const> samples) : samples_(samples), color_(First().color) {
+LightGroup::LightGroup(std::span<const Light *const> samples) : samples_(samples), color_(First().color) {
     const auto colored = [&](const Light *sample) { return sample->color != First().color; };
-    if (std::ranges::none_of(samples, colored))
+    colorsDiffer_ = std::ranges::any_of(samples, colored);
+    if (!colorsDiffer_)
         return;
     color_ = {};
     for (const Light *sample : samples)
         color_ += sample->color / float(samples.size());
 }
 
-std::vector<LightSource> SourcesOf(std::span<const Light *const> lights, const SurfaceLightSettings &settings) {
-    std::vector<LightSource> sources;
+std::vector<LightGroup> LightGroupsOf(std::span<const Light *const> lights, const SurfaceLightSettings &settings) {
+    std::vector<LightGroup> groups;
     for (std::size_t first = 0; first < lights.size();) {
         std::size_t count = 1;
         const Light &light = *lights[first];
-        while (first + count < lights.size() && light.source >= 0 && lights[first + count]->source == light.source &&
-               SoftSampledLight::Takes(light, settings))
+        while (first + count < lights.size() && light.group >= 0 && lights[first + count]->group == light.group &&
+               SoftSampledLight::CanGroup(light, settings))
             ++count;
-        sources.emplace_back(lights.subspan(first, count));
+        groups.emplace_back(lights.subspan(first, count));
         first += count;
     }
-    return sources;
+    return groups;
 }
 
-void SourceContributionToSample(const LightSource &source, const SurfaceLightSettings &settings,
-                                const LightScene &scene, SurfaceReceiverBatch &receivers,
-                                SurfaceIncidentLight &incident, ContributionCounts &counts) {
-    if (source.Samples().size() == 1)
-        return LightContributionToSample(source.First(), settings, scene, receivers, incident, counts);
-    SoftSampledLight(source, settings, scene, counts).Evaluate(receivers, incident);
+void GroupContributionToSample(const LightGroup &group, const SurfaceLightSettings &settings, const LightScene &scene,
+                               SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident,
+                               ContributionCounts &counts) {
+    if (group.Samples().size() == 1)
+        return LightContributionToSample(group.First(), settings, scene, receivers, incident, counts);
+    SoftSampledLight(group, settings, scene, counts).Evaluate(receivers, incident);
 }
 
 // ---- The directions that the light of one source comes from, at receivers on surfaces ----

@@ -32,27 +32,29 @@ struct SurfaceLightSettings {
     }
 };
 
-/// What lights surfaces at once: a light, or with soft shadows all samples of one.
-class LightSource {
+/// Lights that light surfaces together: one, or with soft shadows all samples of one (Light::group).
+class LightGroup {
   public:
-    explicit LightSource(std::span<const Light *const> samples);
+    explicit LightGroup(std::span<const Light *const> samples);
     const Light &First() const { return *samples_.front(); }
     std::span<const Light *const> Samples() const { return samples_; }
     /// By which incident light is multiplied: the mean color of the samples.
     const Vec3f &Color() const { return color_; }
+    bool ColorsDiffer() const { return colorsDiffer_; }
 
   private:
     std::span<const Light *const> samples_;
     Vec3f color_;
+    bool colorsDiffer_ = false;
 };
 
-/// The sources of a list of lights, in its order.
-std::vector<LightSource> SourcesOf(std::span<const Light *const> lights, const SurfaceLightSettings &settings);
+/// The groups of a list of lights, in its order.
+std::vector<LightGroup> LightGroupsOf(std::span<const Light *const> lights, const SurfaceLightSettings &settings);
 
-/// LightContributionToSample for a source; if it has more than one sample, its light is that of SoftSampledLight.
-void SourceContributionToSample(const LightSource &source, const SurfaceLightSettings &settings,
-                                const LightScene &scene, SurfaceReceiverBatch &receivers,
-                                SurfaceIncidentLight &incident, ContributionCounts &counts);
+/// LightContributionToSample for a group; if it has more than one sample, its light is that of SoftSampledLight.
+void GroupContributionToSample(const LightGroup &group, const SurfaceLightSettings &settings, const LightScene &scene,
+                               SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident,
+                               ContributionCounts &counts);
 
 /// Sets `incident` to the light of `light`, prepared by SetupEnvelopes for surfaces, at receivers on surfaces: falloff,
 /// cones, form factors, sides, angles, visibility by PVS and by one ray each; with settings.directional also its

@@ -12,8 +12,6 @@ namespace q3 {
 
 namespace {
 
-/// From these strengths on, receivers cast two and four rays before they are compared. Byte scale.
-constexpr float kTwoRaysFrom = 2, kFourRaysFrom = 16;
 std::uint64_t HashOf(const Vec3f &p) {
     const auto bits = [](float value) { return std::uint64_t(std::bit_cast<std::uint32_t>(value)); };
     return HashIndex(bits(p.x) ^ HashIndex(bits(p.y) ^ HashIndex(bits(p.z))));
@@ -36,15 +34,11 @@ Q3_VECTOR LaneMask SoftBatch::Hidden() const {
 }
 
 LaneMask SoftBatch::Disagreeing() const {
-    LaneMask sees = Seeing();
-    const LaneMask hides = Hidden();
-    if (sees.Any() && hides.Any())
-        return incident.live;
-    return {};
+    return Seeing().Any() && Hidden().Any() ? incident.live : LaneMask{};
 }
 
-int SoftLight::FirstRays(float strongest) const {
-    return strongest < kTwoRaysFrom ? 1 : strongest < kFourRaysFrom ? 2 : 4;
+LaneMask SoftLight::FindInSight(const SurfaceReceiverBatch &receivers) const {
+    return InSight(light_, settings_.TracesShadowsOf(light_) || light_.type != LightType::Sun, receivers, counts_);
 }
 
 void SoftLight::Cast(RayPacket &rays) const {
@@ -114,8 +108,7 @@ bool SoftLight::Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch 
     batch.receivers = &receivers;
     incident.tinted = IsColored();
     incident.filtered = {};
-    const bool traced = settings_.TracesShadowsOf(light_);
-    incident.live = InSight(light_, traced || light_.type != LightType::Sun, receivers, counts_);
+    incident.live = FindInSight(receivers);
     const int inSight = incident.live.Count();
     if (inSight == 0)
         return false;
@@ -126,10 +119,10 @@ bool SoftLight::Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch 
     batch.whole = batch.seen = batch.seenLength = {};
     batch.seenVector = batch.wholeColor = batch.seenColor = {};
     batch.rays = 0;
-    if (!traced)
+    if (!settings_.TracesShadowsOf(light_))
         return true;
     batch.seed = HashOf(receivers.position[0]);
-    const int rays = rayFactor * FirstRays(Strongest(incident) * MaxAbsComponent(Color()));
+    const int rays = FirstRays(Strongest(incident) * MaxAbsComponent(Color()), rayFactor);
     PointRays to;
     for (; batch.rays < rays; ++batch.rays) {
         Aim(batch, std::uint32_t(batch.rays), to);
@@ -138,7 +131,8 @@ bool SoftLight::Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch 
     return true;
 }
 
-/// Gives receivers whose rays all went to points below their horizon the mean share of the batch.
+/// Gives receivers whose rays all went to points below their horizon the mean share of the batch; all of the light, if
+/// there are no others.
 void SoftLight::FillUntried(SoftBatch &batch) {
     LaneMask untried{};
     float whole = 0, seen = 0;
@@ -150,6 +144,8 @@ void SoftLight::FillUntried(SoftBatch &batch) {
         whole += batch.whole[i], seen += batch.seen[i];
         wholeColor += batch.wholeColor[i], seenColor += batch.seenColor[i];
     }
+    if (!(whole > 0))
+        whole = seen = 1, wholeColor = seenColor = {1, 1, 1};
     for (unsigned lanes = untried.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
         const float scale = seen / batch.incident.strength[i];
@@ -175,7 +171,7 @@ Q3_VECTOR void SoftLight::SetShares(SoftBatch &batch) const {
             const Vec3f of = batch.wholeColor[i] / batch.whole[i], all = batch.color[i] / incident.strength[i];
             Vec3f tint;
             for (std::size_t channel = 0; channel < 3; ++channel)
-                tint[channel] = of[channel] > 0 ? all[channel] * seen[channel] / of[channel] : 0;
+                tint[channel] = of[channel] > 0 ? all[channel] * seen[channel] / of[channel] : all[channel];
             incident.tint.Set(i, tint);
         }
     for (const std::size_t i : kEachLane) {
@@ -210,7 +206,10 @@ Q3_VECTOR void SoftLight::SetDirections(SoftBatch &batch) const {
 
 void SoftLight::Finish(SoftBatch &batch, const LaneMask &doubtful) const {
     if (settings_.TracesShadowsOf(light_)) {
-        CastMoreRays(batch, doubtful);
+        LaneMask asking = doubtful;
+        for (const std::size_t i : kEachLane)
+            asking[i] |= batch.whole[i] > 0 ? 0 : batch.incident.live[i];
+        CastMoreRays(batch, asking);
         FillUntried(batch);
         SetShares(batch);
     } else if (IsColored())

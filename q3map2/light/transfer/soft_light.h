@@ -14,10 +14,10 @@ struct SoftBatch {
     SurfaceIncidentLight incident; ///< without shadows until SoftLight::Finish
     Lanes3 normal;                 ///< of the receiver; of area lights, of the side that is lit
     /// Without shadows: sum of vectors that point to the light with the length of the strength on a receiver that faces
-    /// it, and sum of their lengths. Nothing of light from behind.
+    /// it, and sum of their lengths. Light from behind a receiver adds nothing.
     Lanes3 vector;
     Lanes length;
-    Lanes3 color;                 ///< sum over the samples of strength times color, over SoftLight::Color
+    Lanes3 color;                 ///< sum over the samples of strength times color, divided by SoftLight::Color
     Lanes whole, seen;            ///< sums of the strengths of all points tried, and of those whose rays arrived
     Lanes3 seenVector;            ///< sum of the vectors of the points whose rays arrived
     Lanes seenLength;             ///< sum of their lengths
@@ -31,7 +31,7 @@ struct SoftBatch {
     /// Receivers that see something of the light, and receivers from which some of it is hidden.
     LaneMask Seeing() const;
     LaneMask Hidden() const;
-    /// Live receivers that see a part of the light; all live ones, if some see something and some do not see all.
+    /// All live receivers if some see something of the light and some do not see all of it, else none.
     LaneMask Disagreeing() const;
 };
 
@@ -64,17 +64,20 @@ class SoftLight {
         RayPacket rays;
         Lanes strength; ///< 0 and not live: none
         Lanes vector;   ///< length of the vector, see SoftBatch; the ray has its direction
-        Lanes3 color;   ///< over Color(), if IsColored
+        Lanes3 color;   ///< divided by Color(), if IsColored
     };
 
+    /// Receivers that visibility data does not hide from the light.
+    virtual LaneMask FindInSight(const SurfaceReceiverBatch &receivers) const;
     /// Sets incident (live, strength, undirected) and normal, vector, length of a batch.
     virtual void SetUnshadowed(SoftBatch &batch) const = 0;
     /// Rays to point `number` of the sequence of each receiver.
     virtual void Aim(const SoftBatch &batch, std::uint32_t number, PointRays &to) const = 0;
     virtual void Cast(RayPacket &rays) const;
     virtual bool IsColored() const { return false; }
-    /// Rays of each receiver in Start. strongest: of all receivers without shadows, byte scale.
-    virtual int FirstRays(float strongest) const;
+    /// Rays of each receiver in Start, `factor` times the usual number. strongest: of all receivers without shadows,
+    /// byte scale.
+    virtual int FirstRays(float strongest, int factor) const = 0;
     /// The rays of Finish.
     virtual void CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const = 0;
     /// Adds a traced ray to the sums of its receiver; not if the light IsColored.
@@ -105,7 +108,9 @@ class SoftAreaLight : public SoftLight {
   protected:
     void SetUnshadowed(SoftBatch &batch) const override;
     void Aim(const SoftBatch &batch, std::uint32_t number, PointRays &to) const override;
-    /// Rays until the expected error is kShareError, or the limit of -areashadows is reached.
+    int FirstRays(float strongest, int factor) const override;
+    /// Rays until the expected error is kShareError or the limit of -areashadows is reached. Receivers that see all or
+    /// nothing after a quarter of them stop there.
     void CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const override;
 
   private:
@@ -115,24 +120,25 @@ class SoftAreaLight : public SoftLight {
     void MeasureVectors(bool isCrossing, SoftBatch &batch) const;
 };
 
-/// The samples of one light (Light::source): directions to a sun or to the sky, or places within the deviance of a
+/// The samples of one light (Light::group): directions to a sun or to the sky, or places within the deviance of a
 /// point light. The points are the samples. Where receivers disagree, the result is the sum of these lights.
 class SoftSampledLight : public SoftLight {
   public:
-    SoftSampledLight(const LightSource &source, const SurfaceLightSettings &settings, const LightScene &scene,
+    SoftSampledLight(const LightGroup &group, const SurfaceLightSettings &settings, const LightScene &scene,
                      ContributionCounts &counts);
     Vec3f Color() const override { return color_; }
     /// Whether this class can do the samples of the source of that light.
-    static bool Takes(const Light &light, const SurfaceLightSettings &settings);
+    static bool CanGroup(const Light &light, const SurfaceLightSettings &settings);
 
   protected:
+    LaneMask FindInSight(const SurfaceReceiverBatch &receivers) const override;
     void SetUnshadowed(SoftBatch &batch) const override;
     void Aim(const SoftBatch &batch, std::uint32_t number, PointRays &to) const override;
     void Cast(RayPacket &rays) const override;
     /// Rays to all samples.
     void CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const override;
     bool IsColored() const override { return isColored_; }
-    int FirstRays(float strongest) const override;
+    int FirstRays(float strongest, int factor) const override;
 
   private:
     void AimFrom(const SoftBatch &batch, std::size_t receiver, const Light &sample, PointRays &to) const;
@@ -140,12 +146,12 @@ class SoftSampledLight : public SoftLight {
     void ClearRays(const SurfaceReceiverBatch &receivers, PointRays &to) const;
     static void AddSun(const Light &sun, const Vec3f &color, SoftBatch &batch);
     static void AddPoint(const Light &light, const Vec3f &color, SoftBatch &batch);
-    /// Color of a sample over color_.
+    /// Color of a sample divided by color_.
     Vec3f RelativeColor(const Light &sample) const;
 
     std::span<const Light *const> samples_;
-    Vec3f color_;            ///< LightSource::Color
-    bool isColored_ = false; ///< samples have different colors
+    Vec3f color_;            ///< LightGroup::Color
+    bool isColored_ = false; ///< LightGroup::ColorsDiffer
     std::size_t step_ = 1;   ///< from a sample to the next one of a receiver
 };
 

@@ -7,9 +7,9 @@
 #include "q3map2/light/transfer/soft_light.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace q3 {
@@ -20,11 +20,15 @@ namespace {
 /// 4 x 4 luxels look at parts far from each other. For area lights these are cells of a grid of 4 x 4 over the unit
 /// square, for sampled lights sixteenths of the list of samples.
 constexpr std::array<std::uint8_t, kPacketSize> kDither{0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+/// Area lights: from these strengths on, receivers cast two and four rays before they are compared. Byte scale.
+constexpr float kTwoRaysFrom = 2, kFourRaysFrom = 16;
+/// Area lights: rays for receivers whose first ones all went to points below their horizon.
+constexpr int kUntriedRays = 8;
 /// Area lights: expected error of the light of a receiver that sees the light partly. Byte scale.
 constexpr float kShareError = 0.25f;
 /// Area lights: receivers nearer to the plane of the light are moved along its normal to this distance. Luxels beside a
 /// lamp often lie in its plane, with half of their area in front of it. Game units.
-constexpr float kContact = 1;
+constexpr float kLeastHeight = 1;
 /// Area lights: receivers that still agree with themselves after this part of their rays, and at least kLeastSecondRays
 /// more than the first ones, cast no more.
 constexpr int kSecondPart = 4, kLeastSecondRays = 4;
@@ -49,7 +53,7 @@ Q3_VECTOR void SoftAreaLight::MeasureSides(SoftBatch &batch) const {
                                    shape.normal.z * double(p.z[i]) - shape.dist);
         const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
         const bool behind = height < (twoSided ? 0 : -kPlaneClearance);
-        const float side = behind ? -1.0f : 1.0f, push = std::max(0.0f, kContact - side * height) * side;
+        const float side = behind ? -1.0f : 1.0f, push = std::max(0.0f, kLeastHeight - side * height) * side;
         batch.position.x[i] = p.x[i] + facing.x * push;
         batch.position.y[i] = p.y[i] + facing.y * push;
         batch.position.z[i] = p.z[i] + facing.z * push;
@@ -163,6 +167,11 @@ Q3_VECTOR void SoftAreaLight::AimLanes(const SoftBatch &batch, std::uint32_t num
     rays.ignoredProp = settings_.ignoredProp;
 }
 
+int SoftAreaLight::FirstRays(float strongest, int factor) const {
+    const int rays = strongest < kTwoRaysFrom ? 1 : strongest < kFourRaysFrom ? 2 : 4;
+    return std::min(rays * factor, settings_.areaShadows);
+}
+
 void SoftAreaLight::CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const {
     const float color = MaxAbsComponent(light_.color);
     std::array<int, kPacketSize> wanted{};
@@ -170,7 +179,8 @@ void SoftAreaLight::CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) con
     for (unsigned lanes = doubtful.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
         const float rays = RaysForShare(color * batch.incident.strength[i], kShareError);
-        wanted[i] = int(std::ceil(std::min(rays, float(settings_.areaShadows))));
+        const float least = batch.whole[i] > 0 ? 0 : float(batch.rays + kUntriedRays);
+        wanted[i] = int(std::ceil(std::min(std::max(rays, least), float(settings_.areaShadows))));
         most = std::max(most, wanted[i]);
     }
     // Rays of several rounds share packets, since few receivers of a batch may cast any.
@@ -210,23 +220,35 @@ void SoftAreaLight::CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) con
 
 // ---- The samples of one sun, sky or point light ----
 
-bool SoftSampledLight::Takes(const Light &light, const SurfaceLightSettings &settings) {
+bool SoftSampledLight::CanGroup(const Light &light, const SurfaceLightSettings &settings) {
     return light.type != LightType::Area && settings.HasSoftShadows() && !settings.halfLambert &&
            light.angleAttenuation && light.angleScale == 0 && light.curve != FalloffCurve::Linear;
 }
 
-SoftSampledLight::SoftSampledLight(const LightSource &source, const SurfaceLightSettings &settings,
+SoftSampledLight::SoftSampledLight(const LightGroup &group, const SurfaceLightSettings &settings,
                                    const LightScene &scene, ContributionCounts &counts)
-    : SoftLight(source.First(), settings, scene, counts), samples_(source.Samples()), color_(source.Color()),
-      isColored_(color_ != light_.color) {
+    : SoftLight(group.First(), settings, scene, counts), samples_(group.Samples()), color_(group.Color()),
+      isColored_(group.ColorsDiffer()) {
     constexpr double kGolden = 0.6180339887498949;
     step_ = std::max<std::size_t>(1, std::size_t(std::lround(kGolden * double(samples_.size()))));
     while (std::gcd(step_, samples_.size()) != 1)
         ++step_;
 }
 
-int SoftSampledLight::FirstRays(float) const {
-    return std::max(1, int(samples_.size()) / kSamplesPerFirstRay);
+int SoftSampledLight::FirstRays(float, int factor) const {
+    const int count = int(samples_.size());
+    return std::min(count, factor * std::max(1, count / kSamplesPerFirstRay));
+}
+
+LaneMask SoftSampledLight::FindInSight(const SurfaceReceiverBatch &receivers) const {
+    LaneMask live = SoftLight::FindInSight(receivers);
+    for (const Light *sample : samples_) // all suns are seen from the same places
+        if (light_.type != LightType::Sun) {
+            const LaneMask sees = InSight(*sample, true, receivers, counts_);
+            for (const std::size_t i : kEachLane)
+                live[i] |= sees[i];
+        }
+    return live;
 }
 
 void SoftSampledLight::Cast(RayPacket &rays) const {

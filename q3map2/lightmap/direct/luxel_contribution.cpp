@@ -32,7 +32,7 @@ struct LightReach {
     bool area = false, oneSided = false;
     bool endsAtTolerance = false; ///< an area light that leaves out light up to its tolerance
     float areaRadius = 0;         ///< of a sphere around center that holds an area light, plus kMaxPush
-    float aboveOrigin = 0;        ///< how far parts of it that light surfaces may be above the origin. Game units
+    float reachOfPolygon = 0;     ///< how far parts of it that light surfaces may be above the origin. Game units
     float strength = 0;           ///< of an area light: its light at form factor 1, times its area / pi
     float tolerance = 0;
 
@@ -41,7 +41,7 @@ struct LightReach {
           envelope(light.envelope), area(light.type == LightType::Area), oneSided(!light.twoSided),
           endsAtTolerance(area && light.endsAtTolerance && !settings.pointAreas),
           areaRadius(light.shape.radius + kMaxPush),
-          aboveOrigin(area && settings.HasSoftShadows() ? ReachOfPolygon(light) : 0),
+          reachOfPolygon(area && settings.HasSoftShadows() ? ReachOfPolygon(light) : 0),
           strength(light.radiosity * light.shape.area / std::numbers::pi_v<float>), tolerance(light.tolerance) {
         // Rays to the back of a two-sided light end 2 units behind `origin`: both ends are 1 unit off the polygon.
         envelope += area && light.twoSided ? 2 : 0;
@@ -57,7 +57,7 @@ struct BlockSpheres {
 Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
                           std::int32_t *__restrict mayReach) {
     // How far the light may be behind receivers, and receivers behind the light; what is added to its strength.
-    const float behindReceiver = twoSided ? kUnlimited : light.aboveOrigin;
+    const float behindReceiver = twoSided ? kUnlimited : light.reachOfPolygon;
     const float behindLight = light.area && light.oneSided ? kAreaBehind : kUnlimited;
     const float extraStrength = light.endsAtTolerance ? 0 : kUnlimited;
     for (std::size_t i = 0; i < count; ++i) {
@@ -124,6 +124,8 @@ void LuxelBlocks::FinishBlock() {
     nx_.push_back(normal.x), ny_.push_back(normal.y), nz_.push_back(normal.z);
 }
 
+namespace {
+
 /// The place of a luxel, or the nearest one on its surface that clears walls by kClear and is in the same cluster.
 Vec3f PlaceOffWalls(const RawLightmap &lightmap, std::size_t luxel, const BspSpace &space) {
     constexpr float kClear = 0.5f, kTries[] = {1, LuxelBlocks::kMostOff}; // game units
@@ -144,6 +146,8 @@ Vec3f PlaceOffWalls(const RawLightmap &lightmap, std::size_t luxel, const BspSpa
         }
     return position;
 }
+
+} // namespace
 
 void LuxelBlocks::Build(const RawLightmap &lightmap) {
     Build(lightmap, nullptr);
@@ -301,22 +305,22 @@ LuxelSum &LuxelSums::FindOrAdd(std::size_t slot, float filterRadius, std::size_t
     return sum;
 }
 
-void SetLuxelLight(const LightSource &source, const LuxelPass &pass, const BasisLanes *basis,
+void SetLuxelLight(const LightGroup &group, const LuxelPass &pass, const BasisLanes *basis,
                    const SurfaceIncidentLight &incident, LuxelIncidentLight &out, ChannelLanes &channels) {
-    const float scale = pass.deluxe ? DeluxeWeight(source.Color()) * (pass.bounce ? kDeluxeBounceFraction : 1) : 0;
-    SetIncidentLight(source.Color(), incident, scale, out);
+    const float scale = pass.deluxe ? DeluxeWeight(group.Color()) * (pass.bounce ? kDeluxeBounceFraction : 1) : 0;
+    SetIncidentLight(group.Color(), incident, scale, out);
     if (pass.channels.Any())
-        SetChannels(source.Color(), incident, pass.channels, basis, channels);
+        SetChannels(group.Color(), incident, pass.channels, basis, channels);
 }
 
-bool LuxelContribution(const LightSource &source, const LuxelPass &pass, const LightScene &scene,
+bool LuxelContribution(const LightGroup &group, const LuxelPass &pass, const LightScene &scene,
                        const LuxelReceivers &receivers, LuxelIncidentLight &out, ChannelLanes &channels,
                        ContributionCounts &counts) {
     SurfaceIncidentLight incident;
-    SourceContributionToSample(source, pass.settings, scene, receivers.batch, incident, counts);
+    GroupContributionToSample(group, pass.settings, scene, receivers.batch, incident, counts);
     if (!incident.live.Any() && !incident.filtered.Any())
         return false;
-    SetLuxelLight(source, pass, receivers.basis, incident, out, channels);
+    SetLuxelLight(group, pass, receivers.basis, incident, out, channels);
     return true;
 }
 

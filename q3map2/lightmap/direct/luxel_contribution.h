@@ -108,11 +108,11 @@ struct LuxelReceivers {
 };
 
 /// Sets the light of a source on a block from what arrives there.
-void SetLuxelLight(const LightSource &source, const LuxelPass &pass, const BasisLanes *basis,
+void SetLuxelLight(const LightGroup &group, const LuxelPass &pass, const BasisLanes *basis,
                    const SurfaceIncidentLight &incident, LuxelIncidentLight &out, ChannelLanes &channels);
 
 /// Evaluates a source at a block of receivers. False: no light arrives, and `out` and `channels` are not set.
-bool LuxelContribution(const LightSource &source, const LuxelPass &pass, const LightScene &scene,
+bool LuxelContribution(const LightGroup &group, const LuxelPass &pass, const LightScene &scene,
                        const LuxelReceivers &receivers, LuxelIncidentLight &out, ChannelLanes &channels,
                        ContributionCounts &counts);
 

@@ -79,7 +79,8 @@ void AddLight(const Light &light, Shadows shadows, const SurfaceInputs &in, cons
     const SurfaceLightSettings settings{.pointAreas = in.lightmap.faster,
                                         .halfLambert = in.lightmap.halfLambert,
                                         .shadows = shadows == Shadows::On,
-                                        .receiveShadows = raw.receiveShadows};
+                                        .receiveShadows = raw.receiveShadows,
+                                        .areaShadows = in.options.areaShadows};
     std::vector<std::uint32_t> reached;
     blocks.FindReached(light, settings, reached);
     SurfaceIncidentLight incident;
@@ -105,7 +106,10 @@ void FindVisibility(const SurfaceInputs &in, const std::vector<Light> &lights, S
     in.jobs.For(std::int64_t(surfaces.lightmaps.size()), [&](std::int64_t number, int worker) {
         RawLightmap &raw = surfaces.lightmaps[std::size_t(number)];
         LuxelBlocks &ownBlocks = blocks[std::size_t(worker)];
-        ownBlocks.Build(raw);
+        if (in.options.areaShadows > 0)
+            ownBlocks.BuildOffWalls(raw, in.space);
+        else
+            ownBlocks.Build(raw);
         raw.visibility.resize(names.size());
         for (std::size_t n = 0; n < names.size(); ++n) {
             NamedLight sums{std::vector<float>(raw.luxelClusters.size()), std::vector<float>(raw.luxelClusters.size())};
@@ -197,7 +201,8 @@ class LightmapPass {
     std::vector<std::string> Dropped() const { return styles_.DroppedLightNames(); }
 
     void Run() {
-        if (pass_.settings.HasSoftShadows())
+        const bool isSoft = pass_.settings.HasSoftShadows() && !pass_.bounce;
+        if (isSoft)
             worker_.blocks.BuildOffWalls(lightmap_, in_.space);
         else
             worker_.blocks.Build(lightmap_);
@@ -213,14 +218,14 @@ class LightmapPass {
         }
         if (supersamples_)
             worker_.sampler.Start(in_, lightmap_, worker_.blocks, pass_);
-        if (pass_.settings.HasSoftShadows())
+        if (isSoft)
             worker_.soft.Start(lightmap_, worker_.blocks);
         worker_.list.Build(lights_, lightmap_, pass_.settings);
-        const std::vector<LightSource> sources = SourcesOf(worker_.list.Lights(), pass_.settings);
+        const std::vector<LightGroup> groups = LightGroupsOf(worker_.list.Lights(), pass_.settings);
         if (StyleChoice::IsNeeded(worker_.list.Lights()))
-            ChooseStyles(sources);
-        for (const LightSource &source : sources)
-            AddLight(source);
+            ChooseStyles(groups);
+        for (const LightGroup &group : groups)
+            AddLight(group);
         for (std::size_t i = 0; i < worker_.sums.used; ++i)
             AddSum(worker_.sums.sums[i]);
     }
@@ -250,21 +255,21 @@ class LightmapPass {
         return worker_.sums.FindOrAdd(slot, std::max(0.0f, light.filterRadius), worker_.blocks.Count());
     }
 
-    void AddLight(const LightSource &source) {
-        const Light &light = source.First();
+    void AddLight(const LightGroup &group) {
+        const Light &light = group.First();
         const std::size_t slot = StyleSlotFor(lightmap_.styles, light.style);
         if (slot == kStyles || styles_.Drops(light.style))
             return;
-        FindReached(source);
-        const bool supersamples = supersamples_ && !IsSoft(source);
+        FindReached(group);
+        const bool supersamples = supersamples_ && !IsSoft(group);
         if (supersamples)
-            worker_.sampler.StartLight(source);
+            worker_.sampler.StartLight(group);
         LuxelSum *sum = nullptr;
         const float sign = light.negative ? -1.0f : 1.0f;
         LuxelIncidentLight luxels;
         ChannelLanes channels;
-        ForLitBlocks(source, [&](std::uint32_t block, const SurfaceIncidentLight &incident) {
-            SetLuxelLight(source, pass_, worker_.blocks.Basis(block), incident, luxels, channels);
+        ForLitBlocks(group, [&](std::uint32_t block, const SurfaceIncidentLight &incident) {
+            SetLuxelLight(group, pass_, worker_.blocks.Basis(block), incident, luxels, channels);
             if (!sum)
                 sum = &SumFor(light, slot);
             AddLanes(luxels.color, sign, sum->color[block]);
@@ -280,34 +285,33 @@ class LightmapPass {
     }
 
     /// Whether the light of a source has soft shadows; these have no edges for -samples to find.
-    bool IsSoft(const LightSource &source) const {
-        return source.Samples().size() > 1 ||
-               (source.First().type == LightType::Area && pass_.settings.HasSoftShadows());
+    bool IsSoft(const LightGroup &group) const {
+        return group.Samples().size() > 1 || (group.First().type == LightType::Area && pass_.settings.HasSoftShadows());
     }
 
     /// Sets worker_.reachedBlocks to the blocks that a source may reach.
-    void FindReached(const LightSource &source) {
+    void FindReached(const LightGroup &group) {
         std::vector<std::uint32_t> &reached = worker_.reachedBlocks;
         reached.clear();
-        for (const Light *sample : source.Samples()) {
+        for (const Light *sample : group.Samples()) {
             worker_.blocks.FindReached(*sample, pass_.settings, reached);
             if (sample->type == LightType::Sun)
                 return; // it may reach all of them
         }
-        if (source.Samples().size() > 1) {
+        if (group.Samples().size() > 1) {
             std::ranges::sort(reached);
             reached.erase(std::unique(reached.begin(), reached.end()), reached.end());
         }
     }
 
     /// Calls use(block, light) for the reached blocks at which light of the source arrives.
-    template <typename Use> void ForLitBlocks(const LightSource &source, const Use &use) {
+    template <typename Use> void ForLitBlocks(const LightGroup &group, const Use &use) {
         const SurfaceLightSettings &settings = pass_.settings;
-        if (source.Samples().size() > 1)
-            return worker_.soft.Add(SoftSampledLight(source, settings, in_.scene, worker_.counts),
-                                    worker_.reachedBlocks, use);
-        const Light &light = source.First();
-        if (IsSoft(source))
+        if (group.Samples().size() > 1)
+            return worker_.soft.Add(SoftSampledLight(group, settings, in_.scene, worker_.counts), worker_.reachedBlocks,
+                                    use);
+        const Light &light = group.First();
+        if (IsSoft(group))
             return worker_.soft.Add(SoftAreaLight(light, settings, in_.scene, worker_.counts), worker_.reachedBlocks,
                                     use);
         SurfaceIncidentLight incident;
@@ -320,19 +324,19 @@ class LightmapPass {
     }
 
     /// Measures the light of all styles to find those to drop.
-    void ChooseStyles(std::span<const LightSource> sources) {
-        for (const LightSource &source : sources) {
+    void ChooseStyles(std::span<const LightGroup> groups) {
+        for (const LightGroup &group : groups) {
             double energy = 0;
-            if (source.First().style != 0) {
-                FindReached(source);
-                ForLitBlocks(source, [&](std::uint32_t block, const SurfaceIncidentLight &incident) {
+            if (group.First().style != 0) {
+                FindReached(group);
+                ForLitBlocks(group, [&](std::uint32_t block, const SurfaceIncidentLight &incident) {
                     Lanes3 color;
-                    SetIncidentColor(source.Color(), incident, incident.strength, color);
+                    SetIncidentColor(group.Color(), incident, incident.strength, color);
                     for (std::size_t i = 0; i < worker_.blocks.Receivers(block).count; ++i)
                         energy += double(color.x[i]) + double(color.y[i]) + double(color.z[i]);
                 });
             }
-            styles_.Add(source.First(), energy);
+            styles_.Add(group.First(), energy);
         }
         styles_.Choose();
     }

@@ -71,8 +71,8 @@ void LuxelSampler::Start(const SurfaceInputs &in, const RawLightmap &lightmap, c
     channels_.resize(pass.channels.Any() ? blocks.Count() : 0);
 }
 
-void LuxelSampler::StartLight(const LightSource &source) {
-    source_ = &source;
+void LuxelSampler::StartLight(const LightGroup &group) {
+    group_ = &group;
     if (firstTouched_ <= lastTouched_)
         std::fill(hitFlags_.data() + firstTouched_, hitFlags_.data() + lastTouched_ + 1, std::uint8_t(0));
     firstTouched_ = hitFlags_.size(), lastTouched_ = 0;
@@ -119,10 +119,10 @@ void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
 
 LuxelSampler::Sample LuxelSampler::ReadLuxel(std::size_t luxel) const {
     Sample sample;
-    sample.position = lightmap_->positions[luxel];
+    const auto laneIndex = std::size_t(blocks_->LaneIndexOf(luxel));
+    sample.position = blocks_->Receivers(laneIndex / kPacketSize).position[laneIndex % kPacketSize];
     if (hitFlags_[luxel] == 0)
         return sample;
-    const auto laneIndex = std::size_t(blocks_->LaneIndexOf(luxel));
     const LuxelIncidentLight &incident = incident_[laneIndex / kPacketSize];
     sample.color = incident.color[laneIndex % kPacketSize];
     if (pass_.deluxe)
@@ -165,7 +165,7 @@ void LuxelSampler::ReplaceLuxel(std::size_t luxel, const Sample &after, LuxelSum
     const std::size_t block = laneIndex / kPacketSize, lane = laneIndex % kPacketSize;
     LuxelIncidentLight &incident = incident_[block];
     incident.color.Set(lane, after.color);
-    const float sign = source_->First().negative ? -1.0f : 1.0f;
+    const float sign = group_->First().negative ? -1.0f : 1.0f;
     sum.color[block].Set(lane, sum.color[block][lane] + (after.color - before.color) * sign);
     if (pass_.deluxe) {
         incident.direction.Set(lane, after.direction);
@@ -246,7 +246,7 @@ bool LuxelSampler::Contribution(SurfaceReceiverBatch &receivers, std::span<const
         SetLane(i, lightmap_->BasisOf(luxels[i]), basis);
     LuxelIncidentLight incident;
     ChannelLanes channels;
-    if (!LuxelContribution(*source_, pass_, in_->scene, {receivers, pass_.channels.basis ? &basis : nullptr}, incident,
+    if (!LuxelContribution(*group_, pass_, in_->scene, {receivers, pass_.channels.basis ? &basis : nullptr}, incident,
                            channels, counts))
         return false;
     for (std::size_t i = 0; i < receivers.count; ++i) {

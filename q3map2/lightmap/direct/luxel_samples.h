@@ -16,7 +16,7 @@ class LuxelSampler {
     /// To be called before the first light of a lightmap. Keeps references until the next Start.
     void Start(const SurfaceInputs &in, const RawLightmap &lightmap, const LuxelBlocks &blocks, const LuxelPass &pass);
     /// To be called before each light.
-    void StartLight(const LightSource &source);
+    void StartLight(const LightGroup &group);
     /// Sets the light of the source at a block, one sample per luxel.
     void SetBlock(std::size_t block, const LuxelIncidentLight &incident, const ChannelLanes &channels);
     /// Supersamples the cells that are partly lit, and adds the change of their luxels to `sum`.
@@ -72,7 +72,7 @@ class LuxelSampler {
     const SurfaceInputs *in_ = nullptr;
     const RawLightmap *lightmap_ = nullptr;
     const LuxelBlocks *blocks_ = nullptr;
-    const LightSource *source_ = nullptr;
+    const LightGroup *group_ = nullptr;
     LuxelPass pass_;
     int width_ = 0, height_ = 0;
     int maxDepth_ = 1;                               ///< of subsamples: -samples; 1: none

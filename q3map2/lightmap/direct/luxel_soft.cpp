@@ -5,20 +5,6 @@
 
 namespace q3 {
 
-namespace {
-
-/// Calls use(luxel) for the eight luxels around one of the super grid.
-template <typename Use> void ForLuxelsAround(const RawLightmap &lightmap, std::size_t luxel, const Use &use) {
-    const int width = lightmap.SuperWidth(), height = lightmap.SuperHeight();
-    const int x = int(luxel % std::size_t(width)), y = int(luxel / std::size_t(width));
-    for (int oy = std::max(0, y - 1); oy <= std::min(height - 1, y + 1); ++oy)
-        for (int ox = std::max(0, x - 1); ox <= std::min(width - 1, x + 1); ++ox)
-            if (ox != x || oy != y)
-                use(lightmap.SuperIndex(ox, oy));
-}
-
-} // namespace
-
 void SoftLuxels::Start(const RawLightmap &lightmap, LuxelBlocks &blocks) {
     lightmap_ = &lightmap, blocks_ = &blocks;
     viewOfBlock_.assign(blocks.Count(), 0);
@@ -27,7 +13,7 @@ void SoftLuxels::Start(const RawLightmap &lightmap, LuxelBlocks &blocks) {
     for (std::uint32_t block = 0; block < blocks.Count(); ++block) {
         std::vector<std::uint32_t> &adjacent = adjacent_[block];
         for (std::size_t i = 0; i < blocks.Receivers(block).count; ++i)
-            ForLuxelsAround(lightmap, blocks.Luxels(block)[i], [&](std::size_t luxel) {
+            ForLuxelsAround(lightmap, blocks.Luxels(block)[i], 1, [&](std::size_t luxel) {
                 const std::int32_t lane = blocks.LaneIndexOf(luxel);
                 if (lane >= 0 && std::uint32_t(lane) / kPacketSize != block)
                     adjacent.push_back(std::uint32_t(lane) / kPacketSize);
@@ -48,7 +34,7 @@ LaneMask SoftLuxels::Doubtful(std::uint32_t block, const SoftBatch &batch) const
         return doubtful;
     for (std::size_t i = 0; i < batch.receivers->count; ++i)
         if (batch.incident.live[i] != 0)
-            ForLuxelsAround(*lightmap_, blocks_->Luxels(block)[i], [&](std::size_t luxel) {
+            ForLuxelsAround(*lightmap_, blocks_->Luxels(block)[i], 1, [&](std::size_t luxel) {
                 if ((viewOfLuxel_[luxel] & other) != 0)
                     doubtful[i] = -1;
             });

@@ -280,6 +280,18 @@ template <typename Use> void ForMappedLuxelsByTile(const RawLightmap &raw, int s
                         use(luxel, x, y);
 }
 
+/// Calls use(luxel) for the luxels up to `reach` away from one, without it and without those outside the lightmap.
+/// Returns their number.
+template <typename Use> int ForLuxelsAround(const RawLightmap &raw, std::size_t luxel, int reach, const Use &use) {
+    const int x = int(luxel) % raw.SuperWidth(), y = int(luxel) / raw.SuperWidth();
+    int count = 0;
+    for (int ny = std::max(0, y - reach); ny <= std::min(y + reach, raw.SuperHeight() - 1); ++ny)
+        for (int nx = std::max(0, x - reach); nx <= std::min(x + reach, raw.SuperWidth() - 1); ++nx)
+            if (nx != x || ny != y)
+                use(raw.SuperIndex(nx, ny)), ++count;
+    return count;
+}
+
 /// Gives luxels next to known ones the mean of their known neighbors, ring by ring, until all are known. Without a
 /// known luxel nothing changes. values, known: width x height.
 template <typename T> void FillFromNeighbors(int width, int height, LuxelMask &known, std::vector<T> &values) {

@@ -141,7 +141,7 @@ class PropLighter {
     /// All receivers are one-sided, or all are two-sided.
     void AddDirect(const PropJob &job, std::span<const PropReceiver> receivers, PropPass pass, std::vector<Vec3f> &sums,
                    ContributionCounts &counts) const;
-    void AddLight(const LightSource &source, const StaticProp &prop, const SurfaceLightSettings &settings,
+    void AddLight(const LightGroup &group, const StaticProp &prop, const SurfaceLightSettings &settings,
                   std::span<SurfaceReceiverBatch> batches, std::span<const PropReceiver> receivers,
                   std::vector<Vec3f> &sums, ContributionCounts &counts) const;
     void AddOcclusion(const PropJob &job, std::vector<Vec3f> &light, ContributionCounts &counts) const;
@@ -318,28 +318,29 @@ void PropLighter::AddDirect(const PropJob &job, std::span<const PropReceiver> re
         if (!misses)
             reaching.push_back(&light);
     }
-    for (const LightSource &source : SourcesOf(reaching, settings))
-        AddLight(source, prop, settings, batches, receivers, sums, counts);
+    // A prop without normals turns to each sample, so it takes them one by one.
+    for (const LightGroup &group : LightGroupsOf(reaching, prop.ignoresNormals ? SurfaceLightSettings{} : settings))
+        AddLight(group, prop, settings, batches, receivers, sums, counts);
 }
 
-void PropLighter::AddLight(const LightSource &source, const StaticProp &prop, const SurfaceLightSettings &settings,
+void PropLighter::AddLight(const LightGroup &group, const StaticProp &prop, const SurfaceLightSettings &settings,
                            std::span<SurfaceReceiverBatch> batches, std::span<const PropReceiver> receivers,
                            std::vector<Vec3f> &sums, ContributionCounts &counts) const {
     SurfaceIncidentLight incident;
-    const Light &light = source.First();
+    const Light &light = group.First();
     const float factor = prop.ignoresNormals && light.angleAttenuation ? kNoNormalFactor : 1;
     for (std::size_t b = 0; b < batches.size(); ++b) {
         SurfaceReceiverBatch &batch = batches[b];
         for (std::size_t i = 0; i < batch.count && prop.ignoresNormals; ++i)
             batch.normal.Set(i, light.type == LightType::Sun ? -light.normal
                                                              : Normalize(light.origin - batch.position[i]));
-        SourceContributionToSample(source, settings, in_.scene, batch, incident, counts);
+        GroupContributionToSample(group, settings, in_.scene, batch, incident, counts);
         for (std::size_t i = 0; i < batch.count; ++i) {
             if (incident.live[i] == 0)
                 continue;
             const PropReceiver &receiver = receivers[b * kPacketSize + i];
             const float strength = incident.strength[i] * factor * receiver.weight;
-            const Vec3f color = source.Color() * (light.negative ? -strength : strength);
+            const Vec3f color = group.Color() * (light.negative ? -strength : strength);
             sums[receiver.point] += incident.tinted ? color * incident.tint[i] : color;
         }
     }

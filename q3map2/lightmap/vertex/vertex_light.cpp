@@ -242,18 +242,18 @@ void VertexLighter::ChooseStyles() {
     std::vector<SurfaceReceiverBatch> batches = OpenVertices(every, {}, open);
     StyleChoice choice;
     SurfaceIncidentLight incident;
-    for (const LightSource &source : SourcesOf(lights_, settings_)) {
+    for (const LightGroup &group : LightGroupsOf(lights_, settings_)) {
         double energy = 0;
-        const Vec3f &color = source.Color();
+        const Vec3f &color = group.Color();
         for (SurfaceReceiverBatch &batch : batches) {
-            if (source.First().style == 0)
+            if (group.First().style == 0)
                 continue;
-            SourceContributionToSample(source, settings_, in_.scene, batch, incident, counts_);
+            GroupContributionToSample(group, settings_, in_.scene, batch, incident, counts_);
             for (std::size_t i = 0; i < batch.count; ++i)
                 if (incident.live[i] != 0)
                     energy += double(incident.strength[i]) * double(color.x + color.y + color.z);
         }
-        choice.Add(source.First(), energy);
+        choice.Add(group.First(), energy);
     }
     choice.Choose();
     result_.dropped = choice.DroppedLightNames();
@@ -275,18 +275,18 @@ VertexLighter::VertexIndices VertexLighter::LightAt(const VertexIndices &vertice
 
 void VertexLighter::AddLights(std::span<SurfaceReceiverBatch> batches, const VertexIndices &vertices) {
     SurfaceIncidentLight incident;
-    for (const LightSource &source : SourcesOf(lights_, settings_)) {
-        const Light *light = &source.First();
+    for (const LightGroup &group : LightGroupsOf(lights_, settings_)) {
+        const Light *light = &group.First();
         const std::size_t slot = StyleSlotFor(result_.styles, light->style);
         if (slot == kStyles) // its light arrived beside vertices in solids only, where ChooseStyles did not look
             continue;
         for (std::size_t b = 0; b < batches.size(); ++b) {
-            SourceContributionToSample(source, settings_, in_.scene, batches[b], incident, counts_);
+            GroupContributionToSample(group, settings_, in_.scene, batches[b], incident, counts_);
             for (std::size_t i = 0; i < batches[b].count; ++i) {
                 if (incident.live[i] == 0)
                     continue;
                 const std::size_t v = vertices[b * kPacketSize + i];
-                const Vec3f color = source.Color() * (light->negative ? -incident.strength[i] : incident.strength[i]);
+                const Vec3f color = group.Color() * (light->negative ? -incident.strength[i] : incident.strength[i]);
                 AddTo(slot, v, incident.tinted ? color * incident.tint[i] : color);
                 result_.styles[slot] = std::uint8_t(light->style);
                 const Vec3f &soFar = result_.values[0][v];

@@ -39,6 +39,7 @@ class SoftLuxelTest : public testing::Test {
                     SetupEnvelopes(std::move(lights), LightPass::Surfaces, c.settings.light, c.space,
                                    SkySeenFrom(c.space, c.table), culled, false),
                     {}, surfaces, counts);
+        rays_ = counts.rays;
         const RawLightmap &floor = LightmapOf(c, surfaces, kFloor);
         std::vector<Luxel> luxels;
         for (std::size_t i = 0; i < floor.luxelClusters.size(); ++i)
@@ -50,6 +51,7 @@ class SoftLuxelTest : public testing::Test {
 
     SceneBuilder scene_ = EmptyRoom();
     GameFolder folder_;
+    std::uint64_t rays_ = 0; ///< of the latest Bake, all surfaces
 };
 
 /// The part of a polygon in front of the plane through p and the points a, a + along, on the side of `inside`.
@@ -70,7 +72,7 @@ double OnFloor(const Vec3f &p, const Winding<double> &polygon) {
 }
 
 TEST_F(SoftLuxelTest, ThePenumbraOfAStraightEdgeIsItsClosedForm) {
-    for (const float height : {16.0f, 64.0f, 256.0f}) {
+    for (const auto &[height, radiosity] : {std::pair(16.0f, 2080.0f), {64.0f, 5760.0f}, {256.0f, 38400.0f}}) {
         scene_ = EmptyRoom();
         scene_.AddBox({-1000, -1000, height}, {0, 1000, height + 1}, Shaded("textures/test/wall"));
         const Light lamp = AreaLight({0, 0, 2 * height + 100}, 64, 96, {0, 0, -1},
@@ -168,7 +170,7 @@ std::vector<Light> Suns(int count, float photons, bool colored) {
         sun.origin = sun.normal * -kSunDistance;
         sun.photons = photons / float(count);
         sun.color = colored ? Vec3f{1, 0.5f + 0.5f * float(i % 2), float(i) / float(count)} : Vec3f{1, 0.8f, 0.6f};
-        sun.sample = i, sun.source = 0;
+        sun.sample = i, sun.group = 0;
         suns.push_back(sun);
     }
     return suns;
@@ -225,10 +227,25 @@ TEST_F(SoftLuxelTest, SunsAndLightsWithADeviationShineAsWithManySamples) {
     expectAlike(lamp(1024, hard), lamp(4, hard), lamp(4, soft));
 }
 
+TEST_F(SoftLuxelTest, FewRaysAreFewRays) {
+    scene_.AddBox({-60, -50, 60}, {40, 40, 80}, Shaded("textures/test/wall"));
+    const Light lamp = AreaLight({0, 0, 200}, 96, 96, {0, 0, -1}, 1000);
+    const auto raysOf = [&](int areaShadows) {
+        Bake({lamp}, areaShadows);
+        return double(rays_);
+    };
+    const double one = raysOf(0);
+    EXPECT_LT(raysOf(1), 1.05 * one);
+    EXPECT_GT(raysOf(16), 1.2 * one);
+}
+
 TEST_F(SoftLuxelTest, TheNumberOfThreadsDoesNotMatter) {
     scene_.AddBox({-60, -50, 60}, {40, 40, 80}, Shaded("textures/test/wall"));
     std::vector<Light> lights{AreaLight({0, 0, 200}, 96, 96, {0, 0, -1}, 1000),
                               AreaLight({90, 50, 150}, 30, 20, {0, 0, -1}, 900)};
+    scene_.SetWallShader(BoxFace::PlusZ, Shaded("textures/test/sky"));
+    for (const Light &sun : Suns(64, 100, true))
+        lights.push_back(sun);
     const std::vector<Luxel> one = Bake(lights, 64, 1), more = Bake(lights, 64, 3);
     for (std::size_t i = 0; i < one.size(); ++i)
         ASSERT_EQ(one[i].light, more[i].light);

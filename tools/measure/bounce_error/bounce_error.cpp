@@ -51,11 +51,10 @@ constexpr std::string_view kUsage = R"(usage: bounce_error [options] MAP.bsp...
 Prints a table by map. Displayed errors, in bytes of 255: direct light with baked bounces against the same direct light
 with path traced ones, both cut to 0..255, over luxels (or positions and 26 normals) and channels. bias: their mean,
 signed. energy: sum of baked over sum of traced bounces. noise: standard error of the reference, RMS.
---direct: bytes of 255, baked against true direct light, both cut to 0..255. RMSE clear: of
-luxels whose position is clear of walls and surfaces; of others the truth is the mean over clear places of the luxel.
-gross: luxels with an error over 10 bytes
-outside two luxels of a shadow edge. Settings without --bake: default, -samples 2, -samples 3, -super 2. A second table
-has the shares of causes in the squared error, and of luxels that have them.
+--direct: bytes of 255, baked against true direct light, both cut to 0..255. RMSE clear: of luxels whose position is
+clear of walls and surfaces; of others the truth is the mean over clear places of the luxel. gross: luxels with an error
+over 10 bytes outside two luxels of a shadow edge. Settings without --bake: default, -samples 2, -samples 3, -super 2,
+-areashadows. A second table has the shares of causes in the squared error, and of luxels that have them.
 )";
 
 /// Rays per luxel of --causes.
@@ -113,8 +112,11 @@ BounceCommand ParseBounceCommand(Arguments &arguments, Log &log) {
         command.bakes.push_back(bench::ParseBakeSetting(*text)), hasBakes = true;
     command.direct = arguments.TakeFlag("--direct");
     if (!hasBakes && command.direct)
-        command.bakes = {
-            {"default", ""}, {"-samples 2", "-samples 2"}, {"-samples 3", "-samples 3"}, {"-super 2", "-super 2"}};
+        command.bakes = {{"default", ""},
+                         {"-samples 2", "-samples 2"},
+                         {"-samples 3", "-samples 3"},
+                         {"-super 2", "-super 2"},
+                         {"-areashadows", "-areashadows"}};
     else if (!hasBakes)
         AddBounces("1,4", command);
     while (const auto text = arguments.TakeValue("--lit"))

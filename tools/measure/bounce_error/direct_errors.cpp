@@ -16,18 +16,6 @@ constexpr std::size_t kMaxTruthPlaces = 4;
 /// Luxels on each side of the center, whose shadows are compared with its own.
 constexpr int kEdgeReach = 2;
 
-/// Calls use(luxel) for the luxels up to `reach` away from one, without it and without those outside the lightmap.
-/// Returns their number.
-template <typename Use> int ForLuxelsAround(const RawLightmap &raw, std::size_t luxel, int reach, const Use &use) {
-    const int x = int(luxel) % raw.SuperWidth(), y = int(luxel) / raw.SuperWidth();
-    int count = 0;
-    for (int ny = std::max(0, y - reach); ny <= std::min(y + reach, raw.SuperHeight() - 1); ++ny)
-        for (int nx = std::max(0, x - reach); nx <= std::min(x + reach, raw.SuperWidth() - 1); ++nx)
-            if (nx != x || ny != y)
-                use(raw.SuperIndex(nx, ny)), ++count;
-    return count;
-}
-
 bool IsAtSeam(const RawLightmap &raw, std::size_t luxel) {
     constexpr int kNeighbors = 8;
     bool mapped = true;
