@@ -119,6 +119,8 @@ void LuxelSampler::Refine(LuxelSum &sum, ContributionCounts &counts) {
 
 LuxelSampler::Sample LuxelSampler::ReadLuxel(std::size_t luxel) const {
     Sample sample;
+    if (blocks_->LaneIndexOf(luxel) < 0) // not mapped
+        return sample;
     const auto laneIndex = std::size_t(blocks_->LaneIndexOf(luxel));
     sample.position = blocks_->Receivers(laneIndex / kPacketSize).position[laneIndex % kPacketSize];
     if (hitFlags_[luxel] == 0)
