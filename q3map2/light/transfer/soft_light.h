@@ -23,8 +23,8 @@ struct SoftBatch {
     Lanes seenLength;             ///< sum of their lengths
     Lanes3 wholeColor, seenColor; ///< the sums `whole` and `seen` with color and transmittance; valid if tinted
     LaneMask behind{};            ///< behind the plane of an area light
-    Lanes3 position;              ///< of the receiver, moved off the plane of an area light
-    Lanes height;                 ///< its distance to that plane. Game units
+    Lanes3 position, rayOrigin;   ///< of the receiver, moved off the plane of an area light
+    Lanes height;                 ///< distance of rayOrigin to that plane. Game units
     std::uint64_t seed = 0;       ///< of the sequence of points
     int rays = 0;                 ///< cast so far by each live receiver
 

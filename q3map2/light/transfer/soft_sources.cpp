@@ -26,9 +26,10 @@ constexpr float kTwoRaysFrom = 2, kFourRaysFrom = 16;
 constexpr int kUntriedRays = 8;
 /// Area lights: expected error of the light of a receiver that sees the light partly. Byte scale.
 constexpr float kShareError = 0.25f;
-/// Area lights: receivers nearer to the plane of the light are moved along its normal to this distance. Luxels beside a
-/// lamp often lie in its plane, with half of their area in front of it. Game units.
-constexpr float kLeastHeight = 1;
+/// Area lights: luxels beside a lamp often lie in its plane, with half of their area in front of it. The light of
+/// receivers within kInPlane of the plane is taken at kLiftedHeight, about the middle of that half; their rays start at
+/// kInPlane. Game units.
+constexpr float kInPlane = 1, kLiftedHeight = 4;
 /// Area lights: receivers that still agree with themselves after this part of their rays, and at least kLeastSecondRays
 /// more than the first ones, cast no more.
 constexpr int kSecondPart = 4, kLeastSecondRays = 4;
@@ -39,8 +40,8 @@ constexpr int kSamplesPerFirstRay = 8;
 
 // ---- Area lights ----
 
-/// Positions of the receivers and their height over the plane of the light. Those behind a one-sided light, on its own
-/// surface or beyond its envelope are live no longer.
+/// Where the light of the receivers is taken and where their rays start, with the height over the plane of the light.
+/// Those behind a one-sided light, on its own surface or beyond its envelope are live no longer.
 Q3_VECTOR void SoftAreaLight::MeasureSides(SoftBatch &batch) const {
     const AreaShape &shape = light_.shape;
     const Lanes3 &p = batch.receivers->position, &n = batch.receivers->normal;
@@ -53,10 +54,15 @@ Q3_VECTOR void SoftAreaLight::MeasureSides(SoftBatch &batch) const {
                                    shape.normal.z * double(p.z[i]) - shape.dist);
         const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
         const bool behind = height < (twoSided ? 0 : -kPlaneClearance);
-        const float side = behind ? -1.0f : 1.0f, push = std::max(0.0f, kLeastHeight - side * height) * side;
-        batch.position.x[i] = p.x[i] + facing.x * push;
-        batch.position.y[i] = p.y[i] + facing.y * push;
-        batch.position.z[i] = p.z[i] + facing.z * push;
+        const float side = behind ? -1.0f : 1.0f;
+        const bool inPlane = side * height < kInPlane;
+        const float push = inPlane ? side * kInPlane - height : 0, lift = inPlane ? side * kLiftedHeight - height : 0;
+        batch.rayOrigin.x[i] = p.x[i] + facing.x * push;
+        batch.rayOrigin.y[i] = p.y[i] + facing.y * push;
+        batch.rayOrigin.z[i] = p.z[i] + facing.z * push;
+        batch.position.x[i] = p.x[i] + facing.x * lift;
+        batch.position.y[i] = p.y[i] + facing.y * lift;
+        batch.position.z[i] = p.z[i] + facing.z * lift;
         batch.height[i] = std::abs(height + push);
         batch.behind[i] = behind ? -1 : 0;
         const bool onEmitter = (side * height < kAreaOwnSide) & (side * along > kAreaOwnCosine);
@@ -150,7 +156,7 @@ Q3_VECTOR void SoftAreaLight::AimLanes(const SoftBatch &batch, std::uint32_t num
     const Vec3f n(light_.shape.normal);
     const Lanes3 &normal = batch.normal;
     RayPacket &rays = to.rays;
-    rays.origin = batch.position;
+    rays.origin = batch.rayOrigin;
     for (const std::size_t i : kEachLane) {
         const float gap = std::min(kEmitterGap, 0.5f * batch.height[i]), lift = batch.behind[i] != 0 ? -gap : gap;
         const auto [x, y, z, d] =
