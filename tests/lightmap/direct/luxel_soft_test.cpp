@@ -227,6 +227,24 @@ TEST_F(SoftLuxelTest, SunsAndLightsWithADeviationShineAsWithManySamples) {
     expectAlike(lamp(1024, hard), lamp(4, hard), lamp(4, soft));
 }
 
+// Five sides of a cube around the floor, four of which reach below its horizon, fill the hemisphere of each luxel.
+TEST_F(SoftLuxelTest, InAFurnaceEveryLuxelGetsTheRadiosity) {
+    std::vector<Light> sides;
+    for (const Vec3f &inward : {Vec3f{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, -1}})
+        sides.push_back(AreaLight(inward * -1000, 2000, 2000, inward, 100));
+    for (const Luxel &luxel : Bake(sides, 64))
+        ASSERT_NEAR(luxel.light.x, 100, 0.1) << luxel.position.x << " " << luxel.position.y;
+}
+
+TEST_F(SoftLuxelTest, LightsAddUp) {
+    scene_.AddBox({-60, -50, 60}, {40, 40, 80}, Shaded("textures/test/wall"));
+    const Light a = AreaLight({0, 0, 200}, 96, 96, {0, 0, -1}, 300),
+                b = AreaLight({90, 50, 150}, 30, 20, {0, 0, -1}, 900);
+    const std::vector<Luxel> both = Bake({a, b}, 64), first = Bake({a}, 64), second = Bake({b}, 64);
+    for (std::size_t i = 0; i < both.size(); ++i)
+        ASSERT_NEAR(both[i].light.x, first[i].light.x + second[i].light.x, 1e-3);
+}
+
 TEST_F(SoftLuxelTest, FewRaysAreFewRays) {
     scene_.AddBox({-60, -50, 60}, {40, 40, 80}, Shaded("textures/test/wall"));
     const Light lamp = AreaLight({0, 0, 200}, 96, 96, {0, 0, -1}, 1000);
