@@ -274,7 +274,7 @@ std::vector<Light> CutCrossedLights(std::vector<Light> lights, const BspSpace &s
     CrossingSurfaces surfaces(scene);
     std::vector<Light> result;
     for (Light &light : lights)
-        if (light.type == LightType::Area)
+        if (light.type == LightType::Area && light.polygon.size() >= 3)
             AddUncrossed(light, kMostCuts, surfaces, space, result);
         else
             result.push_back(std::move(light));

@@ -302,9 +302,8 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
         }
         return copies;
     };
-    const bool isOneOnSurfaces = // see SoftSampledLight::CanGroup
-        deviance > 0 && light.angleAttenuation && light.angleScale == 0 && light.curve != FalloffCurve::Linear;
-    for (Light &copy : isOneOnSurfaces ? WithSurfaceSamples(samples, options, sampled) : sampled(samples))
+    const bool canGroup = deviance > 0 && light.IsTimesCosine(); // on surfaces
+    for (Light &copy : canGroup ? WithSurfaceSamples(samples, options, sampled) : sampled(samples))
         lights.push_back(std::move(copy));
 }
 

@@ -116,13 +116,16 @@ struct Light {
 
     /// Whether points in that cluster may see it.
     bool SeenFrom(int cluster) const { return cluster >= 0 && (seenFrom.empty() || seenFrom[std::size_t(cluster)]); }
+    /// Whether the light of a sun, point or spot on a surface is that on one which faces it times the cosine.
+    bool IsTimesCosine() const { return angleAttenuation && angleScale == 0 && curve != FalloffCurve::Linear; }
     /// Sets `shape`.
     void SetShape();
 };
 
-/// The `count` samples of one light that are asked for. With soft shadows and 2 to kSurfaceSamples - 1 of them, these
-/// light the grids alone, and kSurfaceSamples others light surfaces.
+/// Least number of samples of a light of which surfaces take several, with soft shadows.
 inline constexpr int kSurfaceSamples = 64;
+/// make(n): n samples of one light. Returns make(count), which is what is asked for. With soft shadows and a count from
+/// 2 to kSurfaceSamples - 1 these light the grids alone, and make(kSurfaceSamples) follows, for surfaces alone.
 template <typename Make>
 std::vector<Light> WithSurfaceSamples(int count, const LightOptions &options, const Make &make) {
     std::vector<Light> lights = make(count);

@@ -469,24 +469,30 @@ class SkyLights {
         numbers_[&shader] = number;
         if (!world_.noShaderSun)
             for (const SunDirective &sun : shader.suns)
-                AddSamples(shader, {&sun, 1}, number);
+                AddSuns(shader, MakeSuns(sun, number, options_));
         for (const SkyLightDirective &sky : shader.skyLights)
-            AddSamples(shader, SkyLightSuns(sky, shader, library_, log_), number);
+            AddSuns(shader, MakeSky(SkyLightSuns(sky, shader, library_, log_), number));
         return number;
     }
 
   private:
-    /// The lights of one sun, or of one sky.
-    void AddSamples(const ShaderInfo &shader, std::span<const SunDirective> suns, int number) {
-        int sample = 0;
-        for (const SunDirective &sun : suns)
-            for (Light &light : MakeSuns(sun, number, options_)) {
-                light.sample = sample++;
-                if (light.style != 0)
-                    light.label = "sun or sky of shader " + shader.name;
-                lights_.push_back(std::move(light));
-                ++counts_.skyLights;
+    /// The lights of a sky: its directions are samples of one light.
+    std::vector<Light> MakeSky(std::span<const SunDirective> directions, int number) const {
+        std::vector<Light> sky;
+        for (const SunDirective &direction : directions)
+            for (Light &light : MakeSuns(direction, number, options_)) {
+                light.sample = int(sky.size());
+                sky.push_back(std::move(light));
             }
+        return sky;
+    }
+    void AddSuns(const ShaderInfo &shader, std::vector<Light> suns) {
+        for (Light &light : suns) {
+            if (light.style != 0)
+                light.label = "sun or sky of shader " + shader.name;
+            lights_.push_back(std::move(light));
+            ++counts_.skyLights;
+        }
     }
 
     const LightOptions &options_;

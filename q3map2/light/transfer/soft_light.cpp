@@ -60,7 +60,7 @@ void SoftLight::AddRay(const RayPacket &traced, std::size_t ray, std::size_t rec
     if (traced.live[ray] == 0)
         return;
     batch.seen[receiver] += strength;
-    batch.seenLength[receiver] += vector;
+    batch.seenFluence[receiver] += vector;
     batch.seenVector.Set(receiver, batch.seenVector[receiver] + traced.direction[ray] * vector);
     if (batch.incident.tinted) {
         const Vec3f tint = traced.tinted ? traced.tint[ray] : Vec3f{1, 1, 1};
@@ -77,7 +77,7 @@ Q3_VECTOR void SoftLight::Count(const PointRays &to, const LaneMask &lanes, Soft
         const float vector = arrived ? to.vector[i] : 0;
         batch.whole[i] += lanes[i] != 0 ? to.strength[i] : 0;
         batch.seen[i] += arrived ? to.strength[i] : 0;
-        batch.seenLength[i] += vector;
+        batch.seenFluence[i] += vector;
         batch.seenVector.x[i] += to.rays.direction.x[i] * vector;
         batch.seenVector.y[i] += to.rays.direction.y[i] * vector;
         batch.seenVector.z[i] += to.rays.direction.z[i] * vector;
@@ -116,7 +116,7 @@ bool SoftLight::Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch 
     counts_.skippedUnlit += std::uint64_t(inSight - incident.live.Count());
     if (!incident.live.Any() || !ApplyFaintSelection(light_, settings_.faint, 1, receivers, incident, counts_))
         return false;
-    batch.whole = batch.seen = batch.seenLength = {};
+    batch.whole = batch.seen = batch.seenFluence = {};
     batch.seenVector = batch.wholeColor = batch.seenColor = {};
     batch.rays = 0;
     if (!settings_.TracesShadowsOf(light_))
@@ -148,15 +148,14 @@ void SoftLight::FillUntried(SoftBatch &batch) {
         whole = seen = 1, wholeColor = seenColor = {1, 1, 1};
     for (unsigned lanes = untried.Bits(); lanes != 0; lanes &= lanes - 1) {
         const auto i = std::size_t(std::countr_zero(lanes));
-        const float scale = seen / batch.incident.strength[i];
         batch.whole[i] = whole, batch.seen[i] = seen;
         batch.wholeColor.Set(i, wholeColor), batch.seenColor.Set(i, seenColor);
-        batch.seenVector.Set(i, batch.vector[i] * scale), batch.seenLength[i] = batch.length[i] * scale;
+        batch.seenVector.Set(i, batch.vector[i] * seen), batch.seenFluence[i] = batch.fluence[i] * seen;
     }
 }
 
-/// Multiplies strength, vector and length by the shares, and sets the tints. Receivers that see nothing are live no
-/// longer.
+/// Multiplies the strengths by the shares, and sets vectors, fluences and tints to those of the light that arrives.
+/// Receivers that see nothing are live no longer.
 Q3_VECTOR void SoftLight::SetShares(SoftBatch &batch) const {
     SurfaceIncidentLight &incident = batch.incident;
     if (incident.tinted)
@@ -178,11 +177,11 @@ Q3_VECTOR void SoftLight::SetShares(SoftBatch &batch) const {
         const float seen = batch.seen[i], whole = batch.whole[i], divisor = whole > 0 ? whole : 1;
         incident.live[i] = seen > 0 ? incident.live[i] : 0;
         const bool partly = seen < whole;
-        const float scale = incident.strength[i] / divisor; // from the points tried to the whole light
+        const float scale = 1 / (seen > 0 ? seen : 1);
         batch.vector.x[i] = partly ? batch.seenVector.x[i] * scale : batch.vector.x[i];
         batch.vector.y[i] = partly ? batch.seenVector.y[i] * scale : batch.vector.y[i];
         batch.vector.z[i] = partly ? batch.seenVector.z[i] * scale : batch.vector.z[i];
-        batch.length[i] = partly ? batch.seenLength[i] * scale : batch.length[i];
+        batch.fluence[i] = partly ? batch.seenFluence[i] * scale : batch.fluence[i];
         incident.strength[i] *= std::min(1.0f, seen / divisor);
     }
 }
@@ -196,11 +195,10 @@ Q3_VECTOR void SoftLight::SetDirections(SoftBatch &batch) const {
         const auto [x, y, z, length] = DirectionOf(vx, vy, vz);
         incident.direction.x[i] = x, incident.direction.y[i] = y, incident.direction.z[i] = z;
         incident.undirected[i] = length > 0 ? 0 : -1;
-        const float strength = incident.strength[i], scale = strength > 0 ? 1 / strength : 0;
-        to.vector.x[i] = vx * scale, to.vector.y[i] = vy * scale, to.vector.z[i] = vz * scale;
-        const float directed = (vx * batch.normal.x[i] + vy * batch.normal.y[i] + vz * batch.normal.z[i]) * scale;
+        to.vector.x[i] = vx, to.vector.y[i] = vy, to.vector.z[i] = vz;
+        const float directed = vx * batch.normal.x[i] + vy * batch.normal.y[i] + vz * batch.normal.z[i];
         to.uniform[i] = std::max(0.0f, 1 - directed);
-        to.spread[i] = length > 0 ? batch.length[i] / length : 1;
+        to.spread[i] = length > 0 ? batch.fluence[i] / length : 1;
     }
 }
 
@@ -221,7 +219,8 @@ void SoftLight::Finish(SoftBatch &batch, const LaneMask &doubtful) const {
 
 void SoftLight::Evaluate(SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident) const {
     SoftBatch batch;
-    const bool any = Start(receivers, 2, batch);
+    constexpr int kRayFactor = 2; // since no neighbors are compared
+    const bool any = Start(receivers, kRayFactor, batch);
     if (any)
         Finish(batch, batch.Disagreeing());
     incident = batch.incident;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace q3 {
 
@@ -13,14 +14,14 @@ struct SoftBatch {
     SurfaceReceiverBatch *receivers = nullptr;
     SurfaceIncidentLight incident; ///< without shadows until SoftLight::Finish
     Lanes3 normal;                 ///< of the receiver; of area lights, of the side that is lit
-    /// Without shadows: sum of vectors that point to the light with the length of the strength on a receiver that faces
-    /// it, and sum of their lengths. Light from behind a receiver adds nothing.
+    /// Irradiance vector, and fluence, of the light without shadows, divided by its strength. Light from behind a
+    /// receiver adds nothing. Finish sets them to those of the light that arrives.
     Lanes3 vector;
-    Lanes length;
+    Lanes fluence;
     Lanes3 color;                 ///< sum over the samples of strength times color, divided by SoftLight::Color
     Lanes whole, seen;            ///< sums of the strengths of all points tried, and of those whose rays arrived
-    Lanes3 seenVector;            ///< sum of the vectors of the points whose rays arrived
-    Lanes seenLength;             ///< sum of their lengths
+    Lanes3 seenVector;            ///< sum of the irradiance vectors of the points whose rays arrived
+    Lanes seenFluence;            ///< sum of their lengths
     Lanes3 wholeColor, seenColor; ///< the sums `whole` and `seen` with color and transmittance; valid if tinted
     LaneMask behind{};            ///< behind the plane of an area light
     Lanes3 position, rayOrigin;   ///< of the receiver, moved off the plane of an area light
@@ -63,13 +64,13 @@ class SoftLight {
     struct PointRays {
         RayPacket rays;
         Lanes strength; ///< 0 and not live: none
-        Lanes vector;   ///< length of the vector, see SoftBatch; the ray has its direction
+        Lanes vector;   ///< length of the irradiance vector; its direction is that of the ray
         Lanes3 color;   ///< divided by Color(), if IsColored
     };
 
     /// Receivers that visibility data does not hide from the light.
     virtual LaneMask FindInSight(const SurfaceReceiverBatch &receivers) const;
-    /// Sets incident (live, strength, undirected) and normal, vector, length of a batch.
+    /// Sets incident (live, strength, undirected) and normal, vector, fluence of a batch.
     virtual void SetUnshadowed(SoftBatch &batch) const = 0;
     /// Rays to point `number` of the sequence of each receiver.
     virtual void Aim(const SoftBatch &batch, std::uint32_t number, PointRays &to) const = 0;
@@ -114,7 +115,7 @@ class SoftAreaLight : public SoftLight {
     void CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const override;
 
   private:
-    void AimLanes(const SoftBatch &batch, std::uint32_t number, PointRays &to) const;
+    void AimLanes(const SoftBatch &batch, std::uint32_t number, PointRays &to) const; // vector code cannot be virtual
     void MeasureSides(SoftBatch &batch) const;
     bool MeasureHorizons(SoftBatch &batch) const;
     void MeasureVectors(bool isCrossing, SoftBatch &batch) const;
@@ -127,7 +128,7 @@ class SoftSampledLight : public SoftLight {
     SoftSampledLight(const LightGroup &group, const SurfaceLightSettings &settings, const LightScene &scene,
                      ContributionCounts &counts);
     Vec3f Color() const override { return color_; }
-    /// Whether this class can do the samples of the source of that light.
+    /// Whether the samples that the light is one of can be a group: its light is a multiple of the cosine.
     static bool CanGroup(const Light &light, const SurfaceLightSettings &settings);
 
   protected:
@@ -141,18 +142,17 @@ class SoftSampledLight : public SoftLight {
     int FirstRays(float strongest, int factor) const override;
 
   private:
-    void AimFrom(const SoftBatch &batch, std::size_t receiver, const Light &sample, PointRays &to) const;
-    void AimFromAll(const SoftBatch &batch, const Light &sun, PointRays &to) const;
+    void AimFrom(const SoftBatch &batch, std::size_t receiver, std::size_t sample, PointRays &to) const;
+    void AimFromAll(const SoftBatch &batch, std::size_t sample, PointRays &to) const;
+    void AimAtSun(const SoftBatch &batch, std::size_t sample, PointRays &to) const;
+    static void AddSample(const PointRays &to, const Vec3f &color, SoftBatch &batch);
     void ClearRays(const SurfaceReceiverBatch &receivers, PointRays &to) const;
-    static void AddSun(const Light &sun, const Vec3f &color, SoftBatch &batch);
-    static void AddPoint(const Light &light, const Vec3f &color, SoftBatch &batch);
-    /// Color of a sample divided by color_.
-    Vec3f RelativeColor(const Light &sample) const;
 
     std::span<const Light *const> samples_;
-    Vec3f color_;            ///< LightGroup::Color
-    bool isColored_ = false; ///< LightGroup::ColorsDiffer
-    std::size_t step_ = 1;   ///< from a sample to the next one of a receiver
+    Vec3f color_;               ///< LightGroup::Color
+    std::vector<Vec3f> colors_; ///< of the samples, divided by color_
+    bool isColored_ = false;    ///< LightGroup::ColorsDiffer
+    std::size_t step_ = 1;      ///< from a sample to the next one of a receiver
 };
 
 } // namespace q3

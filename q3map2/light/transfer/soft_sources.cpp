@@ -103,8 +103,8 @@ Q3_VECTOR bool SoftAreaLight::MeasureHorizons(SoftBatch &batch) const {
     return crossing != 0;
 }
 
-/// strength = radiosity F, and the vectors. isCrossing: a receiver has a part of the light below its horizon. The
-/// spread of the directions is that of a cone with the same irradiance vector.
+/// strength = radiosity F, and the vectors and fluences. isCrossing: a receiver has a part of the light below its
+/// horizon. The fluence is that of a cone with the same irradiance vector.
 Q3_VECTOR void SoftAreaLight::MeasureVectors(bool isCrossing, SoftBatch &batch) const {
     Lanes3 &v = batch.vector;
     SurfaceIncidentLight &incident = batch.incident;
@@ -115,18 +115,23 @@ Q3_VECTOR void SoftAreaLight::MeasureVectors(bool isCrossing, SoftBatch &batch) 
         FormFactorVectors(batch.position, light_.polygon, v);
     const float radiosity = light_.radiosity;
     for (const std::size_t i : kEachLane) {
-        const float side =
-            batch.behind[i] != 0 ? -1.0f : 1.0f; // seen from behind, the polygon runs the other way round
+        const float side = batch.behind[i] != 0 ? -1.0f : 1.0f; // from behind, the polygon runs the other way round
         const float x = v.x[i] * side, y = v.y[i] * side, z = v.z[i] * side;
-        incident.strength[i] = radiosity * (x * n.x[i] + y * n.y[i] + z * n.z[i]);
-        const float sine2 = std::min(1.0f, std::sqrt(x * x + y * y + z * z)),
-                    directed = incident.undirected[i] != 0 ? 0 : radiosity;
-        v.x[i] = x * directed, v.y[i] = y * directed, v.z[i] = z * directed;
-        batch.length[i] = directed * sine2 * 2 / (1 + std::sqrt(1 - sine2));
+        const float formFactor = x * n.x[i] + y * n.y[i] + z * n.z[i];
+        const bool directed = (formFactor > 0) & (incident.undirected[i] == 0);
+        const float scale = directed ? 1 / formFactor : 0;
+        const float sine2 = std::min(1.0f, std::sqrt(x * x + y * y + z * z));
+        incident.strength[i] = radiosity * formFactor;
+        v.x[i] = x * scale, v.y[i] = y * scale, v.z[i] = z * scale;
+        batch.fluence[i] = scale * sine2 * 2 / (1 + std::sqrt(1 - sine2));
     }
 }
 
 void SoftAreaLight::SetUnshadowed(SoftBatch &batch) const {
+    if (light_.polygon.size() < 3) {
+        batch.incident.live = {};
+        return;
+    }
     AimAt(light_.origin, batch.receivers->position, batch.incident);
     MeasureSides(batch);
     if (!batch.incident.live.Any())
@@ -227,8 +232,7 @@ void SoftAreaLight::CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) con
 // ---- The samples of one sun, sky or point light ----
 
 bool SoftSampledLight::CanGroup(const Light &light, const SurfaceLightSettings &settings) {
-    return light.type != LightType::Area && settings.HasSoftShadows() && !settings.halfLambert &&
-           light.angleAttenuation && light.angleScale == 0 && light.curve != FalloffCurve::Linear;
+    return light.type != LightType::Area && settings.HasSoftShadows() && !settings.halfLambert && light.IsTimesCosine();
 }
 
 SoftSampledLight::SoftSampledLight(const LightGroup &group, const SurfaceLightSettings &settings,
@@ -239,6 +243,11 @@ SoftSampledLight::SoftSampledLight(const LightGroup &group, const SurfaceLightSe
     step_ = std::max<std::size_t>(1, std::size_t(std::lround(kGolden * double(samples_.size()))));
     while (std::gcd(step_, samples_.size()) != 1)
         ++step_;
+    for (const Light *sample : samples_) {
+        Vec3f &color = colors_.emplace_back();
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            color[channel] = color_[channel] != 0 ? sample->color[channel] / color_[channel] : 0;
+    }
 }
 
 int SoftSampledLight::FirstRays(float, int factor) const {
@@ -295,54 +304,35 @@ SampleHere At(const Light &light, const Vec3f &position, const Vec3f &normal, bo
 
 } // namespace
 
-/// Adds a sun to the sums of a batch.
-Q3_VECTOR void SoftSampledLight::AddSun(const Light &sun, const Vec3f &color, SoftBatch &batch) {
-    const Lanes3 &n = batch.receivers->normal;
-    const Vec3f u = -sun.normal, c = color;
-    const float photons = sun.photons;
-    const bool twoSided = batch.receivers->twoSided;
+/// Adds what a sample gives without shadows to the sums of a batch.
+Q3_VECTOR void SoftSampledLight::AddSample(const PointRays &to, const Vec3f &color, SoftBatch &batch) {
+    const Vec3f c = color;
+    const Lanes3 &u = to.rays.direction;
     for (const std::size_t i : kEachLane) {
-        const float cosine = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
-        const float facing = cosine > 0 ? photons : 0;
-        const float strength = photons * (twoSided ? std::abs(cosine) : std::max(0.0f, cosine));
+        const float strength = to.strength[i], vector = to.vector[i];
         batch.incident.strength[i] += strength;
-        batch.length[i] += facing;
-        batch.vector.x[i] += u.x * facing, batch.vector.y[i] += u.y * facing, batch.vector.z[i] += u.z * facing;
+        batch.fluence[i] += vector;
+        batch.vector.x[i] += u.x[i] * vector, batch.vector.y[i] += u.y[i] * vector,
+            batch.vector.z[i] += u.z[i] * vector;
         batch.color.x[i] += c.x * strength, batch.color.y[i] += c.y * strength, batch.color.z[i] += c.z * strength;
     }
 }
 
-/// Adds a point light or spotlight.
-void SoftSampledLight::AddPoint(const Light &light, const Vec3f &color, SoftBatch &batch) {
-    const SurfaceReceiverBatch &receivers = *batch.receivers;
-    for (std::size_t i = 0; i < receivers.count; ++i) {
-        if (batch.incident.live[i] == 0)
-            continue;
-        const SampleHere here = At(light, receivers.position[i], receivers.normal[i], receivers.twoSided);
-        const float facing = here.cosine > 0 && here.strength > 0 ? here.facing : 0;
-        batch.incident.strength[i] += here.strength;
-        batch.length[i] += facing;
-        batch.vector.Set(i, batch.vector[i] + here.direction * facing);
-        batch.color.Set(i, batch.color[i] + color * here.strength);
-    }
-}
-
-Vec3f SoftSampledLight::RelativeColor(const Light &sample) const {
-    Vec3f color;
-    for (std::size_t channel = 0; channel < 3; ++channel)
-        color[channel] = color_[channel] != 0 ? sample.color[channel] / color_[channel] : 0;
-    return color;
-}
-
 void SoftSampledLight::SetUnshadowed(SoftBatch &batch) const {
     batch.normal = batch.receivers->normal;
-    batch.incident.strength = batch.length = {};
+    batch.incident.strength = batch.fluence = {};
     batch.vector = batch.color = {};
-    for (const Light *sample : samples_)
-        light_.type == LightType::Sun ? AddSun(*sample, RelativeColor(*sample), batch)
-                                      : AddPoint(*sample, RelativeColor(*sample), batch);
-    for (const std::size_t i : kEachLane)
-        batch.incident.live[i] = batch.incident.strength[i] > 0 ? batch.incident.live[i] : 0;
+    PointRays to;
+    for (std::size_t sample = 0; sample < samples_.size(); ++sample) {
+        AimFromAll(batch, sample, to);
+        AddSample(to, colors_[sample], batch);
+    }
+    for (const std::size_t i : kEachLane) {
+        const float strength = batch.incident.strength[i], scale = strength > 0 ? 1 / strength : 0;
+        batch.incident.live[i] = strength > 0 ? batch.incident.live[i] : 0;
+        batch.vector.Set(i, batch.vector[i] * scale);
+        batch.fluence[i] *= scale;
+    }
 }
 
 void SoftSampledLight::Aim(const SoftBatch &batch, std::uint32_t number, PointRays &to) const {
@@ -352,7 +342,7 @@ void SoftSampledLight::Aim(const SoftBatch &batch, std::uint32_t number, PointRa
     ClearRays(receivers, to);
     for (std::size_t i = 0; i < receivers.count; ++i)
         if (batch.incident.live[i] != 0)
-            AimFrom(batch, i, *samples_[(start + kDither[i] * count / kPacketSize) % count], to);
+            AimFrom(batch, i, (start + kDither[i] * count / kPacketSize) % count, to);
 }
 
 void SoftSampledLight::ClearRays(const SurfaceReceiverBatch &receivers, PointRays &to) const {
@@ -365,26 +355,29 @@ void SoftSampledLight::ClearRays(const SurfaceReceiverBatch &receivers, PointRay
 }
 
 /// The ray of one receiver to a sample.
-void SoftSampledLight::AimFrom(const SoftBatch &batch, std::size_t receiver, const Light &sample, PointRays &to) const {
+void SoftSampledLight::AimFrom(const SoftBatch &batch, std::size_t receiver, std::size_t sample, PointRays &to) const {
     const SurfaceReceiverBatch &receivers = *batch.receivers;
-    const SampleHere here = At(sample, receivers.position[receiver], receivers.normal[receiver], receivers.twoSided);
+    const SampleHere here =
+        At(*samples_[sample], receivers.position[receiver], receivers.normal[receiver], receivers.twoSided);
     if (!(here.strength > 0))
         return;
     to.rays.Set(receiver, receivers.rayOrigin[receiver], here.direction, here.distance);
     to.strength[receiver] = here.strength;
     to.vector[receiver] = here.cosine > 0 ? here.facing : 0;
-    if (isColored_)
-        to.color.Set(receiver, RelativeColor(sample));
+    to.color.Set(receiver, colors_[sample]);
 }
 
 /// The rays of all receivers to a sun.
-Q3_VECTOR void SoftSampledLight::AimFromAll(const SoftBatch &batch, const Light &sun, PointRays &to) const {
+Q3_VECTOR void SoftSampledLight::AimAtSun(const SoftBatch &batch, std::size_t sample, PointRays &to) const {
+    const Light &sun = *samples_[sample];
     const Lanes3 &n = batch.receivers->normal;
     const Vec3f u = -sun.normal;
     const float photons = sun.photons;
     const bool twoSided = batch.receivers->twoSided;
+    to.rays.origin = batch.receivers->rayOrigin;
     to.rays.direction.Fill(u);
     to.rays.distance.fill(kSunDistance);
+    to.rays.ignoredProp = settings_.ignoredProp;
     for (const std::size_t i : kEachLane) {
         const float cosine = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
         const float strength = photons * (twoSided ? std::abs(cosine) : std::max(0.0f, cosine));
@@ -392,26 +385,30 @@ Q3_VECTOR void SoftSampledLight::AimFromAll(const SoftBatch &batch, const Light 
         to.vector[i] = cosine > 0 ? photons : 0;
         to.rays.live[i] = strength > 0 ? -1 : 0;
     }
-    if (isColored_)
-        to.color.Fill(RelativeColor(sun));
+    to.color.Fill(colors_[sample]);
+}
+
+/// The rays of all live receivers to a sample.
+void SoftSampledLight::AimFromAll(const SoftBatch &batch, std::size_t sample, PointRays &to) const {
+    if (light_.type == LightType::Sun)
+        return AimAtSun(batch, sample, to);
+    ClearRays(*batch.receivers, to);
+    for (std::size_t i = 0; i < batch.receivers->count; ++i)
+        if (batch.incident.live[i] != 0)
+            AimFrom(batch, i, sample, to);
 }
 
 void SoftSampledLight::CastMoreRays(SoftBatch &batch, const LaneMask &doubtful) const {
     if (!doubtful.Any())
         return;
-    for (Lanes *sum : {&batch.whole, &batch.seen, &batch.seenLength, &batch.seenVector.x, &batch.seenVector.y,
+    for (Lanes *sum : {&batch.whole, &batch.seen, &batch.seenFluence, &batch.seenVector.x, &batch.seenVector.y,
                        &batch.seenVector.z, &batch.wholeColor.x, &batch.wholeColor.y, &batch.wholeColor.z,
                        &batch.seenColor.x, &batch.seenColor.y, &batch.seenColor.z})
         for (const std::size_t i : kEachLane)
             (*sum)[i] = doubtful[i] != 0 ? 0 : (*sum)[i];
     PointRays to;
-    for (const Light *sample : samples_) {
-        ClearRays(*batch.receivers, to);
-        if (light_.type == LightType::Sun)
-            AimFromAll(batch, *sample, to);
-        else
-            for (std::size_t i = 0; i < batch.receivers->count; ++i)
-                AimFrom(batch, i, *sample, to);
+    for (std::size_t sample = 0; sample < samples_.size(); ++sample) {
+        AimFromAll(batch, sample, to);
         CastAndCount(doubtful, to, batch);
     }
 }

@@ -107,11 +107,11 @@ struct LuxelReceivers {
     const BasisLanes *basis = nullptr;
 };
 
-/// Sets the light of a source on a block from what arrives there.
+/// Sets the light of a group on a block from what arrives there.
 void SetLuxelLight(const LightGroup &group, const LuxelPass &pass, const BasisLanes *basis,
                    const SurfaceIncidentLight &incident, LuxelIncidentLight &out, ChannelLanes &channels);
 
-/// Evaluates a source at a block of receivers. False: no light arrives, and `out` and `channels` are not set.
+/// Evaluates a group at a block of receivers. False: no light arrives, and `out` and `channels` are not set.
 bool LuxelContribution(const LightGroup &group, const LuxelPass &pass, const LightScene &scene,
                        const LuxelReceivers &receivers, LuxelIncidentLight &out, ChannelLanes &channels,
                        ContributionCounts &counts);

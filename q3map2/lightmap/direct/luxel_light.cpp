@@ -284,12 +284,12 @@ class LightmapPass {
             worker_.sampler.Refine(*sum, worker_.counts);
     }
 
-    /// Whether the light of a source has soft shadows; these have no edges for -samples to find.
+    /// Whether the lights of a group have soft shadows; these have no edges for -samples to find.
     bool IsSoft(const LightGroup &group) const {
         return group.Samples().size() > 1 || (group.First().type == LightType::Area && pass_.settings.HasSoftShadows());
     }
 
-    /// Sets worker_.reachedBlocks to the blocks that a source may reach.
+    /// Sets worker_.reachedBlocks to the blocks that a group may reach.
     void FindReached(const LightGroup &group) {
         std::vector<std::uint32_t> &reached = worker_.reachedBlocks;
         reached.clear();
@@ -304,7 +304,7 @@ class LightmapPass {
         }
     }
 
-    /// Calls use(block, light) for the reached blocks at which light of the source arrives.
+    /// Calls use(block, light) for the reached blocks at which light of the group arrives.
     template <typename Use> void ForLitBlocks(const LightGroup &group, const Use &use) {
         const SurfaceLightSettings &settings = pass_.settings;
         if (group.Samples().size() > 1)

@@ -44,12 +44,12 @@ LaneMask SoftLuxels::Doubtful(std::uint32_t block, const SoftBatch &batch) const
 void SoftLuxels::Add(const SoftLight &light, std::span<const std::uint32_t> reached, const Use &use) {
     if (batches_.size() < reached.size())
         batches_.resize(reached.size());
-    std::vector<std::pair<std::uint32_t, SoftBatch *>> lit;
+    lit_.clear();
     for (const std::uint32_t block : reached) {
-        SoftBatch &batch = batches_[lit.size()];
+        SoftBatch &batch = batches_[lit_.size()];
         if (!light.Start(blocks_->Receivers(block), 1, batch))
             continue;
-        lit.push_back({block, &batch});
+        lit_.push_back({block, &batch});
         const LaneMask seeing = batch.Seeing(), hidden = batch.Hidden();
         for (std::size_t i = 0; i < batch.receivers->count; ++i) {
             const auto view = std::uint8_t((seeing[i] != 0 ? kSees : 0) | (hidden[i] != 0 ? kHidden : 0));
@@ -57,12 +57,12 @@ void SoftLuxels::Add(const SoftLight &light, std::span<const std::uint32_t> reac
             viewOfBlock_[block] |= view;
         }
     }
-    for (const auto &[block, batch] : lit) {
+    for (const auto &[block, batch] : lit_) {
         light.Finish(*batch, Doubtful(block, *batch));
         if (batch->incident.live.Any() || batch->incident.filtered.Any())
             use(block, batch->incident);
     }
-    for (const auto &[block, batch] : lit) {
+    for (const auto &[block, batch] : lit_) {
         viewOfBlock_[block] = 0;
         for (std::size_t i = 0; i < batch->receivers->count; ++i)
             viewOfLuxel_[blocks_->Luxels(block)[i]] = 0;

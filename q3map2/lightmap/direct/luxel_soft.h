@@ -30,6 +30,7 @@ class SoftLuxels {
     /// What the luxels see of the light at hand, kSees and kHidden: of each block, and of each luxel of the super grid.
     std::vector<std::uint8_t> viewOfBlock_, viewOfLuxel_;
     std::vector<SoftBatch> batches_;
+    std::vector<std::pair<std::uint32_t, SoftBatch *>> lit_; ///< blocks that the light at hand may light
 };
 
 } // namespace q3

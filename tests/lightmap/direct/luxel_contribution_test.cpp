@@ -6,6 +6,7 @@
 #include "q3map2/lightmap/bounce/light_bounce.h"
 #include "q3map2/lightmap/direct/lightmap_average.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
+#include "tests/lightmap/direct/test_lights.h"
 #include "tests/support/surface_case.h"
 
 #include <cmath>
@@ -163,16 +164,7 @@ TEST_F(DirectionalTest, HalfLambertLightIsPartlyUniform) {
 TEST_F(DirectionalTest, AreaLight) {
     const Vec3f center{20, 0, 80};
     constexpr float kWidth = 96, kRadiosity = 400;
-    Light light;
-    light.type = LightType::Area;
-    light.normal = {0, 0, -1};
-    const Vec3f x{kWidth / 2, 0, 0}, y{0, -kWidth / 2, 0};
-    light.polygon = {center - x + y, center + x + y, center + x - y, center - x - y};
-    light.radiosity = kRadiosity;
-    light.photons = kRadiosity / 3 * kWidth * kWidth;
-    light.origin = center + light.normal;
-    light.dist = Dot(light.origin, light.normal);
-    light.SetShape();
+    const Light light = AreaLight(center, kWidth, kWidth, {0, 0, -1}, kRadiosity);
     const RawLightmap &floor = Lit({light});
     ForMapped(floor, [&](std::size_t i) {
         constexpr int kSteps = 48;

@@ -245,6 +245,28 @@ TEST_F(SoftLuxelTest, LightsAddUp) {
         ASSERT_NEAR(both[i].light.x, first[i].light.x + second[i].light.x, 1e-3);
 }
 
+// Of faint lights some shine for all, with a weight.
+TEST_F(SoftLuxelTest, AWeightLeavesDirectionsAsTheyAre) {
+    const SurfaceCase c(scene_, folder_);
+    int culled = 0;
+    const std::vector<Light> lights = SetupEnvelopes({AreaLight({100, 0, 200}, 20, 20, {0, 0, -1}, 10)},
+                                                     LightPass::Surfaces, c.settings.light, c.space, {}, culled, false);
+    ASSERT_EQ(lights.size(), 1u);
+    const SurfaceLightSettings settings{.faint = 0.5f, .directional = true, .areaShadows = 16};
+    SurfaceReceiverBatch batch;
+    batch.Add({0, 0, 1}, {0, 0, 1}, c.space.ClusterAt({0, 0, 1}, 0));
+    SurfaceIncidentLight incident;
+    ContributionCounts counts;
+    int turns = 0;
+    do
+        LightContributionToSample(lights[0], settings, c.scene, batch, incident, counts);
+    while (incident.live[0] == 0 && ++turns < 1000);
+    ASSERT_GT(turns, 2);
+    ASSERT_NE(incident.live[0], 0);
+    EXPECT_NEAR(incident.directions.vector[0].z, 1, 1e-4f);
+    EXPECT_NEAR(incident.directions.uniform[0], 0, 1e-4f);
+}
+
 TEST_F(SoftLuxelTest, FewRaysAreFewRays) {
     scene_.AddBox({-60, -50, 60}, {40, 40, 80}, Shaded("textures/test/wall"));
     const Light lamp = AreaLight({0, 0, 200}, 96, 96, {0, 0, -1}, 1000);

@@ -9,7 +9,7 @@
 
 namespace q3::bounce {
 
-/// Adds all that direct light depends on, of lights from SetupEnvelopes.
+/// Adds what the references take of lights from SetupEnvelopes to a hash.
 void AddLights(bench::Hash &hash, std::span<const Light> lights);
 
 /// A file of records and the CPU seconds that they took.
