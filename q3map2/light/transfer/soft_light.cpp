@@ -103,9 +103,9 @@ void SoftLight::CastAndCount(const LaneMask &lanes, PointRays &to, SoftBatch &ba
     Count(to, lanes, batch);
 }
 
-bool SoftLight::Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch &batch) const {
+bool SoftLight::Start(SurfaceReceiverBatch &receivers, SoftReceivers kind, SoftBatch &batch) const {
     SurfaceIncidentLight &incident = batch.incident;
-    batch.receivers = &receivers;
+    batch.receivers = &receivers, batch.kind = kind;
     incident.tinted = IsColored();
     incident.filtered = {};
     incident.live = FindInSight(receivers);
@@ -122,7 +122,8 @@ bool SoftLight::Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch 
     if (!settings_.TracesShadowsOf(light_))
         return true;
     batch.seed = HashOf(receivers.position[0]);
-    const int rays = FirstRays(Strongest(incident) * MaxAbsComponent(Color()), rayFactor);
+    const int factor = kind == SoftReceivers::Places ? 2 : 1;
+    const int rays = FirstRays(Strongest(incident) * MaxAbsComponent(Color()), factor);
     PointRays to;
     for (; batch.rays < rays; ++batch.rays) {
         Aim(batch, std::uint32_t(batch.rays), to);
@@ -219,8 +220,7 @@ void SoftLight::Finish(SoftBatch &batch, const LaneMask &doubtful) const {
 
 void SoftLight::Evaluate(SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident) const {
     SoftBatch batch;
-    constexpr int kRayFactor = 2; // since no neighbors are compared
-    const bool any = Start(receivers, kRayFactor, batch);
+    const bool any = Start(receivers, SoftReceivers::Places, batch);
     if (any)
         Finish(batch, batch.Disagreeing());
     incident = batch.incident;

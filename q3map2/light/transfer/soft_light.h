@@ -9,9 +9,16 @@
 
 namespace q3 {
 
+/// What the receivers of a batch are.
+enum class SoftReceivers {
+    Luxels, ///< have an area, and are compared with their neighbors
+    Places  ///< vertices and the like: cast twice the first rays, since no neighbors are compared
+};
+
 /// Light of one SoftLight at a batch of receivers while its rays are cast, a lane per receiver.
 struct SoftBatch {
     SurfaceReceiverBatch *receivers = nullptr;
+    SoftReceivers kind = SoftReceivers::Places;
     SurfaceIncidentLight incident; ///< without shadows until SoftLight::Finish
     Lanes3 normal;                 ///< of the receiver; of area lights, of the side that is lit
     /// Irradiance vector, and fluence, of the light without shadows, divided by its strength. Light from behind a
@@ -50,11 +57,11 @@ class SoftLight {
         : light_(light), settings_(settings), scene_(scene), counts_(counts) {}
     virtual ~SoftLight() = default;
 
-    /// rayFactor: factor of the number of first rays. False: no receiver gets light.
-    bool Start(SurfaceReceiverBatch &receivers, int rayFactor, SoftBatch &batch) const;
+    /// False: no receiver gets light.
+    bool Start(SurfaceReceiverBatch &receivers, SoftReceivers kind, SoftBatch &batch) const;
     /// Sets batch.incident; receivers that get nothing are live no longer. doubtful: receivers that cast more rays.
     void Finish(SoftBatch &batch, const LaneMask &doubtful) const;
-    /// Start and Finish for receivers that need not be neighbors, such as vertices: with twice the first rays.
+    /// Start and Finish for SoftReceivers::Places.
     void Evaluate(SurfaceReceiverBatch &receivers, SurfaceIncidentLight &incident) const;
     /// The color by which incident light is multiplied.
     virtual Vec3f Color() const { return light_.color; }

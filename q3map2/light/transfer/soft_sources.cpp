@@ -27,7 +27,7 @@ constexpr int kUntriedRays = 8;
 /// Area lights: expected error of the light of a receiver that sees the light partly. Byte scale.
 constexpr float kShareError = 0.25f;
 /// Area lights: luxels beside a lamp often lie in its plane, with half of their area in front of it. The light of
-/// receivers within kInPlane of the plane is taken at kLiftedHeight, about the middle of that half; their rays start at
+/// luxels within kInPlane of the plane is taken at kLiftedHeight, about the middle of that half; their rays start at
 /// kInPlane. Game units.
 constexpr float kInPlane = 1, kLiftedHeight = 4;
 /// Area lights: receivers that still agree with themselves after this part of their rays, and at least kLeastSecondRays
@@ -49,14 +49,16 @@ Q3_VECTOR void SoftAreaLight::MeasureSides(SoftBatch &batch) const {
     const Vec3f facing(shape.normal);
     const bool twoSided = light_.twoSided;
     const float envelope = light_.envelope;
+    const bool areLuxels = batch.kind == SoftReceivers::Luxels;
+    const float least = areLuxels ? kInPlane : kPlaneClearance, lifted = areLuxels ? kLiftedHeight : kPlaneClearance;
     for (const std::size_t i : kEachLane) {
         const float height = float(shape.normal.x * double(p.x[i]) + shape.normal.y * double(p.y[i]) +
                                    shape.normal.z * double(p.z[i]) - shape.dist);
         const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
         const bool behind = height < (twoSided ? 0 : -kPlaneClearance);
         const float side = behind ? -1.0f : 1.0f;
-        const bool inPlane = side * height < kInPlane;
-        const float push = inPlane ? side * kInPlane - height : 0, lift = inPlane ? side * kLiftedHeight - height : 0;
+        const bool inPlane = side * height < least;
+        const float push = inPlane ? side * least - height : 0, lift = inPlane ? side * lifted - height : 0;
         batch.rayOrigin.x[i] = p.x[i] + facing.x * push;
         batch.rayOrigin.y[i] = p.y[i] + facing.y * push;
         batch.rayOrigin.z[i] = p.z[i] + facing.z * push;

@@ -47,7 +47,7 @@ void SoftLuxels::Add(const SoftLight &light, std::span<const std::uint32_t> reac
     lit_.clear();
     for (const std::uint32_t block : reached) {
         SoftBatch &batch = batches_[lit_.size()];
-        if (!light.Start(blocks_->Receivers(block), 1, batch))
+        if (!light.Start(blocks_->Receivers(block), SoftReceivers::Luxels, batch))
             continue;
         lit_.push_back({block, &batch});
         const LaneMask seeing = batch.Seeing(), hidden = batch.Hidden();

@@ -245,23 +245,43 @@ TEST_F(SoftLuxelTest, LightsAddUp) {
         ASSERT_NEAR(both[i].light.x, first[i].light.x + second[i].light.x, 1e-3);
 }
 
-// Of faint lights some shine for all, with a weight.
-TEST_F(SoftLuxelTest, AWeightLeavesDirectionsAsTheyAre) {
-    const SurfaceCase c(scene_, folder_);
-    int culled = 0;
-    const std::vector<Light> lights = SetupEnvelopes({AreaLight({100, 0, 200}, 20, 20, {0, 0, -1}, 10)},
-                                                     LightPass::Surfaces, c.settings.light, c.space, {}, culled, false);
-    ASSERT_EQ(lights.size(), 1u);
-    const SurfaceLightSettings settings{.faint = 0.5f, .directional = true, .areaShadows = 16};
-    SurfaceReceiverBatch batch;
-    batch.Add({0, 0, 1}, {0, 0, 1}, c.space.ClusterAt({0, 0, 1}, 0));
-    SurfaceIncidentLight incident;
-    ContributionCounts counts;
-    int turns = 0;
-    do
-        LightContributionToSample(lights[0], settings, c.scene, batch, incident, counts);
-    while (incident.live[0] == 0 && ++turns < 1000);
-    ASSERT_GT(turns, 2);
+/// Light of one prepared light at a place, which is no luxel.
+class SoftPlaceTest : public SoftLuxelTest {
+  protected:
+    /// Of the first of several turns in which light arrives: of faint lights some shine for all, with a weight.
+    SurfaceIncidentLight LightAt(const Vec3f &position, const Vec3f &normal, const Light &light,
+                                 const SurfaceLightSettings &settings) {
+        const SurfaceCase c(scene_, folder_);
+        int culled = 0;
+        const std::vector<Light> lights =
+            SetupEnvelopes({light}, LightPass::Surfaces, c.settings.light, c.space, {}, culled, false);
+        SurfaceReceiverBatch batch;
+        batch.Add(position, normal, c.space.ClusterAt(position, 0));
+        SurfaceIncidentLight incident;
+        ContributionCounts counts;
+        turns_ = 0;
+        do
+            LightContributionToSample(lights.at(0), settings, c.scene, batch, incident, counts);
+        while (incident.live[0] == 0 && ++turns_ < 1000);
+        return incident;
+    }
+    int turns_ = 0;
+};
+
+TEST_F(SoftPlaceTest, VerticesCloseToThePlaneOfALampAreLitWhereTheyAre) {
+    const Light lamp = AreaLight({0, 0, 100}, 96, 96, {0, 0, -1}, 1000);
+    const Vec3f p{-60, 0, 99.5f}, n{1, 0, 0};
+    const SurfaceIncidentLight incident = LightAt(p, n, lamp, {.areaShadows = 16});
+    ASSERT_NE(incident.live[0], 0);
+    EXPECT_NEAR(incident.strength[0], 1000 * FormFactor(Vec3d(p), Vec3d(n), std::span<const Vec3f>(lamp.polygon)),
+                0.01);
+}
+
+TEST_F(SoftPlaceTest, AWeightLeavesDirectionsAsTheyAre) {
+    const SurfaceIncidentLight incident =
+        LightAt({0, 0, 1}, {0, 0, 1}, AreaLight({100, 0, 200}, 20, 20, {0, 0, -1}, 10),
+                {.faint = 0.5f, .directional = true, .areaShadows = 16});
+    ASSERT_GT(turns_, 2) << "turns in which others shine for it";
     ASSERT_NE(incident.live[0], 0);
     EXPECT_NEAR(incident.directions.vector[0].z, 1, 1e-4f);
     EXPECT_NEAR(incident.directions.uniform[0], 0, 1e-4f);
