@@ -1,32 +1,69 @@
-// GPL-2.0-or-later. Vector code for several kinds of processors from one source.
+// GPL-2.0-or-later. Vector code for several kinds of x86-64 processors from one source.
 #pragma once
 
-/// 1: functions marked Q3_VECTOR are compiled for several processors (CMake option Q3MAP2_SIMD); 0: once, like all
-/// other functions.
+#include <optional>
+#include <string_view>
+
+/// 1: code within Vectorize is compiled for several kinds of processors (CMake option Q3MAP2_SIMD); 0: once, like all
+/// other code.
 #ifndef Q3MAP2_SIMD
 #define Q3MAP2_SIMD 1
 #endif
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define Q3_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
-#define Q3_SANITIZED 1
-#endif
+#if defined(__GNUC__)
+#define Q3_INLINE __attribute__((always_inline))
+#else
+#define Q3_INLINE
 #endif
 
-/// On the definition of a function: compiles it for processors with vectors of 512, 256 and 128 bits; the loader
-/// picks. Fused multiply-add is off (-ffp-contract=off), so all give the same bits. No clones in sanitizer builds: the
-/// loader picks before the sanitizer is set up. No clones with clang, which resolves them through other symbols: it
-/// compiles once, for the processor of the CMake option Q3MAP2_ARCH.
-#if Q3MAP2_SIMD && defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) &&            \
-    !defined(Q3_SANITIZED)
-#define Q3_VECTOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#define Q3_VECTOR_CLONES 1
+/// 1: Vectorize chooses among three versions of its code. A compiler that targets more than the base processor compiles
+/// one version, for that target.
+#if Q3MAP2_SIMD && defined(__x86_64__) && defined(__GNUC__) && !defined(__SSE3__)
+#define Q3_SIMD_VERSIONS 1
 #else
-#define Q3_VECTOR
-#define Q3_VECTOR_CLONES 0
+#define Q3_SIMD_VERSIONS 0
 #endif
+
+namespace q3 {
+
+/// Instruction sets of x86-64 processors: SSE2, x86-64-v3 (AVX2) and x86-64-v4 (AVX-512).
+enum class Isa { Sse2, Avx2, Avx512 };
+
+/// The widest instruction set of `name`, sse2, avx2 or avx512.
+std::optional<Isa> IsaOfName(std::string_view name);
+
+/// The instruction set that Vectorize uses: the widest that this processor has, up to the one that Q3MAP2_SIMD in the
+/// environment names. Set when the program starts.
+extern const Isa kVectorIsa;
+
+#if Q3_SIMD_VERSIONS
+template <class Code> __attribute__((target("arch=x86-64-v3"))) auto VectorizeForAvx2(const Code &code) {
+    return code();
+}
+template <class Code> __attribute__((target("arch=x86-64-v4"))) auto VectorizeForAvx512(const Code &code) {
+    return code();
+}
+#endif
+
+/// Runs code, a lambda marked Q3_INLINE, as compiled for the widest vectors of this processor: 512, 256 or 128 bits.
+/// Fused multiply-add is off (-ffp-contract=off), so all versions give the same bits. What the code calls is compiled
+/// for the base processor unless it is inlined.
+///
+///     Vectorize([&]() Q3_INLINE {
+///         for (const std::size_t i : kEachLane)
+///             sum[i] += value[i];
+///     });
+template <class Code> auto Vectorize(const Code &code) {
+#if Q3_SIMD_VERSIONS
+    if (kVectorIsa == Isa::Avx512)
+        return VectorizeForAvx512(code);
+    if (kVectorIsa == Isa::Avx2)
+        return VectorizeForAvx2(code);
+#endif
+    return code();
+}
+
+} // namespace q3
 
 /// Before a loop over the lanes: forbids unrolling, which compilers would otherwise do first and then fail to
 /// vectorize.

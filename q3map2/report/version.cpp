@@ -16,28 +16,23 @@ namespace q3 {
 
 namespace {
 
-/// The widest SIMD instructions that both the program and this machine have.
-std::string_view SimdLevel() {
-#if Q3_VECTOR_CLONES
-    // The choice that the loader makes among the clones of common/simd.h.
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512dq"))
-        return "AVX-512 (x86-64-v4)";
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-        return "AVX2 (x86-64-v3)";
-    return "SSE2 (x86-64)";
-#else
 #if defined(__AVX512F__)
-    return "AVX-512 (x86-64-v4)";
+constexpr std::string_view kBaseIsa = "AVX-512 (x86-64-v4)";
 #elif defined(__AVX2__)
-    return "AVX2 (x86-64-v3)";
+constexpr std::string_view kBaseIsa = "AVX2 (x86-64-v3)";
 #elif defined(__x86_64__)
-    return "SSE2 (x86-64)";
+constexpr std::string_view kBaseIsa = "SSE2 (x86-64)";
 #else
-    return "base processor of the architecture";
+constexpr std::string_view kBaseIsa = "base processor of the architecture";
 #endif
-#endif
+
+/// The instruction set of the vector code that runs here.
+std::string_view SimdLevel() {
+    if (kVectorIsa == Isa::Avx512)
+        return "AVX-512 (x86-64-v4)";
+    if (kVectorIsa == Isa::Avx2)
+        return "AVX2 (x86-64-v3)";
+    return kBaseIsa;
 }
 
 } // namespace

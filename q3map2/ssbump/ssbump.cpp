@@ -445,21 +445,23 @@ inline void RaiseHorizon(const float *a, const float *b, float weight, float dis
 }
 
 /// Raises the horizon to the steepest slope along the azimuth.
-Q3_VECTOR void FindHorizon(const Horizons &in, const Azimuth &azimuth, Block &block) {
-    for (const Run &run : azimuth.runs) {
-        const float distance = azimuth.crossings[run.begin].distance;
-        if (!Rises(block, BoundOf(in, block, run), distance)) {
-            if (!Rises(block, in.highest, distance))
-                return;
-            continue;
+void FindHorizon(const Horizons &in, const Azimuth &azimuth, Block &block) {
+    Vectorize([&]() Q3_INLINE {
+        for (const Run &run : azimuth.runs) {
+            const float distance = azimuth.crossings[run.begin].distance;
+            if (!Rises(block, BoundOf(in, block, run), distance)) {
+                if (!Rises(block, in.highest, distance))
+                    return;
+                continue;
+            }
+            for (std::size_t i = run.begin; i < run.end; ++i) {
+                const Crossing &c = azimuth.crossings[i];
+                const float *a = HeightsAt(in, block, c.x[0], c.y[0]), *b = HeightsAt(in, block, c.x[1], c.y[1]);
+                if (a && b)
+                    RaiseHorizon(a, b, c.weight, c.distance, block);
+            }
         }
-        for (std::size_t i = run.begin; i < run.end; ++i) {
-            const Crossing &c = azimuth.crossings[i];
-            const float *a = HeightsAt(in, block, c.x[0], c.y[0]), *b = HeightsAt(in, block, c.x[1], c.y[1]);
-            if (a && b)
-                RaiseHorizon(a, b, c.weight, c.distance, block);
-        }
-    }
+    });
 }
 
 /// The integral of (b.w) (n.w) cos e over elevations e from a slope up to the zenith, in the half-plane of one azimuth
@@ -488,40 +490,43 @@ inline void AddAbove(const Lanes &slopes, std::size_t lobe, const Azimuth &azimu
 }
 
 /// Adds this azimuth's integrals above the horizon to `visible`, above the tangent plane to `whole`.
-Q3_VECTOR void AddLobes(const Horizons &in, const Azimuth &azimuth, Block &block) {
-    int blocked = 0;
-    for (int k = 0; k < kLanes; ++k) {
-        const auto lane = std::size_t(k);
-        const bool rises = block.horizon[lane] > block.tangent[lane] + in.minRise;
-        block.horizon[lane] = rises ? block.horizon[lane] : block.tangent[lane];
-        blocked += rises ? 1 : 0;
-    }
-    for (std::size_t lobe = 0; lobe < 3; ++lobe) {
-        alignas(64) Lanes whole{};
-        AddAbove(block.tangent, lobe, azimuth, block, whole);
-        Lanes &visible = block.visible[lobe], &sum = block.whole[lobe];
-        for (std::size_t k = 0; k < kLanes; ++k)
-            sum[k] += whole[k];
-        if (blocked > 0)
-            AddAbove(block.horizon, lobe, azimuth, block, visible);
-        else
+void AddLobes(const Horizons &in, const Azimuth &azimuth, Block &block) {
+    Vectorize([&]() Q3_INLINE {
+        int blocked = 0;
+        for (int k = 0; k < kLanes; ++k) {
+            const auto lane = std::size_t(k);
+            const bool rises = block.horizon[lane] > block.tangent[lane] + in.minRise;
+            block.horizon[lane] = rises ? block.horizon[lane] : block.tangent[lane];
+            blocked += rises ? 1 : 0;
+        }
+        for (std::size_t lobe = 0; lobe < 3; ++lobe) {
+            alignas(64) Lanes whole{};
+            AddAbove(block.tangent, lobe, azimuth, block, whole);
+            Lanes &visible = block.visible[lobe], &sum = block.whole[lobe];
             for (std::size_t k = 0; k < kLanes; ++k)
-                visible[k] += whole[k];
-    }
+                sum[k] += whole[k];
+            if (blocked > 0)
+                AddAbove(block.horizon, lobe, azimuth, block, visible);
+            else
+                for (std::size_t k = 0; k < kLanes; ++k)
+                    visible[k] += whole[k];
+        }
+    });
 }
 
 /// Sets the slopes of the tangent planes, and starts the horizon with the bilinear cell in which the ray begins.
-Q3_VECTOR void SetTangents(const Horizons &in, const Azimuth &azimuth, const Lanes &besideS, const Lanes &besideT,
-                           Block &block) {
-    const float s = std::abs(azimuth.s), t = std::abs(azimuth.t);
-    for (int k = 0; k < kLanes; ++k) {
-        const auto lane = std::size_t(k);
-        const float slope = block.gradientS[lane] * azimuth.s + block.gradientT[lane] * azimuth.t;
-        const float tangent = slope > 0 ? slope : 0, least = tangent + in.minRise;
-        const float first = (besideS[lane] - block.height[lane]) * s + (besideT[lane] - block.height[lane]) * t;
-        block.tangent[lane] = tangent;
-        block.horizon[lane] = first > least ? first : least;
-    }
+void SetTangents(const Horizons &in, const Azimuth &azimuth, const Lanes &besideS, const Lanes &besideT, Block &block) {
+    Vectorize([&]() Q3_INLINE {
+        const float s = std::abs(azimuth.s), t = std::abs(azimuth.t);
+        for (int k = 0; k < kLanes; ++k) {
+            const auto lane = std::size_t(k);
+            const float slope = block.gradientS[lane] * azimuth.s + block.gradientT[lane] * azimuth.t;
+            const float tangent = slope > 0 ? slope : 0, least = tangent + in.minRise;
+            const float first = (besideS[lane] - block.height[lane]) * s + (besideT[lane] - block.height[lane]) * t;
+            block.tangent[lane] = tangent;
+            block.horizon[lane] = first > least ? first : least;
+        }
+    });
 }
 
 /// The texels of a block, and their neighbors.

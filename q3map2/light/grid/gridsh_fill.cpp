@@ -226,9 +226,11 @@ class SightRays {
 };
 
 /// sum[i] += weight * value[i].
-Q3_VECTOR void AddWeighted(double weight, const float *value, double *sum) {
-    for (std::size_t i = 0; i < kSHFloats; ++i)
-        sum[i] += weight * double(value[i]);
+void AddWeighted(double weight, const float *value, double *sum) {
+    Vectorize([&]() Q3_INLINE {
+        for (std::size_t i = 0; i < kSHFloats; ++i)
+            sum[i] += weight * double(value[i]);
+    });
 }
 
 /// Finds the lit points around grid points in or beside solids. Keeps references.

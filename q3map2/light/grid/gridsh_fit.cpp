@@ -294,28 +294,30 @@ void GridFit::Accumulate(const FitSample &sample) {
 
 /// One Gauss-Seidel step: value = (rhs - sum of stencil * neighbors) / stencil in the center. Then
 /// LimitToLight. Returns the largest change of a coefficient, divided by the largest coefficient 0 if that is above 1.
-Q3_VECTOR float GridFit::Relax(const Row &row, LightGridSH &grid) const {
-    SHFloats value = row.rhs;
-    const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
-    for (std::size_t s = 0; s < kStencil; ++s) {
-        const float factor = row.stencil[s];
-        if (s == kCenter || factor == 0)
-            continue;
-        const float *neighbor = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
+float GridFit::Relax(const Row &row, LightGridSH &grid) const {
+    return Vectorize([&]() Q3_INLINE {
+        SHFloats value = row.rhs;
+        const std::int64_t width = layout_.bounds[0], slice = width * layout_.bounds[1];
+        for (std::size_t s = 0; s < kStencil; ++s) {
+            const float factor = row.stencil[s];
+            if (s == kCenter || factor == 0)
+                continue;
+            const float *neighbor = grid.points[std::size_t(row.index + OffsetOf(s, width, slice))].coeffs[0].data();
+            for (std::size_t i = 0; i < kSHFloats; ++i)
+                value[i] -= factor * neighbor[i];
+        }
+        const float inverse = 1 / row.stencil[kCenter];
+        for (float &coefficient : value)
+            coefficient *= inverse;
+        LimitToLight(value, maxBandRatio_);
+        bspGridPointSH_t &stored = grid.points[row.index];
+        const auto old = std::bit_cast<SHFloats>(stored);
+        float most = 0;
         for (std::size_t i = 0; i < kSHFloats; ++i)
-            value[i] -= factor * neighbor[i];
-    }
-    const float inverse = 1 / row.stencil[kCenter];
-    for (float &coefficient : value)
-        coefficient *= inverse;
-    LimitToLight(value, maxBandRatio_);
-    bspGridPointSH_t &stored = grid.points[row.index];
-    const auto old = std::bit_cast<SHFloats>(stored);
-    float most = 0;
-    for (std::size_t i = 0; i < kSHFloats; ++i)
-        most = std::max(most, std::abs(value[i] - old[i]));
-    stored = std::bit_cast<bspGridPointSH_t>(value);
-    return most / std::max({1.0f, value[0], value[1], value[2]});
+            most = std::max(most, std::abs(value[i] - old[i]));
+        stored = std::bit_cast<bspGridPointSH_t>(value);
+        return most / std::max({1.0f, value[0], value[1], value[2]});
+    });
 }
 
 /// Adds the pull towards the present value to a row. False: too little weight to move the point.

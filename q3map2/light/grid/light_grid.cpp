@@ -108,39 +108,43 @@ class GridRecords {
 };
 
 /// Color of the arriving light per lane, negative for negative lights.
-Q3_VECTOR void SetColors(const Light &light, const ProbeIncidentLight &incident, Lanes3 &color) {
-    const Vec3f c = light.color;
-    const bool negative = light.negative;
-    for (const std::size_t i : kEachLane) {
-        const float strength = negative ? -incident.strength[i] : incident.strength[i];
-        color.x[i] = c.x * strength, color.y[i] = c.y * strength, color.z[i] = c.z * strength;
-    }
-    if (incident.tinted)
+void SetColors(const Light &light, const ProbeIncidentLight &incident, Lanes3 &color) {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f c = light.color;
+        const bool negative = light.negative;
         for (const std::size_t i : kEachLane) {
-            color.x[i] *= incident.tint.x[i];
-            color.y[i] *= incident.tint.y[i];
-            color.z[i] *= incident.tint.z[i];
+            const float strength = negative ? -incident.strength[i] : incident.strength[i];
+            color.x[i] = c.x * strength, color.y[i] = c.y * strength, color.z[i] = c.z * strength;
         }
+        if (incident.tinted)
+            for (const std::size_t i : kEachLane) {
+                color.x[i] *= incident.tint.x[i];
+                color.y[i] *= incident.tint.y[i];
+                color.z[i] *= incident.tint.z[i];
+            }
+    });
 }
 
-Q3_VECTOR void GridRecords::AddDirection(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record,
-                                         Block &block) {
-    Lanes weight;
-    for (const std::size_t i : kEachLane) {
-        const bool live = incident.live[i] != 0;
-        const float r = color.x[i], g = color.y[i], b = color.z[i], length = std::sqrt(r * r + g * g + b * b);
-        weight[i] = live ? length : 0;
-        record.color.x[i] = live ? r : 0, record.color.y[i] = live ? g : 0, record.color.z[i] = live ? b : 0;
-        record.direction.x[i] = live ? incident.direction.x[i] : 0;
-        record.direction.y[i] = live ? incident.direction.y[i] : 0;
-        record.direction.z[i] = live ? incident.direction.z[i] : 0;
-    }
-    for (const std::size_t i : kEachLane) {
-        block.directionSumX[i] += double(record.direction.x[i]) * double(weight[i]);
-        block.directionSumY[i] += double(record.direction.y[i]) * double(weight[i]);
-        block.directionSumZ[i] += double(record.direction.z[i]) * double(weight[i]);
-        block.records[i] -= incident.live[i]; // -1 where light arrives
-    }
+void GridRecords::AddDirection(const Lanes3 &color, const ProbeIncidentLight &incident, LightRecord &record,
+                               Block &block) {
+    Vectorize([&]() Q3_INLINE {
+        Lanes weight;
+        for (const std::size_t i : kEachLane) {
+            const bool live = incident.live[i] != 0;
+            const float r = color.x[i], g = color.y[i], b = color.z[i], length = std::sqrt(r * r + g * g + b * b);
+            weight[i] = live ? length : 0;
+            record.color.x[i] = live ? r : 0, record.color.y[i] = live ? g : 0, record.color.z[i] = live ? b : 0;
+            record.direction.x[i] = live ? incident.direction.x[i] : 0;
+            record.direction.y[i] = live ? incident.direction.y[i] : 0;
+            record.direction.z[i] = live ? incident.direction.z[i] : 0;
+        }
+        for (const std::size_t i : kEachLane) {
+            block.directionSumX[i] += double(record.direction.x[i]) * double(weight[i]);
+            block.directionSumY[i] += double(record.direction.y[i]) * double(weight[i]);
+            block.directionSumZ[i] += double(record.direction.z[i]) * double(weight[i]);
+            block.records[i] -= incident.live[i]; // -1 where light arrives
+        }
+    });
 }
 
 void GridRecords::Add(std::size_t block, const Lanes3 &color, int style, Counts counts,
@@ -156,21 +160,23 @@ void GridRecords::Add(std::size_t block, const Lanes3 &color, int style, Counts 
 }
 
 /// Splits a record into ambient and directed light and adds both.
-Q3_VECTOR void GridRecords::Divide(const LightRecord &record, const Directed &directed, const Lanes3 &mainDirection,
-                                   Parts &parts) {
-    const Directed fractions = directed; // a copy, which the outputs cannot alias
-    const Lanes3 &color = record.color, &direction = record.direction;
-    for (const std::size_t i : kEachLane) {
-        const float along = direction.x[i] * mainDirection.x[i] + direction.y[i] * mainDirection.y[i] +
-                            direction.z[i] * mainDirection.z[i];
-        const float k = fractions.Fraction(along), rest = kMeanCosine * (1 - k);
-        parts.directed.x[i] += color.x[i] * k;
-        parts.directed.y[i] += color.y[i] * k;
-        parts.directed.z[i] += color.z[i] * k;
-        parts.ambient.x[i] += color.x[i] * rest;
-        parts.ambient.y[i] += color.y[i] * rest;
-        parts.ambient.z[i] += color.z[i] * rest;
-    }
+void GridRecords::Divide(const LightRecord &record, const Directed &directed, const Lanes3 &mainDirection,
+                         Parts &parts) {
+    Vectorize([&]() Q3_INLINE {
+        const Directed fractions = directed; // a copy, which the outputs cannot alias
+        const Lanes3 &color = record.color, &direction = record.direction;
+        for (const std::size_t i : kEachLane) {
+            const float along = direction.x[i] * mainDirection.x[i] + direction.y[i] * mainDirection.y[i] +
+                                direction.z[i] * mainDirection.z[i];
+            const float k = fractions.Fraction(along), rest = kMeanCosine * (1 - k);
+            parts.directed.x[i] += color.x[i] * k;
+            parts.directed.y[i] += color.y[i] * k;
+            parts.directed.z[i] += color.z[i] * k;
+            parts.ambient.x[i] += color.x[i] * rest;
+            parts.ambient.y[i] += color.y[i] * rest;
+            parts.ambient.z[i] += color.z[i] * rest;
+        }
+    });
 }
 
 GridRecords::Parts &GridRecords::BlockLight::OfStyle(int style) {

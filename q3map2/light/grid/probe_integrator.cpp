@@ -18,16 +18,18 @@ constexpr double kMaxCoefficient = 1e9;
 using StoredChannel = std::array<Lanes, 9>;
 
 /// sum += scale * coefficients, for the three channels at once: the coefficients are read once.
-Q3_VECTOR void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale, ChannelSums &sum) {
-    const auto [red, green, blue] = scale;
-    for (std::size_t k = 0; k < 9; ++k)
-        Q3_INDEPENDENT
-    for (const std::size_t i : kEachLane) {
-        const double coefficient = double(incident.shCoeffs[k][i]);
-        sum[0][k][i] += red * coefficient;
-        sum[1][k][i] += green * coefficient;
-        sum[2][k][i] += blue * coefficient;
-    }
+void AddScaled(const ProbeIncidentLight &incident, const Vec3d &scale, ChannelSums &sum) {
+    Vectorize([&]() Q3_INLINE {
+        const auto [red, green, blue] = scale;
+        for (std::size_t k = 0; k < 9; ++k)
+            Q3_INDEPENDENT
+        for (const std::size_t i : kEachLane) {
+            const double coefficient = double(incident.shCoeffs[k][i]);
+            sum[0][k][i] += red * coefficient;
+            sum[1][k][i] += green * coefficient;
+            sum[2][k][i] += blue * coefficient;
+        }
+    });
 }
 
 /// The same for one channel of tinted light.
@@ -87,17 +89,19 @@ struct ChannelScale {
 };
 
 /// Coefficients of a channel to store; where its mean is negative, zero plus minimum light.
-Q3_VECTOR void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, StoredChannel &stored) {
-    const auto [ambient, least, scale] = channel;
-    for (const std::size_t i : kEachLane) {
-        const double mean = sum[0][i] + ambient;
-        stored[0][i] = float(std::min(std::max(mean < 0 ? 0 : mean, least) * scale, kMaxCoefficient));
-    }
-    for (std::size_t k = 1; k < 9; ++k)
+void StoreChannel(const ChannelSum &sum, const ChannelScale &channel, StoredChannel &stored) {
+    Vectorize([&]() Q3_INLINE {
+        const auto [ambient, least, scale] = channel;
         for (const std::size_t i : kEachLane) {
-            const double value = sum[0][i] + ambient < 0 ? 0 : sum[k][i] * scale;
-            stored[k][i] = float(std::min(std::max(value, -kMaxCoefficient), kMaxCoefficient));
+            const double mean = sum[0][i] + ambient;
+            stored[0][i] = float(std::min(std::max(mean < 0 ? 0 : mean, least) * scale, kMaxCoefficient));
         }
+        for (std::size_t k = 1; k < 9; ++k)
+            for (const std::size_t i : kEachLane) {
+                const double value = sum[0][i] + ambient < 0 ? 0 : sum[k][i] * scale;
+                stored[k][i] = float(std::min(std::max(value, -kMaxCoefficient), kMaxCoefficient));
+            }
+    });
 }
 
 /// Appends the values of a block, with ambient light, minimum light and grid scale applied.

@@ -55,24 +55,26 @@ float CornerWeight(std::size_t corner, const std::array<float, 3> &part) {
 
 /// The largest absolute value of the functions with these coefficients, by channel, at the normals and their opposites:
 /// there, even bands are the same and odd ones change sign.
-Q3_VECTOR float LargestOf(const std::array<Lanes, 9> &basis, const float *change) {
-    Lanes most{};
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-        Lanes even, odd;
-        for (const std::size_t i : kEachLane) {
-            odd[i] = basis[1][i] * change[3 + channel] + basis[2][i] * change[6 + channel] +
-                     basis[3][i] * change[9 + channel];
-            even[i] = basis[0][i] * change[channel] + basis[4][i] * change[12 + channel] +
-                      basis[5][i] * change[15 + channel] + basis[6][i] * change[18 + channel] +
-                      basis[7][i] * change[21 + channel] + basis[8][i] * change[24 + channel];
+float LargestOf(const std::array<Lanes, 9> &basis, const float *change) {
+    return Vectorize([&]() Q3_INLINE {
+        Lanes most{};
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            Lanes even, odd;
+            for (const std::size_t i : kEachLane) {
+                odd[i] = basis[1][i] * change[3 + channel] + basis[2][i] * change[6 + channel] +
+                         basis[3][i] * change[9 + channel];
+                even[i] = basis[0][i] * change[channel] + basis[4][i] * change[12 + channel] +
+                          basis[5][i] * change[15 + channel] + basis[6][i] * change[18 + channel] +
+                          basis[7][i] * change[21 + channel] + basis[8][i] * change[24 + channel];
+            }
+            for (const std::size_t i : kEachLane)
+                most[i] = std::max(most[i], std::abs(even[i]) + std::abs(odd[i]));
         }
+        float largest = 0;
         for (const std::size_t i : kEachLane)
-            most[i] = std::max(most[i], std::abs(even[i]) + std::abs(odd[i]));
-    }
-    float largest = 0;
-    for (const std::size_t i : kEachLane)
-        largest = std::max(largest, most[i]);
-    return largest;
+            largest = std::max(largest, most[i]);
+        return largest;
+    });
 }
 
 } // namespace

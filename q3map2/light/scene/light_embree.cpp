@@ -39,13 +39,15 @@ GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners) {
     return geometry;
 }
 
-Q3_VECTOR void FindNearest(RTCScene scene, const RayPacket &packet, const Lanes &nearest, RTCRayHit16 &hits,
-                           RayCoherence coherence) {
-    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits.ray);
-    std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
-    EmbreeContext context;
-    InitContext(context);
-    Intersect16(packet.live.data(), scene, context, hits, coherence);
+void FindNearest(RTCScene scene, const RayPacket &packet, const Lanes &nearest, RTCRayHit16 &hits,
+                 RayCoherence coherence) {
+    Vectorize([&]() Q3_INLINE {
+        SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits.ray);
+        std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
+        EmbreeContext context;
+        InitContext(context);
+        Intersect16(packet.live.data(), scene, context, hits, coherence);
+    });
 }
 
 void FindNearest(RTCScene scene, const RayPacket &packet, float nearest, RTCRayHit16 &hits, RayCoherence coherence) {

@@ -229,16 +229,18 @@ struct LightScene::State {
 namespace {
 
 /// Clears `live` of rays that something in the scene blocks; kLegacySurfaces block from `nearestSurface` on only.
-Q3_VECTOR void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
-    alignas(64) RTCRay16 rays;
-    SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
-    OcclusionContext context;
-    InitContext(context.embree);
-    context.nearestSurface = nearestSurface;
-    context.ignoredProp = packet.ignoredProp;
-    Occluded16(packet.live.data(), scene, context.embree, rays);
-    for (const std::size_t i : kEachLane)
-        packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
+void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
+    Vectorize([&]() Q3_INLINE {
+        alignas(64) RTCRay16 rays;
+        SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
+        OcclusionContext context;
+        InitContext(context.embree);
+        context.nearestSurface = nearestSurface;
+        context.ignoredProp = packet.ignoredProp;
+        Occluded16(packet.live.data(), scene, context.embree, rays);
+        for (const std::size_t i : kEachLane)
+            packet.live[i] = rays.tfar[i] < 0 ? 0 : packet.live[i];
+    });
 }
 
 /// Ends rays at the sky and drops rays that miss it. Finding the sky first is cheap, and up to there any hit blocks:

@@ -84,20 +84,22 @@ std::vector<Winding<double>> ConvexPieces(const std::vector<Vec3d> &corners) {
 }
 
 /// Adds to `inside` the points that are on the inside of all edges of a convex piece.
-Q3_VECTOR void AddInside(std::span<const SkyLinear> edges, const Lanes3 &points, LaneMask &inside) {
-    Lanes least; ///< 0, or the negative distance outside the farthest edge
-    least.fill(0);
-    for (const auto &[across, dist] : edges) {
-        const float x = across.x, y = across.y, z = across.z, from = dist;
-        Q3_ROLLED
-        for (const std::size_t i : kEachLane) {
-            const float in = x * points.x[i] + y * points.y[i] + z * points.z[i] - from;
-            least[i] = in < least[i] ? in : least[i];
+void AddInside(std::span<const SkyLinear> edges, const Lanes3 &points, LaneMask &inside) {
+    Vectorize([&]() Q3_INLINE {
+        Lanes least; ///< 0, or the negative distance outside the farthest edge
+        least.fill(0);
+        for (const auto &[across, dist] : edges) {
+            const float x = across.x, y = across.y, z = across.z, from = dist;
+            Q3_ROLLED
+            for (const std::size_t i : kEachLane) {
+                const float in = x * points.x[i] + y * points.y[i] + z * points.z[i] - from;
+                least[i] = in < least[i] ? in : least[i];
+            }
         }
-    }
-    Q3_ROLLED
-    for (const std::size_t i : kEachLane)
-        inside[i] |= -std::int32_t(least[i] >= 0);
+        Q3_ROLLED
+        for (const std::size_t i : kEachLane)
+            inside[i] |= -std::int32_t(least[i] >= 0);
+    });
 }
 
 } // namespace
@@ -142,55 +144,58 @@ void SkyFaces::AddFace(std::span<const Winding<double>> pieces, int skyIndex) {
 }
 
 /// Written so that compilers make vector code of it: loops without branches, and every lane loaded and stored.
-Q3_VECTOR void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest,
-                              SkyHits &hits) {
-    const auto [n, dist] = face.plane;
-    Lanes distance, toward;
-    Lanes3 at;
-    LaneMask between;           ///< rays that meet the plane before any other face
-    std::int32_t undecided = 0; ///< not 0: some of them are not known to meet a piece of the face
-    for (const std::size_t i : kEachLane) {
-        const float dx = direction.x[i], dy = direction.y[i], dz = direction.z[i];
-        const float ox = origin.x[i], oy = origin.y[i], oz = origin.z[i];
-        toward[i] = n.x * dx + n.y * dy + n.z * dz;
-        const float d = (dist - (n.x * ox + n.y * oy + n.z * oz)) / toward[i];
-        distance[i] = d;
-        at.x[i] = ox + d * dx, at.y[i] = oy + d * dy, at.z[i] = oz + d * dz;
-        between[i] = -std::int32_t((d >= nearest) & (d <= hits.distance[i]));
-        undecided |= between[i];
-    }
-    if (undecided == 0) // so for most faces of a sky box
-        return;
-    LaneMask inside{};
-    for (const Piece &piece : face.pieces) {
-        if (undecided == 0)
-            break;
-        AddInside(piece, at, inside);
-        undecided = 0;
-        Q3_ROLLED
-        for (const std::size_t i : kEachLane)
-            undecided |= between[i] & ~inside[i];
-    }
-    for (const std::size_t i : kEachLane) {
-        const std::int32_t met = between[i] & inside[i], behind = -std::int32_t(toward[i] > 0);
-        const float before = hits.distance[i], here = distance[i];
-        hits.hit[i] |= met;
-        hits.behind[i] = (behind & met) | (hits.behind[i] & ~met);
-        hits.skyIndex[i] = (face.skyIndex & met) | (hits.skyIndex[i] & ~met);
-        hits.distance[i] = met != 0 ? here : before;
-    }
+void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest, SkyHits &hits) {
+    Vectorize([&]() Q3_INLINE {
+        const auto [n, dist] = face.plane;
+        Lanes distance, toward;
+        Lanes3 at;
+        LaneMask between;           ///< rays that meet the plane before any other face
+        std::int32_t undecided = 0; ///< not 0: some of them are not known to meet a piece of the face
+        for (const std::size_t i : kEachLane) {
+            const float dx = direction.x[i], dy = direction.y[i], dz = direction.z[i];
+            const float ox = origin.x[i], oy = origin.y[i], oz = origin.z[i];
+            toward[i] = n.x * dx + n.y * dy + n.z * dz;
+            const float d = (dist - (n.x * ox + n.y * oy + n.z * oz)) / toward[i];
+            distance[i] = d;
+            at.x[i] = ox + d * dx, at.y[i] = oy + d * dy, at.z[i] = oz + d * dz;
+            between[i] = -std::int32_t((d >= nearest) & (d <= hits.distance[i]));
+            undecided |= between[i];
+        }
+        if (undecided == 0) // so for most faces of a sky box
+            return;
+        LaneMask inside{};
+        for (const Piece &piece : face.pieces) {
+            if (undecided == 0)
+                break;
+            AddInside(piece, at, inside);
+            undecided = 0;
+            Q3_ROLLED
+            for (const std::size_t i : kEachLane)
+                undecided |= between[i] & ~inside[i];
+        }
+        for (const std::size_t i : kEachLane) {
+            const std::int32_t met = between[i] & inside[i], behind = -std::int32_t(toward[i] > 0);
+            const float before = hits.distance[i], here = distance[i];
+            hits.hit[i] |= met;
+            hits.behind[i] = (behind & met) | (hits.behind[i] & ~met);
+            hits.skyIndex[i] = (face.skyIndex & met) | (hits.skyIndex[i] & ~met);
+            hits.distance[i] = met != 0 ? here : before;
+        }
+    });
 }
 
-Q3_VECTOR void SkyFaces::Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest,
-                              const LaneMask &live, float nearest, SkyHits &hits) const {
-    for (const std::size_t i : kEachLane) {
-        hits.hit[i] = hits.behind[i] = hits.skyIndex[i] = 0;
-        hits.distance[i] = farthest[i];
-    }
-    for (const Face &face : faces_)
-        Test(face, origin, direction, nearest, hits);
-    for (const std::size_t i : kEachLane)
-        hits.hit[i] &= live[i], hits.behind[i] &= live[i];
+void SkyFaces::Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live,
+                    float nearest, SkyHits &hits) const {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane) {
+            hits.hit[i] = hits.behind[i] = hits.skyIndex[i] = 0;
+            hits.distance[i] = farthest[i];
+        }
+        for (const Face &face : faces_)
+            Test(face, origin, direction, nearest, hits);
+        for (const std::size_t i : kEachLane)
+            hits.hit[i] &= live[i], hits.behind[i] &= live[i];
+    });
 }
 
 } // namespace q3

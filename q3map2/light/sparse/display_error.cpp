@@ -23,27 +23,33 @@ struct Halves {
 };
 
 /// light: coefficient 0 of the channel; the following ones are three floats apart.
-Q3_VECTOR Halves HalvesOf(const std::array<Lanes, 9> &basis, const float *light) {
-    Halves halves;
-    for (const std::size_t i : kEachLane) {
-        halves.odd[i] = basis[1][i] * light[3] + basis[2][i] * light[6] + basis[3][i] * light[9];
-        halves.even[i] = basis[0][i] * light[0] + basis[4][i] * light[12] + basis[5][i] * light[15] +
-                         basis[6][i] * light[18] + basis[7][i] * light[21] + basis[8][i] * light[24];
-    }
-    return halves;
+Halves HalvesOf(const std::array<Lanes, 9> &basis, const float *light) {
+    return Vectorize([&]() Q3_INLINE {
+        Halves halves;
+        for (const std::size_t i : kEachLane) {
+            halves.odd[i] = basis[1][i] * light[3] + basis[2][i] * light[6] + basis[3][i] * light[9];
+            halves.even[i] = basis[0][i] * light[0] + basis[4][i] * light[12] + basis[5][i] * light[15] +
+                             basis[6][i] * light[18] + basis[7][i] * light[21] + basis[8][i] * light[24];
+        }
+        return halves;
+    });
 }
 
-Q3_VECTOR float SumOfSquares(const Halves &a, const Halves &b) {
-    Lanes squares;
-    for (const std::size_t i : kEachLane) {
-        const float up = std::clamp(a.even[i] + a.odd[i], 0.0f, 1.0f) - std::clamp(b.even[i] + b.odd[i], 0.0f, 1.0f);
-        const float down = std::clamp(a.even[i] - a.odd[i], 0.0f, 1.0f) - std::clamp(b.even[i] - b.odd[i], 0.0f, 1.0f);
-        squares[i] = up * up + down * down;
-    }
-    float sum = 0;
-    for (const std::size_t i : kEachLane)
-        sum += squares[i];
-    return sum;
+float SumOfSquares(const Halves &a, const Halves &b) {
+    return Vectorize([&]() Q3_INLINE {
+        Lanes squares;
+        for (const std::size_t i : kEachLane) {
+            const float up =
+                std::clamp(a.even[i] + a.odd[i], 0.0f, 1.0f) - std::clamp(b.even[i] + b.odd[i], 0.0f, 1.0f);
+            const float down =
+                std::clamp(a.even[i] - a.odd[i], 0.0f, 1.0f) - std::clamp(b.even[i] - b.odd[i], 0.0f, 1.0f);
+            squares[i] = up * up + down * down;
+        }
+        float sum = 0;
+        for (const std::size_t i : kEachLane)
+            sum += squares[i];
+        return sum;
+    });
 }
 
 } // namespace

@@ -64,16 +64,18 @@ CornerLight CornersOf(const LatticePoints &points, const OctreeCell &cell) {
     return corners;
 }
 
-Q3_VECTOR SHFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at) {
-    SHFloats value{};
-    for (std::size_t c = 0; c < 8; ++c) {
-        const float weight = cell.Weight(c, at);
-        if (weight == 0)
-            continue;
-        for (std::size_t i = 0; i < kSHFloats; ++i)
-            value[i] += weight * (*corners[c])[i];
-    }
-    return value;
+SHFloats InterpolatedLight(const OctreeCell &cell, const CornerLight &corners, const Vec3f &at) {
+    return Vectorize([&]() Q3_INLINE {
+        SHFloats value{};
+        for (std::size_t c = 0; c < 8; ++c) {
+            const float weight = cell.Weight(c, at);
+            if (weight == 0)
+                continue;
+            for (std::size_t i = 0; i < kSHFloats; ++i)
+                value[i] += weight * (*corners[c])[i];
+        }
+        return value;
+    });
 }
 
 LatticePoint OctreeRefiner::ChildCorner(const OctreeCell &cell, std::size_t n) {

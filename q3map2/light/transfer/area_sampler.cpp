@@ -12,16 +12,18 @@ namespace q3 {
 
 // ---- Moments of one polygon as the receivers of a batch see it: polygon_moments.h, laid out for SIMD ----
 
-Q3_VECTOR void MomentLanes::SeenCorner::See(Vec3f corner, const Lanes3 &receivers) {
-    Q3_INDEPENDENT
-    for (const std::size_t i : kEachLane) {
-        const double wx = double(corner.x) - double(receivers.x[i]), wy = double(corner.y) - double(receivers.y[i]),
-                     wz = double(corner.z) - double(receivers.z[i]);
-        const double l = std::sqrt(wx * wx + wy * wy + wz * wz), divisor = l > 0 ? l : 1;
-        x[i] = wx, y[i] = wy, z[i] = wz;
-        dx[i] = wx / divisor, dy[i] = wy / divisor, dz[i] = wz / divisor;
-        length[i] = l;
-    }
+void MomentLanes::SeenCorner::See(Vec3f corner, const Lanes3 &receivers) {
+    Vectorize([&]() Q3_INLINE {
+        Q3_INDEPENDENT
+        for (const std::size_t i : kEachLane) {
+            const double wx = double(corner.x) - double(receivers.x[i]), wy = double(corner.y) - double(receivers.y[i]),
+                         wz = double(corner.z) - double(receivers.z[i]);
+            const double l = std::sqrt(wx * wx + wy * wy + wz * wz), divisor = l > 0 ? l : 1;
+            x[i] = wx, y[i] = wy, z[i] = wz;
+            dx[i] = wx / divisor, dy[i] = wy / divisor, dz[i] = wz / divisor;
+            length[i] = l;
+        }
+    });
 }
 
 void MomentLanes::Clear() {
@@ -31,59 +33,65 @@ void MomentLanes::Clear() {
 
 /// AddEdge of polygon_moments.h, which has the derivation, in every lane. Multiplies `half` by the complex number whose
 /// argument is half the solid angle of the triangle of normal, a and b (van Oosterom and Strackee 1983).
-Q3_VECTOR void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfSolidAngles &half) {
-    Q3_INDEPENDENT
-    for (const std::size_t i : kEachLane) {
-        const Vec3d aw{a.x[i], a.y[i], a.z[i]}, bw{b.x[i], b.y[i], b.z[i]};
-        const Vec3d ad{a.dx[i], a.dy[i], a.dz[i]}, bd{b.dx[i], b.dy[i], b.dz[i]};
-        const double la = a.length[i], lb = b.length[i], lengths = la * lb;
-        const Vec3d across = Cross(aw, bw - aw);
-        const double sine = std::sqrt(Dot(across, across)), cosine = Dot(aw, bw);
-        const Vec3d outward = across * (sine > 0 ? -1 / sine : 0);
-        const Vec3d acute = (ad + bd) * (sine / (lengths + cosine)), obtuse = Cross(outward, bd - ad);
-        const bool isAcute = cosine > 0;
-        const double arcX = isAcute ? acute.x : obtuse.x, arcY = isAcute ? acute.y : obtuse.y,
-                     arcZ = isAcute ? acute.z : obtuse.z;
-        const double angle = AngleOf(sine, cosine) * 0.5;
-        x[i] -= outward.x * angle, y[i] -= outward.y * angle, z[i] -= outward.z * angle;
-        xx[i] -= arcX * outward.x * (1.0 / 3), yy[i] -= arcY * outward.y * (1.0 / 3);
-        zz[i] -= arcZ * outward.z * (1.0 / 3);
-        xy[i] -= (arcX * outward.y + arcY * outward.x) * (1.0 / 6);
-        yz[i] -= (arcY * outward.z + arcZ * outward.y) * (1.0 / 6);
-        xz[i] -= (arcX * outward.z + arcZ * outward.x) * (1.0 / 6);
-        const double real = (lengths + Dot(normal, aw) * lb + cosine + Dot(bw, normal) * la) / lengths;
-        const double imaginary = Dot(normal, across) / lengths;
-        const double before = half.real[i];
-        half.real[i] = before * real - half.imaginary[i] * imaginary;
-        half.imaginary[i] = before * imaginary + half.imaginary[i] * real;
-    }
+void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfSolidAngles &half) {
+    Vectorize([&]() Q3_INLINE {
+        Q3_INDEPENDENT
+        for (const std::size_t i : kEachLane) {
+            const Vec3d aw{a.x[i], a.y[i], a.z[i]}, bw{b.x[i], b.y[i], b.z[i]};
+            const Vec3d ad{a.dx[i], a.dy[i], a.dz[i]}, bd{b.dx[i], b.dy[i], b.dz[i]};
+            const double la = a.length[i], lb = b.length[i], lengths = la * lb;
+            const Vec3d across = Cross(aw, bw - aw);
+            const double sine = std::sqrt(Dot(across, across)), cosine = Dot(aw, bw);
+            const Vec3d outward = across * (sine > 0 ? -1 / sine : 0);
+            const Vec3d acute = (ad + bd) * (sine / (lengths + cosine)), obtuse = Cross(outward, bd - ad);
+            const bool isAcute = cosine > 0;
+            const double arcX = isAcute ? acute.x : obtuse.x, arcY = isAcute ? acute.y : obtuse.y,
+                         arcZ = isAcute ? acute.z : obtuse.z;
+            const double angle = AngleOf(sine, cosine) * 0.5;
+            x[i] -= outward.x * angle, y[i] -= outward.y * angle, z[i] -= outward.z * angle;
+            xx[i] -= arcX * outward.x * (1.0 / 3), yy[i] -= arcY * outward.y * (1.0 / 3);
+            zz[i] -= arcZ * outward.z * (1.0 / 3);
+            xy[i] -= (arcX * outward.y + arcY * outward.x) * (1.0 / 6);
+            yz[i] -= (arcY * outward.z + arcZ * outward.y) * (1.0 / 6);
+            xz[i] -= (arcX * outward.z + arcZ * outward.x) * (1.0 / 6);
+            const double real = (lengths + Dot(normal, aw) * lb + cosine + Dot(bw, normal) * la) / lengths;
+            const double imaginary = Dot(normal, across) / lengths;
+            const double before = half.real[i];
+            half.real[i] = before * real - half.imaginary[i] * imaginary;
+            half.imaginary[i] = before * imaginary + half.imaginary[i] * real;
+        }
+    });
 }
 
-Q3_VECTOR void MomentLanes::Finish(const HalfSolidAngles &half) {
-    constexpr double kPi = std::numbers::pi;
-    for (const std::size_t i : kEachLane) {
-        // The argument of `half` is half the solid angle, 0 to pi. If it is negative, rounding pushed it past pi (to
-        // near -pi: wrapped), or the polygon is seen from behind (0).
-        const double angle = 2 * AngleOf(std::abs(half.imaginary[i]), half.real[i]);
-        const double wrapped = angle > kPi ? 4 * kPi - angle : 0;
-        const double solid = half.imaginary[i] < 0 ? wrapped : angle;
-        const double seen = solid > 0 ? 1 : 0, third = solid * (1.0 / 3);
-        solidAngle[i] = seen > 0 ? solid : 0;
-        x[i] = seen > 0 ? x[i] : 0, y[i] = seen > 0 ? y[i] : 0, z[i] = seen > 0 ? z[i] : 0;
-        xx[i] = seen > 0 ? xx[i] + third : 0, yy[i] = seen > 0 ? yy[i] + third : 0;
-        zz[i] = seen > 0 ? zz[i] + third : 0;
-        xy[i] = seen > 0 ? xy[i] : 0, yz[i] = seen > 0 ? yz[i] : 0, xz[i] = seen > 0 ? xz[i] : 0;
-    }
+void MomentLanes::Finish(const HalfSolidAngles &half) {
+    Vectorize([&]() Q3_INLINE {
+        constexpr double kPi = std::numbers::pi;
+        for (const std::size_t i : kEachLane) {
+            // The argument of `half` is half the solid angle, 0 to pi. If it is negative, rounding pushed it past pi
+            // (to near -pi: wrapped), or the polygon is seen from behind (0).
+            const double angle = 2 * AngleOf(std::abs(half.imaginary[i]), half.real[i]);
+            const double wrapped = angle > kPi ? 4 * kPi - angle : 0;
+            const double solid = half.imaginary[i] < 0 ? wrapped : angle;
+            const double seen = solid > 0 ? 1 : 0, third = solid * (1.0 / 3);
+            solidAngle[i] = seen > 0 ? solid : 0;
+            x[i] = seen > 0 ? x[i] : 0, y[i] = seen > 0 ? y[i] : 0, z[i] = seen > 0 ? z[i] : 0;
+            xx[i] = seen > 0 ? xx[i] + third : 0, yy[i] = seen > 0 ? yy[i] + third : 0;
+            zz[i] = seen > 0 ? zz[i] + third : 0;
+            xy[i] = seen > 0 ? xy[i] : 0, yz[i] = seen > 0 ? yz[i] : 0, xz[i] = seen > 0 ? xz[i] : 0;
+        }
+    });
 }
 
-Q3_VECTOR void MomentLanes::CopyLanes(const MomentLanes &from, const LaneMask &lanes) {
-    const auto copy = [&](const DoubleLanes &a, DoubleLanes &b) {
-        for (const std::size_t i : kEachLane)
-            b[i] = lanes[i] != 0 ? a[i] : b[i];
-    };
-    copy(from.solidAngle, solidAngle), copy(from.x, x), copy(from.y, y), copy(from.z, z);
-    copy(from.xx, xx), copy(from.yy, yy), copy(from.zz, zz);
-    copy(from.xy, xy), copy(from.yz, yz), copy(from.xz, xz);
+void MomentLanes::CopyLanes(const MomentLanes &from, const LaneMask &lanes) {
+    Vectorize([&]() Q3_INLINE {
+        const auto copy = [&](const DoubleLanes &a, DoubleLanes &b) {
+            for (const std::size_t i : kEachLane)
+                b[i] = lanes[i] != 0 ? a[i] : b[i];
+        };
+        copy(from.solidAngle, solidAngle), copy(from.x, x), copy(from.y, y), copy(from.z, z);
+        copy(from.xx, xx), copy(from.yy, yy), copy(from.zz, zz);
+        copy(from.xy, xy), copy(from.yz, yz), copy(from.xz, xz);
+    });
 }
 
 void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receivers, const LaneMask &lanes) {
@@ -103,15 +111,17 @@ void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receiver
     CopyLanes(seen, lanes);
 }
 
-Q3_VECTOR void MomentLanes::Project(double scale, const LaneMask &lanes, std::array<Lanes, 9> &projections) const {
-    for (const std::size_t i : kEachLane) {
-        const auto values =
-            SHFromMoments<double>(solidAngle[i], {x[i], y[i], z[i]}, xy[i], yz[i], zz[i], xz[i], xx[i] - yy[i]);
-        const auto put = [&](std::size_t k) {
-            projections[k][i] = lanes[i] != 0 ? float(values[k] * scale) : projections[k][i];
-        };
-        put(0), put(1), put(2), put(3), put(4), put(5), put(6), put(7), put(8);
-    }
+void MomentLanes::Project(double scale, const LaneMask &lanes, std::array<Lanes, 9> &projections) const {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane) {
+            const auto values =
+                SHFromMoments<double>(solidAngle[i], {x[i], y[i], z[i]}, xy[i], yz[i], zz[i], xz[i], xx[i] - yy[i]);
+            const auto put = [&](std::size_t k) {
+                projections[k][i] = lanes[i] != 0 ? float(values[k] * scale) : projections[k][i];
+            };
+            put(0), put(1), put(2), put(3), put(4), put(5), put(6), put(7), put(8);
+        }
+    });
 }
 
 PolygonMoments MomentLanes::Of(std::size_t i) const {
@@ -157,19 +167,23 @@ struct Picks {
     void Advance(double sum);
 };
 
-Q3_VECTOR void Picks::Spread(Sample2 start, std::uint32_t first, double sum) {
-    for (const std::size_t i : kEachLane) {
-        const double number = double(first) + double(std::int32_t(i));
-        const double x = start.u + kPlasticA1 * number, y = start.v + kPlasticA2 * number;
-        u[i] = (x - std::floor(x)) * sum, v[i] = y - std::floor(y);
-        triangle[i] = 0;
-    }
+void Picks::Spread(Sample2 start, std::uint32_t first, double sum) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane) {
+            const double number = double(first) + double(std::int32_t(i));
+            const double x = start.u + kPlasticA1 * number, y = start.v + kPlasticA2 * number;
+            u[i] = (x - std::floor(x)) * sum, v[i] = y - std::floor(y);
+            triangle[i] = 0;
+        }
+    });
 }
 
 /// Moves samples beyond the sum to the next triangle.
-Q3_VECTOR void Picks::Advance(double sum) {
-    for (const std::size_t i : kEachLane)
-        triangle[i] += u[i] >= sum ? 1 : 0;
+void Picks::Advance(double sum) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane)
+            triangle[i] += u[i] >= sum ? 1 : 0;
+    });
 }
 
 /// One triangle of several: its number, the sum of the sizes before it, and its own size.
@@ -186,46 +200,52 @@ struct PickedTriangle {
 };
 
 /// Samples by solid angle in one triangle. normal, distance: the plane of the polygon relative to p.
-Q3_VECTOR void SampleBySolidAngle(const Picks &picks, PickedTriangle picked, SphericalTriangle triangle, Vec3f p,
-                                  Vec3d normal, double distance, AreaSamples &samples) {
-    Lanes3 &target = samples.target, &direction = samples.direction;
-    Q3_INDEPENDENT
-    for (const std::size_t i : kEachLane) {
-        const Vec3d d = triangle.Sample({picked.Within(picks.u[i]), picks.v[i]});
-        const double facing = Dot(d, normal), along = distance / facing;
-        const double length = facing != 0 ? std::max(0.0, along) : 0;
-        const bool ours = picks.triangle[i] == picked.number;
-        direction.x[i] = ours ? float(d.x) : direction.x[i];
-        direction.y[i] = ours ? float(d.y) : direction.y[i];
-        direction.z[i] = ours ? float(d.z) : direction.z[i];
-        target.x[i] = ours ? p.x + float(d.x * length) : target.x[i];
-        target.y[i] = ours ? p.y + float(d.y * length) : target.y[i];
-        target.z[i] = ours ? p.z + float(d.z * length) : target.z[i];
-    }
+void SampleBySolidAngle(const Picks &picks, PickedTriangle picked, SphericalTriangle triangle, Vec3f p, Vec3d normal,
+                        double distance, AreaSamples &samples) {
+    Vectorize([&]() Q3_INLINE {
+        Lanes3 &target = samples.target, &direction = samples.direction;
+        Q3_INDEPENDENT
+        for (const std::size_t i : kEachLane) {
+            const Vec3d d = triangle.Sample({picked.Within(picks.u[i]), picks.v[i]});
+            const double facing = Dot(d, normal), along = distance / facing;
+            const double length = facing != 0 ? std::max(0.0, along) : 0;
+            const bool ours = picks.triangle[i] == picked.number;
+            direction.x[i] = ours ? float(d.x) : direction.x[i];
+            direction.y[i] = ours ? float(d.y) : direction.y[i];
+            direction.z[i] = ours ? float(d.z) : direction.z[i];
+            target.x[i] = ours ? p.x + float(d.x * length) : target.x[i];
+            target.y[i] = ours ? p.y + float(d.y * length) : target.y[i];
+            target.z[i] = ours ? p.z + float(d.z * length) : target.z[i];
+        }
+    });
 }
 
 /// Samples by area in one triangle.
-Q3_VECTOR void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &target) {
-    Q3_INDEPENDENT
-    for (const std::size_t i : kEachLane) {
-        const float root = std::sqrt(float(picked.Within(picks.u[i]))), v = float(picks.v[i]);
-        const Vec3f at = a * (1 - root) + b * (root * (1 - v)) + c * (root * v);
-        const bool ours = picks.triangle[i] == picked.number;
-        target.x[i] = ours ? at.x : target.x[i];
-        target.y[i] = ours ? at.y : target.y[i];
-        target.z[i] = ours ? at.z : target.z[i];
-    }
+void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &target) {
+    Vectorize([&]() Q3_INLINE {
+        Q3_INDEPENDENT
+        for (const std::size_t i : kEachLane) {
+            const float root = std::sqrt(float(picked.Within(picks.u[i]))), v = float(picks.v[i]);
+            const Vec3f at = a * (1 - root) + b * (root * (1 - v)) + c * (root * v);
+            const bool ours = picks.triangle[i] == picked.number;
+            target.x[i] = ours ? at.x : target.x[i];
+            target.y[i] = ours ? at.y : target.y[i];
+            target.z[i] = ours ? at.z : target.z[i];
+        }
+    });
 }
 
 /// Directions to samples by area and their weights, strength / d^3.
-Q3_VECTOR void AimByArea(Vec3f p, float strength, AreaSamples &samples) {
-    for (const std::size_t i : kEachLane) {
-        const Lanes3 &target = samples.target;
-        const auto [x, y, z, d] = DirectionOf(target.x[i] - p.x, target.y[i] - p.y, target.z[i] - p.z);
-        const float divisor = d > 0 ? d : 1;
-        samples.direction.x[i] = x, samples.direction.y[i] = y, samples.direction.z[i] = z;
-        samples.weight[i] = strength / (divisor * divisor * divisor);
-    }
+void AimByArea(Vec3f p, float strength, AreaSamples &samples) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane) {
+            const Lanes3 &target = samples.target;
+            const auto [x, y, z, d] = DirectionOf(target.x[i] - p.x, target.y[i] - p.y, target.z[i] - p.z);
+            const float divisor = d > 0 ? d : 1;
+            samples.direction.x[i] = x, samples.direction.y[i] = y, samples.direction.z[i] = z;
+            samples.weight[i] = strength / (divisor * divisor * divisor);
+        }
+    });
 }
 
 } // namespace
@@ -241,24 +261,28 @@ Vec3f SampleUniformArea(const Light &light, const Sample2 &s) {
 }
 
 /// Points of the parallelogram a + u (b - a) + v (c - a).
-Q3_VECTOR void PointsOfParallelogram(Vec3f a, Vec3f b, Vec3f c, const Lanes &u, const Lanes &v, Lanes3 &points) {
-    for (const std::size_t i : kEachLane)
-        points.Set(i, a + (b - a) * u[i] + (c - a) * v[i]);
+void PointsOfParallelogram(Vec3f a, Vec3f b, Vec3f c, const Lanes &u, const Lanes &v, Lanes3 &points) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane)
+            points.Set(i, a + (b - a) * u[i] + (c - a) * v[i]);
+    });
 }
 
 /// Points in one triangle. Those of the half of the parallelogram a b c that is not in it are turned into it, which
 /// keeps patterns as even as they are.
-Q3_VECTOR void FoldIntoTriangle(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &points) {
-    Q3_INDEPENDENT
-    for (const std::size_t i : kEachLane) {
-        const float u = float(picked.Within(picks.u[i])), v = float(picks.v[i]);
-        const bool turned = u + v > 1;
-        const Vec3f at = a + (b - a) * (turned ? 1 - u : u) + (c - a) * (turned ? 1 - v : v);
-        const bool ours = picks.triangle[i] == picked.number;
-        points.x[i] = ours ? at.x : points.x[i];
-        points.y[i] = ours ? at.y : points.y[i];
-        points.z[i] = ours ? at.z : points.z[i];
-    }
+void FoldIntoTriangle(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &points) {
+    Vectorize([&]() Q3_INLINE {
+        Q3_INDEPENDENT
+        for (const std::size_t i : kEachLane) {
+            const float u = float(picked.Within(picks.u[i])), v = float(picks.v[i]);
+            const bool turned = u + v > 1;
+            const Vec3f at = a + (b - a) * (turned ? 1 - u : u) + (c - a) * (turned ? 1 - v : v);
+            const bool ours = picks.triangle[i] == picked.number;
+            points.x[i] = ours ? at.x : points.x[i];
+            points.y[i] = ours ? at.y : points.y[i];
+            points.z[i] = ours ? at.z : points.z[i];
+        }
+    });
 }
 
 void PointsByArea(const Light &light, const Lanes &u, const Lanes &v, Lanes3 &points) {

@@ -61,15 +61,17 @@ inline void BasisLanes(std::size_t i, float x, float y, float z, float weight, P
 }
 
 /// Rays from one receiver to sixteen targets, each moved by `lift`.
-Q3_VECTOR void AimFrom(const Vec3f &from, const Lanes3 &target, const Vec3f &lift, RayPacket &rays) {
-    const Vec3f back = lift - from;
-    for (const std::size_t i : kEachLane) {
-        const auto [x, y, z, d] = DirectionOf(target.x[i] + back.x, target.y[i] + back.y, target.z[i] + back.z);
-        rays.direction.x[i] = x, rays.direction.y[i] = y, rays.direction.z[i] = z;
-        rays.distance[i] = d;
-    }
-    rays.origin.Fill(from);
-    rays.live.fill(-1);
+void AimFrom(const Vec3f &from, const Lanes3 &target, const Vec3f &lift, RayPacket &rays) {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f back = lift - from;
+        for (const std::size_t i : kEachLane) {
+            const auto [x, y, z, d] = DirectionOf(target.x[i] + back.x, target.y[i] + back.y, target.z[i] + back.z);
+            rays.direction.x[i] = x, rays.direction.y[i] = y, rays.direction.z[i] = z;
+            rays.distance[i] = d;
+        }
+        rays.origin.Fill(from);
+        rays.live.fill(-1);
+    });
 }
 
 /// Weighted sums of Y[k](direction) over samples, one per lane: over all of them, and over the visible ones.
@@ -80,22 +82,26 @@ struct SampleMoments {
     static double Total(const Lanes &lanes) { return std::accumulate(lanes.begin(), lanes.end(), 0.0); }
 };
 
-Q3_VECTOR void SampleMoments::Add(const AreaSamples &samples, const LaneMask &seen) {
-    for (const std::size_t i : kEachLane) {
-        const auto basis = SHBasis(Vec3f{samples.direction.x[i], samples.direction.y[i], samples.direction.z[i]});
-        const float weight = samples.weight[i], seenWeight = seen[i] != 0 ? weight : 0;
-        const auto add = [&](std::size_t k) {
-            whole[k][i] += basis[k] * weight;
-            visible[k][i] += basis[k] * seenWeight;
-        };
-        add(0), add(1), add(2), add(3), add(4), add(5), add(6), add(7), add(8);
-    }
+void SampleMoments::Add(const AreaSamples &samples, const LaneMask &seen) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane) {
+            const auto basis = SHBasis(Vec3f{samples.direction.x[i], samples.direction.y[i], samples.direction.z[i]});
+            const float weight = samples.weight[i], seenWeight = seen[i] != 0 ? weight : 0;
+            const auto add = [&](std::size_t k) {
+                whole[k][i] += basis[k] * weight;
+                visible[k][i] += basis[k] * seenWeight;
+            };
+            add(0), add(1), add(2), add(3), add(4), add(5), add(6), add(7), add(8);
+        }
+    });
 }
 
 /// Adds 1 to each lane whose ray arrived: `live` is -1 there, else 0.
-Q3_VECTOR void CountArrived(const RayPacket &rays, Lanes &arrived) {
-    for (const std::size_t i : kEachLane)
-        arrived[i] -= float(rays.live[i]);
+void CountArrived(const RayPacket &rays, Lanes &arrived) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane)
+            arrived[i] -= float(rays.live[i]);
+    });
 }
 
 } // namespace
@@ -108,25 +114,27 @@ inline float AreaContribution::EmitterOffset(std::size_t i) const {
 /// Height h over the emitter's plane and, with A the area and r the radius of the emitter and d the distance to its
 /// center: unoccluded estimate radiosity A h / (pi d^3), error as a point (r / d)^2. Receivers behind a one-sided light
 /// are live no longer.
-Q3_VECTOR void AreaContribution::MeasureLanes() {
-    const AreaShape &shape = light_.shape;
-    const bool twoSided = light_.twoSided;
-    const float strength = light_.radiosity * shape.area / std::numbers::pi_v<float>,
-                size2 = shape.radius * shape.radius;
-    for (const std::size_t i : kEachLane) {
-        const float px = receivers_->position.x[i], py = receivers_->position.y[i], pz = receivers_->position.z[i];
-        const float signedHeight =
-            float(shape.normal.x * double(px) + shape.normal.y * double(py) + shape.normal.z * double(pz) - shape.dist);
-        const float x = shape.center.x - px, y = shape.center.y - py, z = shape.center.z - pz;
-        const float d2 = x * x + y * y + z * z;
-        height_[i] = std::abs(signedHeight);
-        behind_[i] = signedHeight < 0 ? -1 : 0;
-        pointError_[i] = d2 > 0 ? size2 / d2 : 1;
-        unoccludedEstimate_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
-        const bool inFront = (std::abs(signedHeight) >= kPlaneClearance) & (int(signedHeight > 0) | int(twoSided));
-        live_[i] = inFront ? live_[i] : 0;
-        near_[i] = pointError_[i] < kNearPointError ? 0 : live_[i];
-    }
+void AreaContribution::MeasureLanes() {
+    Vectorize([&]() Q3_INLINE {
+        const AreaShape &shape = light_.shape;
+        const bool twoSided = light_.twoSided;
+        const float strength = light_.radiosity * shape.area / std::numbers::pi_v<float>,
+                    size2 = shape.radius * shape.radius;
+        for (const std::size_t i : kEachLane) {
+            const float px = receivers_->position.x[i], py = receivers_->position.y[i], pz = receivers_->position.z[i];
+            const float signedHeight = float(shape.normal.x * double(px) + shape.normal.y * double(py) +
+                                             shape.normal.z * double(pz) - shape.dist);
+            const float x = shape.center.x - px, y = shape.center.y - py, z = shape.center.z - pz;
+            const float d2 = x * x + y * y + z * z;
+            height_[i] = std::abs(signedHeight);
+            behind_[i] = signedHeight < 0 ? -1 : 0;
+            pointError_[i] = d2 > 0 ? size2 / d2 : 1;
+            unoccludedEstimate_[i] = d2 > 0 ? strength * height_[i] / (d2 * std::sqrt(d2)) : 0;
+            const bool inFront = (std::abs(signedHeight) >= kPlaneClearance) & (int(signedHeight > 0) | int(twoSided));
+            live_[i] = inFront ? live_[i] : 0;
+            near_[i] = pointError_[i] < kNearPointError ? 0 : live_[i];
+        }
+    });
 }
 
 /// Closed-form moments of the emitter's polygon, from the side that each receiver sees.
@@ -151,18 +159,20 @@ void AreaContribution::MeasureNear() {
 
 /// Receivers outside the light's bounds and those that get at most `least` (>= 0) are live no longer. Returns the
 /// greatest estimate of the remaining ones.
-Q3_VECTOR float AreaContribution::CullUnlit(float least) {
-    const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
-    float brightest = 0;
-    for (const std::size_t i : kEachLane) {
-        const float x = receivers_->position.x[i], y = receivers_->position.y[i], z = receivers_->position.z[i];
-        const float estimate = unoccludedEstimate_[i];
-        const bool lit = (estimate > least) & (x >= from.x) & (y >= from.y) & (z >= from.z) & (x <= to.x) &
-                         (y <= to.y) & (z <= to.z);
-        live_[i] = lit ? live_[i] : 0;
-        brightest = std::max(brightest, live_[i] != 0 ? estimate : 0);
-    }
-    return brightest;
+float AreaContribution::CullUnlit(float least) {
+    return Vectorize([&]() Q3_INLINE {
+        const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
+        float brightest = 0;
+        for (const std::size_t i : kEachLane) {
+            const float x = receivers_->position.x[i], y = receivers_->position.y[i], z = receivers_->position.z[i];
+            const float estimate = unoccludedEstimate_[i];
+            const bool lit = (estimate > least) & (x >= from.x) & (y >= from.y) & (z >= from.z) & (x <= to.x) &
+                             (y <= to.y) & (z <= to.z);
+            live_[i] = lit ? live_[i] : 0;
+            brightest = std::max(brightest, live_[i] != 0 ? estimate : 0);
+        }
+        return brightest;
+    });
 }
 
 /// Sets unoccludedEstimate_ and brightest_. False: no receiver gets any light.
@@ -175,15 +185,17 @@ bool AreaContribution::EstimateUnoccluded() {
 }
 
 /// Sets partFraction_; receivers at which the part is 0 are live no longer.
-Q3_VECTOR void AreaContribution::SetPartFractions() {
-    partFraction_.fill(1);
-    if (settings_.part == LightPart::Whole)
-        return;
-    const float color = MaxAbsComponent(light_.color), weakBelow = settings_.weakBelow;
-    for (const std::size_t i : kEachLane) {
-        partFraction_[i] = FractionOfPart(settings_.part, color * unoccludedEstimate_[i], weakBelow);
-        live_[i] = partFraction_[i] > 0 ? live_[i] : 0;
-    }
+void AreaContribution::SetPartFractions() {
+    Vectorize([&]() Q3_INLINE {
+        partFraction_.fill(1);
+        if (settings_.part == LightPart::Whole)
+            return;
+        const float color = MaxAbsComponent(light_.color), weakBelow = settings_.weakBelow;
+        for (const std::size_t i : kEachLane) {
+            partFraction_[i] = FractionOfPart(settings_.part, color * unoccludedEstimate_[i], weakBelow);
+            live_[i] = partFraction_[i] > 0 ? live_[i] : 0;
+        }
+    });
 }
 
 /// The cheapest method whose error is under kMaxProjectionError for all receivers that are not near.
@@ -220,18 +232,20 @@ Vec3f AreaContribution::ProbeTarget(int probe) const {
 }
 
 /// Rays from all live receivers to a point of the emitter, ending EmitterOffset in front of it.
-Q3_VECTOR void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) const {
-    const Vec3f normal(light_.shape.normal);
-    rays.origin = receivers_->rayOrigin;
-    rays.live = live_;
-    for (const std::size_t i : kEachLane) {
-        const float lift = EmitterOffset(i);
-        const auto [x, y, z, d] =
-            DirectionOf(target.x + normal.x * lift - rays.origin.x[i], target.y + normal.y * lift - rays.origin.y[i],
-                        target.z + normal.z * lift - rays.origin.z[i]);
-        rays.direction.x[i] = x, rays.direction.y[i] = y, rays.direction.z[i] = z;
-        rays.distance[i] = d;
-    }
+void AreaContribution::AimAll(const Vec3f &target, RayPacket &rays) const {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f normal(light_.shape.normal);
+        rays.origin = receivers_->rayOrigin;
+        rays.live = live_;
+        for (const std::size_t i : kEachLane) {
+            const float lift = EmitterOffset(i);
+            const auto [x, y, z, d] = DirectionOf(target.x + normal.x * lift - rays.origin.x[i],
+                                                  target.y + normal.y * lift - rays.origin.y[i],
+                                                  target.z + normal.z * lift - rays.origin.z[i]);
+            rays.direction.x[i] = x, rays.direction.y[i] = y, rays.direction.z[i] = z;
+            rays.distance[i] = d;
+        }
+    });
 }
 
 /// Adds the transmittances of one probe ray per receiver; called from the first time on that a ray was tinted.
@@ -260,49 +274,58 @@ void AreaContribution::TraceProbes(int probes) {
 
 /// Live receivers whose visibility the probe rays leave uncertain. Receivers from which no probe ray arrived are live
 /// no longer; Refine makes those to be refined live again.
-Q3_VECTOR LaneMask AreaContribution::LanesToRefine(int probes) {
-    const float allProbes = float(probes);
-    std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
-    for (const std::size_t i : kEachLane) {
-        const std::int32_t whole = -std::int32_t(arrived_[i] == allProbes), hidden = -std::int32_t(arrived_[i] == 0);
-        anyWhole |= live_[i] & whole, anyNotWhole |= live_[i] & ~whole;
-        anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
-    }
-    const bool comparesNeighbors = settings_.part != LightPart::Weak; // else receivers may be far apart
-    const std::int32_t mixed = comparesNeighbors && ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
-    // Shortcuts: dim receivers are not refined; those that only differ from their neighbors must be twice as bright.
-    const bool shortcuts = settings_.skip.probes;
-    const float partlyFrom = shortcuts ? kRefineFrom : 0, mixedFrom = shortcuts ? kRefineMixedFrom : 0;
-    LaneMask uncertain;
-    for (const std::size_t i : kEachLane) {
-        const float arrived = arrived_[i], estimate = unoccludedEstimate_[i];
-        const std::int32_t partly = -std::int32_t((arrived != allProbes) & (arrived != 0));
-        const std::int32_t doubtful =
-            (partly & -std::int32_t(estimate >= partlyFrom)) | (mixed & -std::int32_t(estimate >= mixedFrom));
-        uncertain[i] = live_[i] & doubtful;
-        live_[i] &= -std::int32_t(arrived > 0);
-    }
-    return uncertain;
+LaneMask AreaContribution::LanesToRefine(int probes) {
+    return Vectorize([&]() Q3_INLINE {
+        const float allProbes = float(probes);
+        std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
+        for (const std::size_t i : kEachLane) {
+            const std::int32_t whole = -std::int32_t(arrived_[i] == allProbes),
+                               hidden = -std::int32_t(arrived_[i] == 0);
+            anyWhole |= live_[i] & whole, anyNotWhole |= live_[i] & ~whole;
+            anyHidden |= live_[i] & hidden, anySeen |= live_[i] & ~hidden;
+        }
+        const bool comparesNeighbors = settings_.part != LightPart::Weak; // else receivers may be far apart
+        const std::int32_t mixed =
+            comparesNeighbors && ((anyWhole & anyNotWhole) | (anyHidden & anySeen)) != 0 ? -1 : 0;
+        // Shortcuts: dim receivers are not refined; those that only differ from their neighbors must be twice as
+        // bright.
+        const bool shortcuts = settings_.skip.probes;
+        const float partlyFrom = shortcuts ? kRefineFrom : 0, mixedFrom = shortcuts ? kRefineMixedFrom : 0;
+        LaneMask uncertain;
+        for (const std::size_t i : kEachLane) {
+            const float arrived = arrived_[i], estimate = unoccludedEstimate_[i];
+            const std::int32_t partly = -std::int32_t((arrived != allProbes) & (arrived != 0));
+            const std::int32_t doubtful =
+                (partly & -std::int32_t(estimate >= partlyFrom)) | (mixed & -std::int32_t(estimate >= mixedFrom));
+            uncertain[i] = live_[i] & doubtful;
+            live_[i] &= -std::int32_t(arrived > 0);
+        }
+        return uncertain;
+    });
 }
 
 /// Coefficient k is the unoccluded estimate times Y[k](direction to the center).
-Q3_VECTOR void AreaContribution::ProjectAsPoint() {
-    const Vec3f center = light_.shape.center;
-    const Lanes3 &p = receivers_->position;
-    for (const std::size_t i : kEachLane) {
-        const auto [x, y, z, d] = DirectionOf(center.x - p.x[i], center.y - p.y[i], center.z - p.z[i]);
-        BasisLanes<Assign::Set>(i, x, y, z, unoccludedEstimate_[i], *incident_);
-    }
+void AreaContribution::ProjectAsPoint() {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f center = light_.shape.center;
+        const Lanes3 &p = receivers_->position;
+        for (const std::size_t i : kEachLane) {
+            const auto [x, y, z, d] = DirectionOf(center.x - p.x[i], center.y - p.y[i], center.z - p.z[i]);
+            BasisLanes<Assign::Set>(i, x, y, z, unoccludedEstimate_[i], *incident_);
+        }
+    });
 }
 
 /// Adds a small piece of the emitter at `at`: strength h / d^3 times Y[k](direction); strength: radiosity area / pi.
-Q3_VECTOR void AreaContribution::AddSample(const Vec3f &at, float strength) {
-    const Lanes3 &p = receivers_->position;
-    for (const std::size_t i : kEachLane) {
-        const auto [x, y, z, d] = DirectionOf(at.x - p.x[i], at.y - p.y[i], at.z - p.z[i]);
-        const float divisor = d > 0 ? d : 1;
-        BasisLanes<Assign::Add>(i, x, y, z, strength * height_[i] / (divisor * divisor * divisor), *incident_);
-    }
+void AreaContribution::AddSample(const Vec3f &at, float strength) {
+    Vectorize([&]() Q3_INLINE {
+        const Lanes3 &p = receivers_->position;
+        for (const std::size_t i : kEachLane) {
+            const auto [x, y, z, d] = DirectionOf(at.x - p.x[i], at.y - p.y[i], at.z - p.z[i]);
+            const float divisor = d > 0 ? d : 1;
+            BasisLanes<Assign::Add>(i, x, y, z, strength * height_[i] / (divisor * divisor * divisor), *incident_);
+        }
+    });
 }
 
 /// Quadrature over the emitter with three points a triangle, at barycentric coordinates (2/3, 1/6, 1/6) in turn, and
@@ -339,20 +362,22 @@ void AreaContribution::ProjectByClosedForm(Method others, const LaneMask &refine
 }
 
 /// Visible fractions and tints from the probe rays, for receivers that are not refined.
-Q3_VECTOR void AreaContribution::SetVisibleFractions(float probes, const LaneMask &refine) {
-    for (const std::size_t i : kEachLane)
-        visibleFraction_[i] = refine[i] != 0 ? 1 : arrived_[i] / probes;
-    if (!tinted_) {
-        if (refine.Any()) // Refine may find tints
-            incident_->tint.Fill({1, 1, 1});
-        return;
-    }
-    for (const std::size_t i : kEachLane) {
-        const float seen = arrived_[i] > 0 ? arrived_[i] : 1;
-        incident_->tint.x[i] = tintSum_.x[i] / seen;
-        incident_->tint.y[i] = tintSum_.y[i] / seen;
-        incident_->tint.z[i] = tintSum_.z[i] / seen;
-    }
+void AreaContribution::SetVisibleFractions(float probes, const LaneMask &refine) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane)
+            visibleFraction_[i] = refine[i] != 0 ? 1 : arrived_[i] / probes;
+        if (!tinted_) {
+            if (refine.Any()) // Refine may find tints
+                incident_->tint.Fill({1, 1, 1});
+            return;
+        }
+        for (const std::size_t i : kEachLane) {
+            const float seen = arrived_[i] > 0 ? arrived_[i] : 1;
+            incident_->tint.x[i] = tintSum_.x[i] / seen;
+            incident_->tint.y[i] = tintSum_.y[i] / seen;
+            incident_->tint.z[i] = tintSum_.z[i] / seen;
+        }
+    });
 }
 
 /// Coefficients of receiver i from the projection of the visible solid angle: times radiosity / pi.
@@ -415,17 +440,19 @@ void AreaContribution::SetVisible() {
 
 /// Applies fraction, weight and the cosine lobe; sets `strength` to the sum of the light over all directions:
 /// coefficient 0 divided by Y[0], which is kSHC0 = 1 / sqrt(4 pi).
-Q3_VECTOR void AreaContribution::Convolve() {
-    const float perBasis = float(4 * std::numbers::pi * kSHC0);
-    for (const std::size_t i : kEachLane)
-        visibleFraction_[i] *= partFraction_[i];
-    for (const std::size_t i : kEachLane)
-        incident_->strength[i] = incident_->shCoeffs[0][i] * visibleFraction_[i] * weight_ * perBasis;
-    for (std::size_t k = 0; k < 9; ++k) {
-        const float scale = weight_ * float(StoredFactor(k, settings_.radiance));
+void AreaContribution::Convolve() {
+    Vectorize([&]() Q3_INLINE {
+        const float perBasis = float(4 * std::numbers::pi * kSHC0);
         for (const std::size_t i : kEachLane)
-            incident_->shCoeffs[k][i] = live_[i] != 0 ? incident_->shCoeffs[k][i] * visibleFraction_[i] * scale : 0;
-    }
+            visibleFraction_[i] *= partFraction_[i];
+        for (const std::size_t i : kEachLane)
+            incident_->strength[i] = incident_->shCoeffs[0][i] * visibleFraction_[i] * weight_ * perBasis;
+        for (std::size_t k = 0; k < 9; ++k) {
+            const float scale = weight_ * float(StoredFactor(k, settings_.radiance));
+            for (const std::size_t i : kEachLane)
+                incident_->shCoeffs[k][i] = live_[i] != 0 ? incident_->shCoeffs[k][i] * visibleFraction_[i] * scale : 0;
+        }
+    });
 }
 
 void AreaContribution::Evaluate(ReceiverBatch &receivers, ProbeIncidentLight &incident) {

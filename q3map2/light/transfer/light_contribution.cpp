@@ -52,28 +52,32 @@ namespace {
 constexpr float kDim = 1;
 
 /// Receivers outside the light's bounds or beyond its envelope are live no longer.
-Q3_VECTOR void CullReach(const Light &light, const Lanes3 &position, ProbeIncidentLight &incident) {
-    const Vec3f from = light.bounds.mins, to = light.bounds.maxs;
-    const float envelope = light.envelope;
-    for (const std::size_t i : kEachLane) {
-        const float x = position.x[i], y = position.y[i], z = position.z[i];
-        const float d = incident.distance[i];
-        const bool inside =
-            (x >= from.x) & (y >= from.y) & (z >= from.z) & (x <= to.x) & (y <= to.y) & (z <= to.z) & (d <= envelope);
-        incident.live[i] = inside ? incident.live[i] : 0;
-    }
+void CullReach(const Light &light, const Lanes3 &position, ProbeIncidentLight &incident) {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f from = light.bounds.mins, to = light.bounds.maxs;
+        const float envelope = light.envelope;
+        for (const std::size_t i : kEachLane) {
+            const float x = position.x[i], y = position.y[i], z = position.z[i];
+            const float d = incident.distance[i];
+            const bool inside = (x >= from.x) & (y >= from.y) & (z >= from.z) & (x <= to.x) & (y <= to.y) &
+                                (z <= to.z) & (d <= envelope);
+            incident.live[i] = inside ? incident.live[i] : 0;
+        }
+    });
 }
 
 /// strength = |form factor| radiosity; 0 behind a one-sided light.
-Q3_VECTOR void SetFromFormFactors(const Light &light, const Lanes &heights, const Lanes &formFactors,
-                                  ProbeIncidentLight &incident) {
-    const bool twoSided = light.twoSided;
-    const float radiosity = light.radiosity;
-    for (const std::size_t i : kEachLane) {
-        const float height = heights[i], factor = formFactors[i];
-        const float front = height < -kAreaBehind ? 0 : std::max(factor, 0.0f);
-        incident.strength[i] = (twoSided ? std::abs(factor) : front) * radiosity;
-    }
+void SetFromFormFactors(const Light &light, const Lanes &heights, const Lanes &formFactors,
+                        ProbeIncidentLight &incident) {
+    Vectorize([&]() Q3_INLINE {
+        const bool twoSided = light.twoSided;
+        const float radiosity = light.radiosity;
+        for (const std::size_t i : kEachLane) {
+            const float height = heights[i], factor = formFactors[i];
+            const float front = height < -kAreaBehind ? 0 : std::max(factor, 0.0f);
+            incident.strength[i] = (twoSided ? std::abs(factor) : front) * radiosity;
+        }
+    });
 }
 
 /// An area light by the established program's formula: the form factor of a receiver that faces the light's center.
@@ -101,26 +105,28 @@ void SetUnshadowedLight(const Light &light, const LightSettings &settings, const
 
 /// Projects light from one direction u on the SH basis: coefficient k is strength * Y[k](u) times the convolution
 /// factor of its band. At the light's own position u is zero: light from all directions, band 0 alone.
-Q3_VECTOR void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
-    // s0 to s4: SHBasis's constants times the factors; s2 is of xy, yz and xz, s3 of 3 z^2 - 1, s4 of x^2 - y^2.
-    const float s0 = float(kSHC0) * float(StoredFactor(0, radiance));
-    const float s1 = float(kSHC1) * float(StoredFactor(1, radiance));
-    const float band2 = float(StoredFactor(4, radiance));
-    const float s2 = float(kSHC2) * band2, s3 = float(kSHC3) * band2, s4 = float(kSHC4) * band2;
-    auto &c = incident.shCoeffs;
-    for (const std::size_t i : kEachLane) {
-        const float x = incident.direction.x[i], y = incident.direction.y[i], z = incident.direction.z[i];
-        const float strength = incident.live[i] != 0 ? incident.strength[i] : 0;
-        c[0][i] = s0 * strength;
-        c[1][i] = s1 * y * strength;
-        c[2][i] = s1 * z * strength;
-        c[3][i] = s1 * x * strength;
-        c[4][i] = s2 * (x * y) * strength;
-        c[5][i] = s2 * (y * z) * strength;
-        c[6][i] = s3 * (2 * z * z - x * x - y * y) * strength; // 3 z^2 - 1, but 0 where u is zero
-        c[7][i] = s2 * (x * z) * strength;
-        c[8][i] = s4 * (x * x - y * y) * strength;
-    }
+void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
+    Vectorize([&]() Q3_INLINE {
+        // s0 to s4: SHBasis's constants times the factors; s2 is of xy, yz and xz, s3 of 3 z^2 - 1, s4 of x^2 - y^2.
+        const float s0 = float(kSHC0) * float(StoredFactor(0, radiance));
+        const float s1 = float(kSHC1) * float(StoredFactor(1, radiance));
+        const float band2 = float(StoredFactor(4, radiance));
+        const float s2 = float(kSHC2) * band2, s3 = float(kSHC3) * band2, s4 = float(kSHC4) * band2;
+        auto &c = incident.shCoeffs;
+        for (const std::size_t i : kEachLane) {
+            const float x = incident.direction.x[i], y = incident.direction.y[i], z = incident.direction.z[i];
+            const float strength = incident.live[i] != 0 ? incident.strength[i] : 0;
+            c[0][i] = s0 * strength;
+            c[1][i] = s1 * y * strength;
+            c[2][i] = s1 * z * strength;
+            c[3][i] = s1 * x * strength;
+            c[4][i] = s2 * (x * y) * strength;
+            c[5][i] = s2 * (y * z) * strength;
+            c[6][i] = s3 * (2 * z * z - x * x - y * y) * strength; // 3 z^2 - 1, but 0 where u is zero
+            c[7][i] = s2 * (x * z) * strength;
+            c[8][i] = s4 * (x * x - y * y) * strength;
+        }
+    });
 }
 
 /// The light of receivers that are live: before parts are taken, and before rays are traced.

@@ -11,60 +11,67 @@ namespace q3 {
 namespace {
 
 /// Receivers that get at most `least` are live no longer.
-Q3_VECTOR void CullBelow(float least, IncidentLight &incident) {
-    for (const std::size_t i : kEachLane) {
-        const float strength = incident.strength[i];
-        incident.live[i] = strength > least ? incident.live[i] : 0;
-    }
+void CullBelow(float least, IncidentLight &incident) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane) {
+            const float strength = incident.strength[i];
+            incident.live[i] = strength > least ? incident.live[i] : 0;
+        }
+    });
 }
 
-Q3_VECTOR void SetFalloff(Falloff falloff, const Lanes &angleFactor, IncidentLight &incident) {
-    const Lanes &distance = incident.distance;
-    Lanes &strength = incident.strength;
-    switch (falloff.Curve()) {
-    case FalloffCurve::InverseSquare:
-        for (const std::size_t i : kEachLane)
-            strength[i] = falloff.InverseSquare(distance[i], angleFactor[i]);
-        break;
-    case FalloffCurve::Linear:
-        for (const std::size_t i : kEachLane)
-            strength[i] = falloff.Linear(distance[i], angleFactor[i]);
-        break;
-    case FalloffCurve::Windowed:
-        for (const std::size_t i : kEachLane)
-            strength[i] = falloff.Windowed(distance[i], angleFactor[i]);
-        break;
-    case FalloffCurve::Polynomial:
-        for (const std::size_t i : kEachLane)
-            strength[i] = falloff.Polynomial(distance[i], angleFactor[i]);
-        break;
-    }
+void SetFalloff(Falloff falloff, const Lanes &angleFactor, IncidentLight &incident) {
+    Vectorize([&]() Q3_INLINE {
+        const Lanes &distance = incident.distance;
+        Lanes &strength = incident.strength;
+        switch (falloff.Curve()) {
+        case FalloffCurve::InverseSquare:
+            for (const std::size_t i : kEachLane)
+                strength[i] = falloff.InverseSquare(distance[i], angleFactor[i]);
+            break;
+        case FalloffCurve::Linear:
+            for (const std::size_t i : kEachLane)
+                strength[i] = falloff.Linear(distance[i], angleFactor[i]);
+            break;
+        case FalloffCurve::Windowed:
+            for (const std::size_t i : kEachLane)
+                strength[i] = falloff.Windowed(distance[i], angleFactor[i]);
+            break;
+        case FalloffCurve::Polynomial:
+            for (const std::size_t i : kEachLane)
+                strength[i] = falloff.Polynomial(distance[i], angleFactor[i]);
+            break;
+        }
+    });
 }
 
 } // namespace
 
-Q3_VECTOR LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers,
-                           ContributionCounts &counts) {
-    LaneMask live = receivers.wanted;
-    const int wanted = live.Count();
-    counts.pairs += std::uint64_t(wanted);
-    if (!skipPvs || light.seenFrom.empty())
+LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers, ContributionCounts &counts) {
+    return Vectorize([&]() Q3_INLINE {
+        LaneMask live = receivers.wanted;
+        const int wanted = live.Count();
+        counts.pairs += std::uint64_t(wanted);
+        if (!skipPvs || light.seenFrom.empty())
+            return live;
+        unsigned seen = 0;
+        for (std::size_t i = 0; i < receivers.clusters.count; ++i)
+            seen |= light.SeenFrom(receivers.clusters.number[i]) ? receivers.clusters.lanes[i] : 0;
+        live.Keep(seen);
+        counts.skippedPvs += std::uint64_t(wanted - live.Count());
         return live;
-    unsigned seen = 0;
-    for (std::size_t i = 0; i < receivers.clusters.count; ++i)
-        seen |= light.SeenFrom(receivers.clusters.number[i]) ? receivers.clusters.lanes[i] : 0;
-    live.Keep(seen);
-    counts.skippedPvs += std::uint64_t(wanted - live.Count());
-    return live;
+    });
 }
 
-Q3_VECTOR void AimAt(const Vec3f &target, const Lanes3 &position, IncidentLight &incident) {
-    const Vec3f t = target;
-    for (const std::size_t i : kEachLane) {
-        const auto [x, y, z, d] = DirectionOf(t.x - position.x[i], t.y - position.y[i], t.z - position.z[i]);
-        incident.distance[i] = d;
-        incident.direction.x[i] = x, incident.direction.y[i] = y, incident.direction.z[i] = z;
-    }
+void AimAt(const Vec3f &target, const Lanes3 &position, IncidentLight &incident) {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f t = target;
+        for (const std::size_t i : kEachLane) {
+            const auto [x, y, z, d] = DirectionOf(t.x - position.x[i], t.y - position.y[i], t.z - position.z[i]);
+            incident.distance[i] = d;
+            incident.direction.x[i] = x, incident.direction.y[i] = y, incident.direction.z[i] = z;
+        }
+    });
 }
 
 void AimAtSun(const Light &light, IncidentLight &incident) {
@@ -81,27 +88,31 @@ void SetPointLight(const Light &light, const Lanes &angleFactor, IncidentLight &
             incident.strength[i] *= ConeFraction(light, incident.direction[i] * incident.distance[i]);
 }
 
-Q3_VECTOR void AreaHeights(const Light &light, const Lanes3 &position, Lanes &heights, Lanes3 &pushed) {
-    const Vec3f n = light.normal;
-    const float dist = light.dist;
-    for (const std::size_t i : kEachLane) {
-        const float x = position.x[i], y = position.y[i], z = position.z[i];
-        const float height = x * n.x + y * n.y + z * n.z - dist;
-        const float push = std::abs(height) < kAreaPush ? kAreaPush - height : 0;
-        heights[i] = height;
-        pushed.x[i] = x + n.x * push, pushed.y[i] = y + n.y * push, pushed.z[i] = z + n.z * push;
-    }
+void AreaHeights(const Light &light, const Lanes3 &position, Lanes &heights, Lanes3 &pushed) {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f n = light.normal;
+        const float dist = light.dist;
+        for (const std::size_t i : kEachLane) {
+            const float x = position.x[i], y = position.y[i], z = position.z[i];
+            const float height = x * n.x + y * n.y + z * n.z - dist;
+            const float push = std::abs(height) < kAreaPush ? kAreaPush - height : 0;
+            heights[i] = height;
+            pushed.x[i] = x + n.x * push, pushed.y[i] = y + n.y * push, pushed.z[i] = z + n.z * push;
+        }
+    });
 }
 
 void CullBelowTolerance(const Light &light, IncidentLight &incident) {
     CullBelow(light.endsAtTolerance && light.type != LightType::Sun ? light.tolerance : 0, incident);
 }
 
-Q3_VECTOR float Strongest(const IncidentLight &incident) {
-    float strongest = 0;
-    for (const std::size_t i : kEachLane)
-        strongest = std::max(strongest, incident.live[i] != 0 ? incident.strength[i] : 0);
-    return strongest;
+float Strongest(const IncidentLight &incident) {
+    return Vectorize([&]() Q3_INLINE {
+        float strongest = 0;
+        for (const std::size_t i : kEachLane)
+            strongest = std::max(strongest, incident.live[i] != 0 ? incident.strength[i] : 0);
+        return strongest;
+    });
 }
 
 bool ApplyFaintSelection(const Light &light, float faint, float weight, ReceiverBatch &receivers,

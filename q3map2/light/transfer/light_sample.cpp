@@ -29,44 +29,50 @@ struct SurfaceTransfer {
 };
 
 /// Sets cosine = N . u. Drops receivers at or beyond the envelope, and one-sided receivers that face away.
-Q3_VECTOR void CullByReachAndFacing(SurfaceTransfer &transfer) {
-    const Lanes3 &n = transfer.receivers.normal, &u = transfer.incident.direction;
-    const float envelope = transfer.light.envelope;
-    const bool twoSided = transfer.receivers.twoSided;
-    for (const std::size_t i : kEachLane) {
-        const float cosine = u.x[i] * n.x[i] + u.y[i] * n.y[i] + u.z[i] * n.z[i];
-        transfer.cosine[i] = cosine;
-        const float d = transfer.incident.distance[i];
-        const bool lit = (d < envelope) & (twoSided | (cosine >= 0));
-        transfer.incident.live[i] = lit ? transfer.incident.live[i] : 0;
-    }
+void CullByReachAndFacing(SurfaceTransfer &transfer) {
+    Vectorize([&]() Q3_INLINE {
+        const Lanes3 &n = transfer.receivers.normal, &u = transfer.incident.direction;
+        const float envelope = transfer.light.envelope;
+        const bool twoSided = transfer.receivers.twoSided;
+        for (const std::size_t i : kEachLane) {
+            const float cosine = u.x[i] * n.x[i] + u.y[i] * n.y[i] + u.z[i] * n.z[i];
+            transfer.cosine[i] = cosine;
+            const float d = transfer.incident.distance[i];
+            const bool lit = (d < envelope) & (twoSided | (cosine >= 0));
+            transfer.incident.live[i] = lit ? transfer.incident.live[i] : 0;
+        }
+    });
 }
 
 /// angleFactor = |cosine|, or ((1 + |cosine|) / 2)^2 with -lightanglehl. Light from behind on two-sided surfaces has no
 /// direction.
-Q3_VECTOR void SetAngles(SurfaceTransfer &transfer) {
-    const bool twoSided = transfer.receivers.twoSided, half = transfer.settings.halfLambert;
-    for (const std::size_t i : kEachLane) {
-        const float toLight = transfer.cosine[i];
-        const bool behind = twoSided & (toLight < 0);
-        const float cosine = behind ? -toLight : toLight;
-        const float wrapped = 0.5f * std::min(cosine, 1.0f) + 0.5f;
-        transfer.angleFactor[i] = !half ? cosine : cosine > kLeastHalfLambert ? wrapped * wrapped : 0;
-        transfer.incident.undirected[i] = behind ? -1 : 0;
-    }
+void SetAngles(SurfaceTransfer &transfer) {
+    Vectorize([&]() Q3_INLINE {
+        const bool twoSided = transfer.receivers.twoSided, half = transfer.settings.halfLambert;
+        for (const std::size_t i : kEachLane) {
+            const float toLight = transfer.cosine[i];
+            const bool behind = twoSided & (toLight < 0);
+            const float cosine = behind ? -toLight : toLight;
+            const float wrapped = 0.5f * std::min(cosine, 1.0f) + 0.5f;
+            transfer.angleFactor[i] = !half ? cosine : cosine > kLeastHalfLambert ? wrapped * wrapped : 0;
+            transfer.incident.undirected[i] = behind ? -1 : 0;
+        }
+    });
 }
 
 /// strength = photons angleFactor.
-Q3_VECTOR void SetSunLight(SurfaceTransfer &transfer) {
-    const Lanes3 &n = transfer.receivers.normal;
-    const Vec3f u = -transfer.light.normal;
-    const float photons = transfer.light.photons;
-    for (const std::size_t i : kEachLane)
-        transfer.cosine[i] = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
-    AimAtSun(transfer.light, transfer.incident);
-    SetAngles(transfer);
-    for (const std::size_t i : kEachLane)
-        transfer.incident.strength[i] = photons * transfer.angleFactor[i];
+void SetSunLight(SurfaceTransfer &transfer) {
+    Vectorize([&]() Q3_INLINE {
+        const Lanes3 &n = transfer.receivers.normal;
+        const Vec3f u = -transfer.light.normal;
+        const float photons = transfer.light.photons;
+        for (const std::size_t i : kEachLane)
+            transfer.cosine[i] = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
+        AimAtSun(transfer.light, transfer.incident);
+        SetAngles(transfer);
+        for (const std::size_t i : kEachLane)
+            transfer.incident.strength[i] = photons * transfer.angleFactor[i];
+    });
 }
 
 /// angleFactor = 1 for lights without angle attenuation; then min(1, angleFactor / angleScale), if there is a scale.
@@ -83,66 +89,74 @@ void SetPointAngles(SurfaceTransfer &transfer) {
 }
 
 /// Drops receivers behind a one-sided area light or on its own surface. heights: over the light's plane.
-Q3_VECTOR void CullAreaSides(const Lanes &heights, SurfaceTransfer &transfer) {
-    const Lanes3 &n = transfer.receivers.normal;
-    const Vec3f facing = transfer.light.normal;
-    const bool oneSided = !transfer.light.twoSided;
-    for (const std::size_t i : kEachLane) {
-        const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
-        const float height = heights[i];
-        const bool behind = oneSided & (height < -kAreaBehind);
-        const bool onEmitter = (height > -kAreaOwnSide) & (along > kAreaOwnCosine);
-        const bool hidden = (height < kAreaOwnSide) & (behind | onEmitter);
-        transfer.incident.live[i] = hidden ? 0 : transfer.incident.live[i];
-    }
+void CullAreaSides(const Lanes &heights, SurfaceTransfer &transfer) {
+    Vectorize([&]() Q3_INLINE {
+        const Lanes3 &n = transfer.receivers.normal;
+        const Vec3f facing = transfer.light.normal;
+        const bool oneSided = !transfer.light.twoSided;
+        for (const std::size_t i : kEachLane) {
+            const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
+            const float height = heights[i];
+            const bool behind = oneSided & (height < -kAreaBehind);
+            const bool onEmitter = (height > -kAreaOwnSide) & (along > kAreaOwnCosine);
+            const bool hidden = (height < kAreaOwnSide) & (behind | onEmitter);
+            transfer.incident.live[i] = hidden ? 0 : transfer.incident.live[i];
+        }
+    });
 }
 
 /// -faster: strength = falloff * (N . u) (-n_l . u), the two cosines of a small patch; sides as for form factors.
-Q3_VECTOR void SetAreaLightAsPoint(SurfaceTransfer &transfer) {
-    const Lanes3 &u = transfer.incident.direction;
-    const Vec3f facing = transfer.light.normal;
-    const bool twoSided = transfer.receivers.twoSided, anySide = twoSided || transfer.light.twoSided;
-    const Falloff falloff(transfer.light);
-    for (const std::size_t i : kEachLane) {
-        const float toLight = transfer.cosine[i];
-        const bool behind = twoSided & (toLight < 0);
-        const float cosine = behind ? -toLight : toLight;
-        const float cosines = cosine * -(u.x[i] * facing.x + u.y[i] * facing.y + u.z[i] * facing.z);
-        const bool turned = (cosines < 0) & anySide;
-        transfer.incident.undirected[i] = (behind | turned) ? -1 : 0;
-        transfer.incident.strength[i] =
-            falloff.InverseSquare(transfer.incident.distance[i], turned ? -cosines : cosines);
-    }
+void SetAreaLightAsPoint(SurfaceTransfer &transfer) {
+    Vectorize([&]() Q3_INLINE {
+        const Lanes3 &u = transfer.incident.direction;
+        const Vec3f facing = transfer.light.normal;
+        const bool twoSided = transfer.receivers.twoSided, anySide = twoSided || transfer.light.twoSided;
+        const Falloff falloff(transfer.light);
+        for (const std::size_t i : kEachLane) {
+            const float toLight = transfer.cosine[i];
+            const bool behind = twoSided & (toLight < 0);
+            const float cosine = behind ? -toLight : toLight;
+            const float cosines = cosine * -(u.x[i] * facing.x + u.y[i] * facing.y + u.z[i] * facing.z);
+            const bool turned = (cosines < 0) & anySide;
+            transfer.incident.undirected[i] = (behind | turned) ? -1 : 0;
+            transfer.incident.strength[i] =
+                falloff.InverseSquare(transfer.incident.distance[i], turned ? -cosines : cosines);
+        }
+    });
 }
 
 /// strength = |form factor| radiosity. Negative form factors count if the receiver or the light is two-sided:
 /// `flipped`.
-Q3_VECTOR void SetAreaLight(const Lanes &formFactors, SurfaceTransfer &transfer, LaneMask &flipped) {
-    const bool anySide = transfer.receivers.twoSided || transfer.light.twoSided;
-    const float radiosity = transfer.light.radiosity;
-    for (const std::size_t i : kEachLane) {
-        const float factor = formFactors[i], cosine = transfer.cosine[i];
-        const bool flip = (factor < 0) & anySide;
-        transfer.incident.strength[i] = (flip ? -factor : factor) * radiosity;
-        transfer.incident.undirected[i] = (flip | (cosine < 0)) ? -1 : 0;
-        flipped[i] = flip ? transfer.incident.live[i] : 0;
-    }
+void SetAreaLight(const Lanes &formFactors, SurfaceTransfer &transfer, LaneMask &flipped) {
+    Vectorize([&]() Q3_INLINE {
+        const bool anySide = transfer.receivers.twoSided || transfer.light.twoSided;
+        const float radiosity = transfer.light.radiosity;
+        for (const std::size_t i : kEachLane) {
+            const float factor = formFactors[i], cosine = transfer.cosine[i];
+            const bool flip = (factor < 0) & anySide;
+            transfer.incident.strength[i] = (flip ? -factor : factor) * radiosity;
+            transfer.incident.undirected[i] = (flip | (cosine < 0)) ? -1 : 0;
+            flipped[i] = flip ? transfer.incident.live[i] : 0;
+        }
+    });
 }
 
 /// Aims flipped lanes 1 unit behind the light's surface: L' = L - 2 n_l, since its origin L is 1 unit in front.
-Q3_VECTOR void AimAtBack(const LaneMask &flipped, SurfaceTransfer &transfer) {
-    SurfaceIncidentLight back;
-    AimAt(transfer.light.origin - transfer.light.normal * 2, transfer.receivers.position, back);
-    const float envelope = transfer.light.envelope;
-    for (const std::size_t i : kEachLane) {
-        const bool on = flipped[i] != 0;
-        const float d = back.distance[i];
-        transfer.incident.distance[i] = on ? d : transfer.incident.distance[i];
-        transfer.incident.direction.x[i] = on ? back.direction.x[i] : transfer.incident.direction.x[i];
-        transfer.incident.direction.y[i] = on ? back.direction.y[i] : transfer.incident.direction.y[i];
-        transfer.incident.direction.z[i] = on ? back.direction.z[i] : transfer.incident.direction.z[i];
-        transfer.incident.live[i] = (on & (d >= envelope)) ? 0 : transfer.incident.live[i];
-    }
+void AimAtBack(const LaneMask &flipped, SurfaceTransfer &transfer) {
+    Vectorize([&]() Q3_INLINE {
+        SurfaceIncidentLight back;
+        AimAt(transfer.light.origin - transfer.light.normal * 2, transfer.receivers.position, back);
+        const float envelope = transfer.light.envelope;
+        for (const std::size_t i : kEachLane) {
+            const bool on = flipped[i] != 0;
+            const float d = back.distance[i];
+            transfer.incident.distance[i] = on ? d : transfer.incident.distance[i];
+            transfer.incident.direction.x[i] = on ? back.direction.x[i] : transfer.incident.direction.x[i];
+            transfer.incident.direction.y[i] = on ? back.direction.y[i] : transfer.incident.direction.y[i];
+            transfer.incident.direction.z[i] = on ? back.direction.z[i] : transfer.incident.direction.z[i];
+            transfer.incident.live[i] = (on & (d >= envelope)) ? 0 : transfer.incident.live[i];
+        }
+    });
 }
 
 void SetAreaLight(SurfaceTransfer &transfer) {
@@ -261,34 +275,37 @@ constexpr float kLeastCosine = 1e-6f;
 
 /// Directions of a light from one point. towardLight: light on a receiver that faces the light, divided by the light on
 /// the receiver itself, L(1) / L(A).
-Q3_VECTOR void SetDirectionsToPoint(const Lanes &towardLight, const Lanes &cosine, SurfaceIncidentLight &incident) {
-    LightDirections &to = incident.directions;
-    for (const std::size_t i : kEachLane) {
-        const float c = std::max(cosine[i], kLeastCosine);
-        const float length = cosine[i] < 0 ? 0 : std::min(towardLight[i], 1 / c);
-        to.vector.x[i] = incident.direction.x[i] * length;
-        to.vector.y[i] = incident.direction.y[i] * length;
-        to.vector.z[i] = incident.direction.z[i] * length;
-        to.uniform[i] = std::max(0.0f, 1 - length * c);
-        to.spread[i] = 1;
-    }
+void SetDirectionsToPoint(const Lanes &towardLight, const Lanes &cosine, SurfaceIncidentLight &incident) {
+    Vectorize([&]() Q3_INLINE {
+        LightDirections &to = incident.directions;
+        for (const std::size_t i : kEachLane) {
+            const float c = std::max(cosine[i], kLeastCosine);
+            const float length = cosine[i] < 0 ? 0 : std::min(towardLight[i], 1 / c);
+            to.vector.x[i] = incident.direction.x[i] * length;
+            to.vector.y[i] = incident.direction.y[i] * length;
+            to.vector.z[i] = incident.direction.z[i] * length;
+            to.uniform[i] = std::max(0.0f, 1 - length * c);
+            to.spread[i] = 1;
+        }
+    });
 }
 
 /// Directions of an area light. vectors: as set by FormFactorVectors.
-Q3_VECTOR void SetDirectionsToArea(const Lanes3 &vectors, const Lanes3 &normal, const LaneMask &undirected,
-                                   LightDirections &to) {
-    for (const std::size_t i : kEachLane) {
-        const float x = vectors.x[i], y = vectors.y[i], z = vectors.z[i];
-        const float formFactor = x * normal.x[i] + y * normal.y[i] + z * normal.z[i];
-        const bool back = (formFactor < 0) | (undirected[i] != 0);
-        const float scale = back ? 0 : 1 / std::max(formFactor, kLeastCosine);
-        to.vector.x[i] = x * scale, to.vector.y[i] = y * scale, to.vector.z[i] = z * scale;
-        to.uniform[i] = back ? 1.0f : 0.0f;
-        // A cone of half angle a has an irradiance vector of length pi sin^2 a (here divided by pi) and a fluence
-        // (solid angle) of 2 pi (1 - cos a): their ratio, the spread, is 2 / (1 + cos a).
-        const float sine2 = std::min(1.0f, std::sqrt(x * x + y * y + z * z));
-        to.spread[i] = 2 / (1 + std::sqrt(1 - sine2));
-    }
+void SetDirectionsToArea(const Lanes3 &vectors, const Lanes3 &normal, const LaneMask &undirected, LightDirections &to) {
+    Vectorize([&]() Q3_INLINE {
+        for (const std::size_t i : kEachLane) {
+            const float x = vectors.x[i], y = vectors.y[i], z = vectors.z[i];
+            const float formFactor = x * normal.x[i] + y * normal.y[i] + z * normal.z[i];
+            const bool back = (formFactor < 0) | (undirected[i] != 0);
+            const float scale = back ? 0 : 1 / std::max(formFactor, kLeastCosine);
+            to.vector.x[i] = x * scale, to.vector.y[i] = y * scale, to.vector.z[i] = z * scale;
+            to.uniform[i] = back ? 1.0f : 0.0f;
+            // A cone of half angle a has an irradiance vector of length pi sin^2 a (here divided by pi) and a fluence
+            // (solid angle) of 2 pi (1 - cos a): their ratio, the spread, is 2 / (1 + cos a).
+            const float sine2 = std::min(1.0f, std::sqrt(x * x + y * y + z * z));
+            to.spread[i] = 2 / (1 + std::sqrt(1 - sine2));
+        }
+    });
 }
 
 /// factor = L(1) / L(A) of a point light or spotlight.

@@ -19,18 +19,22 @@ std::uint64_t HashOf(const Vec3f &p) {
 
 } // namespace
 
-Q3_VECTOR LaneMask SoftBatch::Seeing() const {
-    LaneMask sees;
-    for (const std::size_t i : kEachLane)
-        sees[i] = seen[i] > 0 ? incident.live[i] : 0;
-    return sees;
+LaneMask SoftBatch::Seeing() const {
+    return Vectorize([&]() Q3_INLINE {
+        LaneMask sees;
+        for (const std::size_t i : kEachLane)
+            sees[i] = seen[i] > 0 ? incident.live[i] : 0;
+        return sees;
+    });
 }
 
-Q3_VECTOR LaneMask SoftBatch::Hidden() const {
-    LaneMask hides;
-    for (const std::size_t i : kEachLane)
-        hides[i] = seen[i] < whole[i] ? incident.live[i] : 0;
-    return hides;
+LaneMask SoftBatch::Hidden() const {
+    return Vectorize([&]() Q3_INLINE {
+        LaneMask hides;
+        for (const std::size_t i : kEachLane)
+            hides[i] = seen[i] < whole[i] ? incident.live[i] : 0;
+        return hides;
+    });
 }
 
 LaneMask SoftBatch::Disagreeing() const {
@@ -69,29 +73,31 @@ void SoftLight::AddRay(const RayPacket &traced, std::size_t ray, std::size_t rec
 }
 
 /// Adds traced rays of the receivers in `lanes` to the sums.
-Q3_VECTOR void SoftLight::Count(const PointRays &to, const LaneMask &lanes, SoftBatch &batch) const {
-    if (to.rays.tinted)
-        SetTinted(batch);
-    for (const std::size_t i : kEachLane) {
-        const bool arrived = to.rays.live[i] != 0;
-        const float vector = arrived ? to.vector[i] : 0;
-        batch.whole[i] += lanes[i] != 0 ? to.strength[i] : 0;
-        batch.seen[i] += arrived ? to.strength[i] : 0;
-        batch.seenFluence[i] += vector;
-        batch.seenVector.x[i] += to.rays.direction.x[i] * vector;
-        batch.seenVector.y[i] += to.rays.direction.y[i] * vector;
-        batch.seenVector.z[i] += to.rays.direction.z[i] * vector;
-    }
-    if (!batch.incident.tinted)
-        return;
-    for (std::size_t i = 0; i < batch.receivers->count; ++i) {
-        if (lanes[i] == 0 || !(to.strength[i] > 0))
-            continue;
-        const Vec3f color = (IsColored() ? to.color[i] : Vec3f{1, 1, 1}) * to.strength[i];
-        batch.wholeColor.Set(i, batch.wholeColor[i] + color);
-        if (to.rays.live[i] != 0)
-            batch.seenColor.Set(i, batch.seenColor[i] + (to.rays.tinted ? color * to.rays.tint[i] : color));
-    }
+void SoftLight::Count(const PointRays &to, const LaneMask &lanes, SoftBatch &batch) const {
+    Vectorize([&]() Q3_INLINE {
+        if (to.rays.tinted)
+            SetTinted(batch);
+        for (const std::size_t i : kEachLane) {
+            const bool arrived = to.rays.live[i] != 0;
+            const float vector = arrived ? to.vector[i] : 0;
+            batch.whole[i] += lanes[i] != 0 ? to.strength[i] : 0;
+            batch.seen[i] += arrived ? to.strength[i] : 0;
+            batch.seenFluence[i] += vector;
+            batch.seenVector.x[i] += to.rays.direction.x[i] * vector;
+            batch.seenVector.y[i] += to.rays.direction.y[i] * vector;
+            batch.seenVector.z[i] += to.rays.direction.z[i] * vector;
+        }
+        if (!batch.incident.tinted)
+            return;
+        for (std::size_t i = 0; i < batch.receivers->count; ++i) {
+            if (lanes[i] == 0 || !(to.strength[i] > 0))
+                continue;
+            const Vec3f color = (IsColored() ? to.color[i] : Vec3f{1, 1, 1}) * to.strength[i];
+            batch.wholeColor.Set(i, batch.wholeColor[i] + color);
+            if (to.rays.live[i] != 0)
+                batch.seenColor.Set(i, batch.seenColor[i] + (to.rays.tinted ? color * to.rays.tint[i] : color));
+        }
+    });
 }
 
 void SoftLight::CastAndCount(const LaneMask &lanes, PointRays &to, SoftBatch &batch) const {
@@ -157,50 +163,54 @@ void SoftLight::FillUntried(SoftBatch &batch) {
 
 /// Multiplies the strengths by the shares, and sets vectors, fluences and tints to those of the light that arrives.
 /// Receivers that see nothing are live no longer.
-Q3_VECTOR void SoftLight::SetShares(SoftBatch &batch) const {
-    SurfaceIncidentLight &incident = batch.incident;
-    if (incident.tinted)
-        for (std::size_t i = 0; i < batch.receivers->count; ++i) {
-            if (incident.live[i] == 0 || batch.seen[i] <= 0)
-                continue;
-            const Vec3f seen = batch.seenColor[i] / batch.seen[i];
-            if (!IsColored()) {
-                incident.tint.Set(i, seen);
-                continue;
+void SoftLight::SetShares(SoftBatch &batch) const {
+    Vectorize([&]() Q3_INLINE {
+        SurfaceIncidentLight &incident = batch.incident;
+        if (incident.tinted)
+            for (std::size_t i = 0; i < batch.receivers->count; ++i) {
+                if (incident.live[i] == 0 || batch.seen[i] <= 0)
+                    continue;
+                const Vec3f seen = batch.seenColor[i] / batch.seen[i];
+                if (!IsColored()) {
+                    incident.tint.Set(i, seen);
+                    continue;
+                }
+                const Vec3f of = batch.wholeColor[i] / batch.whole[i], all = batch.color[i] / incident.strength[i];
+                Vec3f tint;
+                for (std::size_t channel = 0; channel < 3; ++channel)
+                    tint[channel] = of[channel] > 0 ? all[channel] * seen[channel] / of[channel] : all[channel];
+                incident.tint.Set(i, tint);
             }
-            const Vec3f of = batch.wholeColor[i] / batch.whole[i], all = batch.color[i] / incident.strength[i];
-            Vec3f tint;
-            for (std::size_t channel = 0; channel < 3; ++channel)
-                tint[channel] = of[channel] > 0 ? all[channel] * seen[channel] / of[channel] : all[channel];
-            incident.tint.Set(i, tint);
+        for (const std::size_t i : kEachLane) {
+            const float seen = batch.seen[i], whole = batch.whole[i], divisor = whole > 0 ? whole : 1;
+            incident.live[i] = seen > 0 ? incident.live[i] : 0;
+            const bool partly = seen < whole;
+            const float scale = 1 / (seen > 0 ? seen : 1);
+            batch.vector.x[i] = partly ? batch.seenVector.x[i] * scale : batch.vector.x[i];
+            batch.vector.y[i] = partly ? batch.seenVector.y[i] * scale : batch.vector.y[i];
+            batch.vector.z[i] = partly ? batch.seenVector.z[i] * scale : batch.vector.z[i];
+            batch.fluence[i] = partly ? batch.seenFluence[i] * scale : batch.fluence[i];
+            incident.strength[i] *= std::min(1.0f, seen / divisor);
         }
-    for (const std::size_t i : kEachLane) {
-        const float seen = batch.seen[i], whole = batch.whole[i], divisor = whole > 0 ? whole : 1;
-        incident.live[i] = seen > 0 ? incident.live[i] : 0;
-        const bool partly = seen < whole;
-        const float scale = 1 / (seen > 0 ? seen : 1);
-        batch.vector.x[i] = partly ? batch.seenVector.x[i] * scale : batch.vector.x[i];
-        batch.vector.y[i] = partly ? batch.seenVector.y[i] * scale : batch.vector.y[i];
-        batch.vector.z[i] = partly ? batch.seenVector.z[i] * scale : batch.vector.z[i];
-        batch.fluence[i] = partly ? batch.seenFluence[i] * scale : batch.fluence[i];
-        incident.strength[i] *= std::min(1.0f, seen / divisor);
-    }
+    });
 }
 
 /// Sets `direction` to that of the light which arrives, and `directions`.
-Q3_VECTOR void SoftLight::SetDirections(SoftBatch &batch) const {
-    SurfaceIncidentLight &incident = batch.incident;
-    LightDirections &to = incident.directions;
-    for (const std::size_t i : kEachLane) {
-        const float vx = batch.vector.x[i], vy = batch.vector.y[i], vz = batch.vector.z[i];
-        const auto [x, y, z, length] = DirectionOf(vx, vy, vz);
-        incident.direction.x[i] = x, incident.direction.y[i] = y, incident.direction.z[i] = z;
-        incident.undirected[i] = length > 0 ? 0 : -1;
-        to.vector.x[i] = vx, to.vector.y[i] = vy, to.vector.z[i] = vz;
-        const float directed = vx * batch.normal.x[i] + vy * batch.normal.y[i] + vz * batch.normal.z[i];
-        to.uniform[i] = std::max(0.0f, 1 - directed);
-        to.spread[i] = length > 0 ? batch.fluence[i] / length : 1;
-    }
+void SoftLight::SetDirections(SoftBatch &batch) const {
+    Vectorize([&]() Q3_INLINE {
+        SurfaceIncidentLight &incident = batch.incident;
+        LightDirections &to = incident.directions;
+        for (const std::size_t i : kEachLane) {
+            const float vx = batch.vector.x[i], vy = batch.vector.y[i], vz = batch.vector.z[i];
+            const auto [x, y, z, length] = DirectionOf(vx, vy, vz);
+            incident.direction.x[i] = x, incident.direction.y[i] = y, incident.direction.z[i] = z;
+            incident.undirected[i] = length > 0 ? 0 : -1;
+            to.vector.x[i] = vx, to.vector.y[i] = vy, to.vector.z[i] = vz;
+            const float directed = vx * batch.normal.x[i] + vy * batch.normal.y[i] + vz * batch.normal.z[i];
+            to.uniform[i] = std::max(0.0f, 1 - directed);
+            to.spread[i] = length > 0 ? batch.fluence[i] / length : 1;
+        }
+    });
 }
 
 void SoftLight::Finish(SoftBatch &batch, const LaneMask &doubtful) const {

@@ -42,91 +42,99 @@ constexpr int kSamplesPerFirstRay = 8;
 
 /// Where the light of the receivers is taken and where their rays start, with the height over the plane of the light.
 /// Those behind a one-sided light, on its own surface or beyond its envelope are live no longer.
-Q3_VECTOR void SoftAreaLight::MeasureSides(SoftBatch &batch) const {
-    const AreaShape &shape = light_.shape;
-    const Lanes3 &p = batch.receivers->position, &n = batch.receivers->normal;
-    SurfaceIncidentLight &incident = batch.incident;
-    const Vec3f facing(shape.normal);
-    const bool twoSided = light_.twoSided;
-    const float envelope = light_.envelope;
-    const bool areLuxels = batch.kind == SoftReceivers::Luxels;
-    const float least = areLuxels ? kInPlane : kPlaneClearance, lifted = areLuxels ? kLiftedHeight : kPlaneClearance;
-    for (const std::size_t i : kEachLane) {
-        const float height = float(shape.normal.x * double(p.x[i]) + shape.normal.y * double(p.y[i]) +
-                                   shape.normal.z * double(p.z[i]) - shape.dist);
-        const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
-        const bool behind = height < (twoSided ? 0 : -kPlaneClearance);
-        const float side = behind ? -1.0f : 1.0f;
-        const bool inPlane = side * height < least;
-        const float push = inPlane ? side * least - height : 0, lift = inPlane ? side * lifted - height : 0;
-        batch.rayOrigin.x[i] = p.x[i] + facing.x * push;
-        batch.rayOrigin.y[i] = p.y[i] + facing.y * push;
-        batch.rayOrigin.z[i] = p.z[i] + facing.z * push;
-        batch.position.x[i] = p.x[i] + facing.x * lift;
-        batch.position.y[i] = p.y[i] + facing.y * lift;
-        batch.position.z[i] = p.z[i] + facing.z * lift;
-        batch.height[i] = std::abs(height + push);
-        batch.behind[i] = behind ? -1 : 0;
-        const bool onEmitter = (side * height < kAreaOwnSide) & (side * along > kAreaOwnCosine);
-        const bool lit = (int(!behind) | int(twoSided)) & !onEmitter & (incident.distance[i] < envelope);
-        incident.live[i] = lit ? incident.live[i] : 0;
-    }
+void SoftAreaLight::MeasureSides(SoftBatch &batch) const {
+    Vectorize([&]() Q3_INLINE {
+        const AreaShape &shape = light_.shape;
+        const Lanes3 &p = batch.receivers->position, &n = batch.receivers->normal;
+        SurfaceIncidentLight &incident = batch.incident;
+        const Vec3f facing(shape.normal);
+        const bool twoSided = light_.twoSided;
+        const float envelope = light_.envelope;
+        const bool areLuxels = batch.kind == SoftReceivers::Luxels;
+        const float least = areLuxels ? kInPlane : kPlaneClearance,
+                    lifted = areLuxels ? kLiftedHeight : kPlaneClearance;
+        for (const std::size_t i : kEachLane) {
+            const float height = float(shape.normal.x * double(p.x[i]) + shape.normal.y * double(p.y[i]) +
+                                       shape.normal.z * double(p.z[i]) - shape.dist);
+            const float along = n.x[i] * facing.x + n.y[i] * facing.y + n.z[i] * facing.z;
+            const bool behind = height < (twoSided ? 0 : -kPlaneClearance);
+            const float side = behind ? -1.0f : 1.0f;
+            const bool inPlane = side * height < least;
+            const float push = inPlane ? side * least - height : 0, lift = inPlane ? side * lifted - height : 0;
+            batch.rayOrigin.x[i] = p.x[i] + facing.x * push;
+            batch.rayOrigin.y[i] = p.y[i] + facing.y * push;
+            batch.rayOrigin.z[i] = p.z[i] + facing.z * push;
+            batch.position.x[i] = p.x[i] + facing.x * lift;
+            batch.position.y[i] = p.y[i] + facing.y * lift;
+            batch.position.z[i] = p.z[i] + facing.z * lift;
+            batch.height[i] = std::abs(height + push);
+            batch.behind[i] = behind ? -1 : 0;
+            const bool onEmitter = (side * height < kAreaOwnSide) & (side * along > kAreaOwnCosine);
+            const bool lit = (int(!behind) | int(twoSided)) & !onEmitter & (incident.distance[i] < envelope);
+            incident.live[i] = lit ? incident.live[i] : 0;
+        }
+    });
 }
 
 /// Sets the normals of the sides that face the light's center, and `undirected` of receivers that are lit from behind.
 /// Receivers with the whole light below their horizon are live no longer. Returns whether one has a part of it there.
-Q3_VECTOR bool SoftAreaLight::MeasureHorizons(SoftBatch &batch) const {
-    const Lanes3 &p = batch.position;
-    Lanes3 &n = batch.normal;
-    SurfaceIncidentLight &incident = batch.incident;
-    const Vec3f center = light_.shape.center;
-    const bool twoSided = batch.receivers->twoSided;
-    n = batch.receivers->normal;
-    Lanes lowest, highest;
-    for (const std::size_t i : kEachLane) {
-        const float facing = (center.x - p.x[i]) * n.x[i] + (center.y - p.y[i]) * n.y[i] + (center.z - p.z[i]) * n.z[i];
-        const bool flips = twoSided & (facing < 0);
-        const float side = flips ? -1.0f : 1.0f;
-        incident.undirected[i] = flips ? -1 : 0;
-        n.x[i] *= side, n.y[i] *= side, n.z[i] *= side;
-        lowest[i] = highest[i] = facing * side;
-    }
-    for (const Vec3f corner : light_.polygon)
+bool SoftAreaLight::MeasureHorizons(SoftBatch &batch) const {
+    return Vectorize([&]() Q3_INLINE {
+        const Lanes3 &p = batch.position;
+        Lanes3 &n = batch.normal;
+        SurfaceIncidentLight &incident = batch.incident;
+        const Vec3f center = light_.shape.center;
+        const bool twoSided = batch.receivers->twoSided;
+        n = batch.receivers->normal;
+        Lanes lowest, highest;
         for (const std::size_t i : kEachLane) {
-            const float height =
-                (corner.x - p.x[i]) * n.x[i] + (corner.y - p.y[i]) * n.y[i] + (corner.z - p.z[i]) * n.z[i];
-            lowest[i] = std::min(lowest[i], height), highest[i] = std::max(highest[i], height);
+            const float facing =
+                (center.x - p.x[i]) * n.x[i] + (center.y - p.y[i]) * n.y[i] + (center.z - p.z[i]) * n.z[i];
+            const bool flips = twoSided & (facing < 0);
+            const float side = flips ? -1.0f : 1.0f;
+            incident.undirected[i] = flips ? -1 : 0;
+            n.x[i] *= side, n.y[i] *= side, n.z[i] *= side;
+            lowest[i] = highest[i] = facing * side;
         }
-    std::int32_t crossing = 0;
-    for (const std::size_t i : kEachLane) {
-        incident.live[i] = highest[i] > 0 ? incident.live[i] : 0;
-        crossing |= lowest[i] < 0 ? incident.live[i] : 0;
-    }
-    return crossing != 0;
+        for (const Vec3f corner : light_.polygon)
+            for (const std::size_t i : kEachLane) {
+                const float height =
+                    (corner.x - p.x[i]) * n.x[i] + (corner.y - p.y[i]) * n.y[i] + (corner.z - p.z[i]) * n.z[i];
+                lowest[i] = std::min(lowest[i], height), highest[i] = std::max(highest[i], height);
+            }
+        std::int32_t crossing = 0;
+        for (const std::size_t i : kEachLane) {
+            incident.live[i] = highest[i] > 0 ? incident.live[i] : 0;
+            crossing |= lowest[i] < 0 ? incident.live[i] : 0;
+        }
+        return crossing != 0;
+    });
 }
 
 /// strength = radiosity F, and the vectors and fluences. isCrossing: a receiver has a part of the light below its
 /// horizon. The fluence is that of a cone with the same irradiance vector.
-Q3_VECTOR void SoftAreaLight::MeasureVectors(bool isCrossing, SoftBatch &batch) const {
-    Lanes3 &v = batch.vector;
-    SurfaceIncidentLight &incident = batch.incident;
-    const Lanes3 &n = batch.normal;
-    if (isCrossing)
-        FormFactorVectorsAbove(batch.position, n, light_.polygon, v);
-    else
-        FormFactorVectors(batch.position, light_.polygon, v);
-    const float radiosity = light_.radiosity;
-    for (const std::size_t i : kEachLane) {
-        const float side = batch.behind[i] != 0 ? -1.0f : 1.0f; // from behind, the polygon runs the other way round
-        const float x = v.x[i] * side, y = v.y[i] * side, z = v.z[i] * side;
-        const float formFactor = x * n.x[i] + y * n.y[i] + z * n.z[i];
-        const bool directed = (formFactor > 0) & (incident.undirected[i] == 0);
-        const float scale = directed ? 1 / formFactor : 0;
-        const float sine2 = std::min(1.0f, std::sqrt(x * x + y * y + z * z));
-        incident.strength[i] = radiosity * formFactor;
-        v.x[i] = x * scale, v.y[i] = y * scale, v.z[i] = z * scale;
-        batch.fluence[i] = scale * sine2 * 2 / (1 + std::sqrt(1 - sine2));
-    }
+void SoftAreaLight::MeasureVectors(bool isCrossing, SoftBatch &batch) const {
+    Vectorize([&]() Q3_INLINE {
+        Lanes3 &v = batch.vector;
+        SurfaceIncidentLight &incident = batch.incident;
+        const Lanes3 &n = batch.normal;
+        if (isCrossing)
+            FormFactorVectorsAbove(batch.position, n, light_.polygon, v);
+        else
+            FormFactorVectors(batch.position, light_.polygon, v);
+        const float radiosity = light_.radiosity;
+        for (const std::size_t i : kEachLane) {
+            const float side = batch.behind[i] != 0 ? -1.0f : 1.0f; // from behind, the polygon runs the other way round
+            const float x = v.x[i] * side, y = v.y[i] * side, z = v.z[i] * side;
+            const float formFactor = x * n.x[i] + y * n.y[i] + z * n.z[i];
+            const bool directed = (formFactor > 0) & (incident.undirected[i] == 0);
+            const float scale = directed ? 1 / formFactor : 0;
+            const float sine2 = std::min(1.0f, std::sqrt(x * x + y * y + z * z));
+            incident.strength[i] = radiosity * formFactor;
+            v.x[i] = x * scale, v.y[i] = y * scale, v.z[i] = z * scale;
+            batch.fluence[i] = scale * sine2 * 2 / (1 + std::sqrt(1 - sine2));
+        }
+    });
 }
 
 void SoftAreaLight::SetUnshadowed(SoftBatch &batch) const {
@@ -150,34 +158,36 @@ void SoftAreaLight::Aim(const SoftBatch &batch, std::uint32_t number, PointRays 
 }
 
 /// A point gives cos cos' / d^2, with the cosines at the receiver and at the light.
-Q3_VECTOR void SoftAreaLight::AimLanes(const SoftBatch &batch, std::uint32_t number, PointRays &to) const {
-    const Sample2 start = PlasticSample(number, batch.seed);
-    Lanes u, v;
-    for (const std::size_t i : kEachLane) {
-        const float x = float(start.u) + 0.25f * float(kDither[i] & 3);
-        const float y = float(start.v) + 0.25f * float(kDither[i] >> 2);
-        u[i] = x - std::floor(x), v[i] = y - std::floor(y);
-    }
-    Lanes3 target;
-    PointsByArea(light_, u, v, target);
-    const Vec3f n(light_.shape.normal);
-    const Lanes3 &normal = batch.normal;
-    RayPacket &rays = to.rays;
-    rays.origin = batch.rayOrigin;
-    for (const std::size_t i : kEachLane) {
-        const float gap = std::min(kEmitterGap, 0.5f * batch.height[i]), lift = batch.behind[i] != 0 ? -gap : gap;
-        const auto [x, y, z, d] =
-            DirectionOf(target.x[i] + n.x * lift - rays.origin.x[i], target.y[i] + n.y * lift - rays.origin.y[i],
-                        target.z[i] + n.z * lift - rays.origin.z[i]);
-        rays.direction.x[i] = x, rays.direction.y[i] = y, rays.direction.z[i] = z;
-        rays.distance[i] = d;
-        const float cosine = x * normal.x[i] + y * normal.y[i] + z * normal.z[i];
-        const float vector = std::abs(x * n.x + y * n.y + z * n.z) / (d * d);
-        to.strength[i] = cosine > 0 ? cosine * vector : 0;
-        to.vector[i] = batch.incident.undirected[i] != 0 ? 0 : vector;
-        rays.live[i] = cosine > 0 ? -1 : 0;
-    }
-    rays.ignoredProp = settings_.ignoredProp;
+void SoftAreaLight::AimLanes(const SoftBatch &batch, std::uint32_t number, PointRays &to) const {
+    Vectorize([&]() Q3_INLINE {
+        const Sample2 start = PlasticSample(number, batch.seed);
+        Lanes u, v;
+        for (const std::size_t i : kEachLane) {
+            const float x = float(start.u) + 0.25f * float(kDither[i] & 3);
+            const float y = float(start.v) + 0.25f * float(kDither[i] >> 2);
+            u[i] = x - std::floor(x), v[i] = y - std::floor(y);
+        }
+        Lanes3 target;
+        PointsByArea(light_, u, v, target);
+        const Vec3f n(light_.shape.normal);
+        const Lanes3 &normal = batch.normal;
+        RayPacket &rays = to.rays;
+        rays.origin = batch.rayOrigin;
+        for (const std::size_t i : kEachLane) {
+            const float gap = std::min(kEmitterGap, 0.5f * batch.height[i]), lift = batch.behind[i] != 0 ? -gap : gap;
+            const auto [x, y, z, d] =
+                DirectionOf(target.x[i] + n.x * lift - rays.origin.x[i], target.y[i] + n.y * lift - rays.origin.y[i],
+                            target.z[i] + n.z * lift - rays.origin.z[i]);
+            rays.direction.x[i] = x, rays.direction.y[i] = y, rays.direction.z[i] = z;
+            rays.distance[i] = d;
+            const float cosine = x * normal.x[i] + y * normal.y[i] + z * normal.z[i];
+            const float vector = std::abs(x * n.x + y * n.y + z * n.z) / (d * d);
+            to.strength[i] = cosine > 0 ? cosine * vector : 0;
+            to.vector[i] = batch.incident.undirected[i] != 0 ? 0 : vector;
+            rays.live[i] = cosine > 0 ? -1 : 0;
+        }
+        rays.ignoredProp = settings_.ignoredProp;
+    });
 }
 
 int SoftAreaLight::FirstRays(float strongest, int factor) const {
@@ -307,17 +317,19 @@ SampleHere At(const Light &light, const Vec3f &position, const Vec3f &normal, bo
 } // namespace
 
 /// Adds what a sample gives without shadows to the sums of a batch.
-Q3_VECTOR void SoftSampledLight::AddSample(const PointRays &to, const Vec3f &color, SoftBatch &batch) {
-    const Vec3f c = color;
-    const Lanes3 &u = to.rays.direction;
-    for (const std::size_t i : kEachLane) {
-        const float strength = to.strength[i], vector = to.vector[i];
-        batch.incident.strength[i] += strength;
-        batch.fluence[i] += vector;
-        batch.vector.x[i] += u.x[i] * vector, batch.vector.y[i] += u.y[i] * vector,
-            batch.vector.z[i] += u.z[i] * vector;
-        batch.color.x[i] += c.x * strength, batch.color.y[i] += c.y * strength, batch.color.z[i] += c.z * strength;
-    }
+void SoftSampledLight::AddSample(const PointRays &to, const Vec3f &color, SoftBatch &batch) {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f c = color;
+        const Lanes3 &u = to.rays.direction;
+        for (const std::size_t i : kEachLane) {
+            const float strength = to.strength[i], vector = to.vector[i];
+            batch.incident.strength[i] += strength;
+            batch.fluence[i] += vector;
+            batch.vector.x[i] += u.x[i] * vector, batch.vector.y[i] += u.y[i] * vector,
+                batch.vector.z[i] += u.z[i] * vector;
+            batch.color.x[i] += c.x * strength, batch.color.y[i] += c.y * strength, batch.color.z[i] += c.z * strength;
+        }
+    });
 }
 
 void SoftSampledLight::SetUnshadowed(SoftBatch &batch) const {
@@ -370,24 +382,26 @@ void SoftSampledLight::AimFrom(const SoftBatch &batch, std::size_t receiver, std
 }
 
 /// The rays of all receivers to a sun.
-Q3_VECTOR void SoftSampledLight::AimAtSun(const SoftBatch &batch, std::size_t sample, PointRays &to) const {
-    const Light &sun = *samples_[sample];
-    const Lanes3 &n = batch.receivers->normal;
-    const Vec3f u = -sun.normal;
-    const float photons = sun.photons;
-    const bool twoSided = batch.receivers->twoSided;
-    to.rays.origin = batch.receivers->rayOrigin;
-    to.rays.direction.Fill(u);
-    to.rays.distance.fill(kSunDistance);
-    to.rays.ignoredProp = settings_.ignoredProp;
-    for (const std::size_t i : kEachLane) {
-        const float cosine = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
-        const float strength = photons * (twoSided ? std::abs(cosine) : std::max(0.0f, cosine));
-        to.strength[i] = strength;
-        to.vector[i] = cosine > 0 ? photons : 0;
-        to.rays.live[i] = strength > 0 ? -1 : 0;
-    }
-    to.color.Fill(colors_[sample]);
+void SoftSampledLight::AimAtSun(const SoftBatch &batch, std::size_t sample, PointRays &to) const {
+    Vectorize([&]() Q3_INLINE {
+        const Light &sun = *samples_[sample];
+        const Lanes3 &n = batch.receivers->normal;
+        const Vec3f u = -sun.normal;
+        const float photons = sun.photons;
+        const bool twoSided = batch.receivers->twoSided;
+        to.rays.origin = batch.receivers->rayOrigin;
+        to.rays.direction.Fill(u);
+        to.rays.distance.fill(kSunDistance);
+        to.rays.ignoredProp = settings_.ignoredProp;
+        for (const std::size_t i : kEachLane) {
+            const float cosine = u.x * n.x[i] + u.y * n.y[i] + u.z * n.z[i];
+            const float strength = photons * (twoSided ? std::abs(cosine) : std::max(0.0f, cosine));
+            to.strength[i] = strength;
+            to.vector[i] = cosine > 0 ? photons : 0;
+            to.rays.live[i] = strength > 0 ? -1 : 0;
+        }
+        to.color.Fill(colors_[sample]);
+    });
 }
 
 /// The rays of all live receivers to a sample.

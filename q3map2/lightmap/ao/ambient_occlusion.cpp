@@ -44,37 +44,41 @@ struct ReceiverFrames {
     Lanes3 right, up;
 };
 
-Q3_VECTOR void SetReceiverFrames(const Lanes3 &normal, ReceiverFrames &frames) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float nx = normal.x[i], ny = normal.y[i], nz = normal.z[i];
-        // right = normal x z / |normal x z|; where that is 0 / 0, +x, or -x for a normal that points down
-        const bool vertical = (nx == 0) & (ny == 0);
-        const float length = std::sqrt(nx * nx + ny * ny), divisor = vertical ? 1 : length;
-        const float rx = vertical ? (nz < 0 ? -1.0f : 1.0f) : ny / divisor, ry = vertical ? 0 : -nx / divisor;
-        // up = right x normal / |right x normal|; +y where the normal is vertical
-        const float ux = ry * nz, uy = -rx * nz, uz = rx * ny - ry * nx;
-        const float upLength = std::sqrt(ux * ux + uy * uy + uz * uz), upDivisor = upLength > 0 ? upLength : 1;
-        frames.right.x[i] = rx, frames.right.y[i] = ry, frames.right.z[i] = 0;
-        frames.up.x[i] = vertical ? 0 : ux / upDivisor;
-        frames.up.y[i] = vertical ? 1 : uy / upDivisor;
-        frames.up.z[i] = vertical ? 0 : uz / upDivisor;
-    }
+void SetReceiverFrames(const Lanes3 &normal, ReceiverFrames &frames) {
+    Vectorize([&]() Q3_INLINE {
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const float nx = normal.x[i], ny = normal.y[i], nz = normal.z[i];
+            // right = normal x z / |normal x z|; where that is 0 / 0, +x, or -x for a normal that points down
+            const bool vertical = (nx == 0) & (ny == 0);
+            const float length = std::sqrt(nx * nx + ny * ny), divisor = vertical ? 1 : length;
+            const float rx = vertical ? (nz < 0 ? -1.0f : 1.0f) : ny / divisor, ry = vertical ? 0 : -nx / divisor;
+            // up = right x normal / |right x normal|; +y where the normal is vertical
+            const float ux = ry * nz, uy = -rx * nz, uz = rx * ny - ry * nx;
+            const float upLength = std::sqrt(ux * ux + uy * uy + uz * uz), upDivisor = upLength > 0 ? upLength : 1;
+            frames.right.x[i] = rx, frames.right.y[i] = ry, frames.right.z[i] = 0;
+            frames.up.x[i] = vertical ? 0 : ux / upDivisor;
+            frames.up.y[i] = vertical ? 1 : uy / upDivisor;
+            frames.up.z[i] = vertical ? 0 : uz / upDivisor;
+        }
+    });
 }
 
 /// Rays along right x + up y + normal z, starting kRayBackoff behind the receivers.
-Q3_VECTOR void SetDirections(const ReceiverFrames &frames, const OcclusionReceivers &receivers, const Lanes3 &local,
-                             RayPacket &rays) {
-    const Lanes3 &normal = receivers.normal;
-    Lanes3 &direction = rays.direction;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = local.x[i], y = local.y[i], z = local.z[i];
-        direction.x[i] = frames.right.x[i] * x + frames.up.x[i] * y + normal.x[i] * z;
-        direction.y[i] = frames.right.y[i] * x + frames.up.y[i] * y + normal.y[i] * z;
-        direction.z[i] = frames.right.z[i] * x + frames.up.z[i] * y + normal.z[i] * z;
-        rays.origin.x[i] = receivers.position.x[i] - direction.x[i] * kRayBackoff;
-        rays.origin.y[i] = receivers.position.y[i] - direction.y[i] * kRayBackoff;
-        rays.origin.z[i] = receivers.position.z[i] - direction.z[i] * kRayBackoff;
-    }
+void SetDirections(const ReceiverFrames &frames, const OcclusionReceivers &receivers, const Lanes3 &local,
+                   RayPacket &rays) {
+    Vectorize([&]() Q3_INLINE {
+        const Lanes3 &normal = receivers.normal;
+        Lanes3 &direction = rays.direction;
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const float x = local.x[i], y = local.y[i], z = local.z[i];
+            direction.x[i] = frames.right.x[i] * x + frames.up.x[i] * y + normal.x[i] * z;
+            direction.y[i] = frames.right.y[i] * x + frames.up.y[i] * y + normal.y[i] * z;
+            direction.z[i] = frames.right.z[i] * x + frames.up.z[i] * y + normal.z[i] * z;
+            rays.origin.x[i] = receivers.position.x[i] - direction.x[i] * kRayBackoff;
+            rays.origin.y[i] = receivers.position.y[i] - direction.y[i] * kRayBackoff;
+            rays.origin.z[i] = receivers.position.z[i] - direction.z[i] * kRayBackoff;
+        }
+    });
 }
 
 /// Wellons' integer hash lowbias32.
@@ -104,14 +108,16 @@ float OccludedFraction(float distance, float length) {
 
 /// Adds the occlusion of hits beyond `certain` and removes their rays from `live`. close: rays with nearer hits, about
 /// which the caller decides.
-Q3_VECTOR void CullDistant(const LightScene::Blockers &blockers, float certain, const Lanes &length, LaneMask &live,
-                           Lanes &occlusion, LaneMask &close) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const std::int32_t hit = blockers.hit[i], far = hit & (SignBits(certain - blockers.distance[i]) >> 31);
-        occlusion[i] += far != 0 ? OccludedFraction(blockers.distance[i], length[i]) : 0;
-        live[i] &= ~far;
-        close[i] = hit & ~far;
-    }
+void CullDistant(const LightScene::Blockers &blockers, float certain, const Lanes &length, LaneMask &live,
+                 Lanes &occlusion, LaneMask &close) {
+    Vectorize([&]() Q3_INLINE {
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const std::int32_t hit = blockers.hit[i], far = hit & (SignBits(certain - blockers.distance[i]) >> 31);
+            occlusion[i] += far != 0 ? OccludedFraction(blockers.distance[i], length[i]) : 0;
+            live[i] &= ~far;
+            close[i] = hit & ~far;
+        }
+    });
 }
 
 bool IsOwnSurface(const OcclusionReceivers &receivers, int surface) {

@@ -20,16 +20,18 @@ constexpr float kEdgeSlack = 1e-5f;
 constexpr float kLeastDeterminant = 1e-12f;
 
 /// Bounds along one axis of the origins and ends of live rays.
-Q3_VECTOR void AxisBounds(const Lanes &origin, const Lanes &direction, const Lanes &length, const LaneMask &live,
-                          float &low, float &high) {
-    constexpr float kInfinity = 1e30f; // beyond any coordinate
-    float least = kInfinity, most = -kInfinity;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float start = origin[i], end = start + direction[i] * length[i];
-        least = std::min(least, live[i] != 0 ? std::min(start, end) : kInfinity);
-        most = std::max(most, live[i] != 0 ? std::max(start, end) : -kInfinity);
-    }
-    low = least, high = most;
+void AxisBounds(const Lanes &origin, const Lanes &direction, const Lanes &length, const LaneMask &live, float &low,
+                float &high) {
+    Vectorize([&]() Q3_INLINE {
+        constexpr float kInfinity = 1e30f; // beyond any coordinate
+        float least = kInfinity, most = -kInfinity;
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const float start = origin[i], end = start + direction[i] * length[i];
+            least = std::min(least, live[i] != 0 ? std::min(start, end) : kInfinity);
+            most = std::max(most, live[i] != 0 ? std::max(start, end) : -kInfinity);
+        }
+        low = least, high = most;
+    });
 }
 
 /// Square of the distance between two boxes.
@@ -46,29 +48,34 @@ struct SearchRegion {
     float dist = 0;
 };
 
-Q3_VECTOR void FindNear(const NearTriangles::Group &group, const SearchRegion &region, LaneMask &near) {
-    const Vec3f from = region.box.mins, to = region.box.maxs, n = region.normal;
-    const float most = region.reach * region.reach, least = region.dist - kSlack;
-    LaneMask found;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        const float x = std::max(std::max(group.mins.x[i] - to.x, from.x - group.maxs.x[i]), 0.0f);
-        const float y = std::max(std::max(group.mins.y[i] - to.y, from.y - group.maxs.y[i]), 0.0f);
-        const float z = std::max(std::max(group.mins.z[i] - to.z, from.z - group.maxs.z[i]), 0.0f);
-        const float corner = Dot(n, group.corner[i]), rise1 = Dot(n, group.edge1[i]), rise2 = Dot(n, group.edge2[i]);
-        const float highest = corner + std::max(std::max(rise1, rise2), 0.0f);
-        found[i] = ~(SignBits(most - (x * x + y * y + z * z)) | SignBits(highest - least)) >> 31;
-    }
-    near = found;
+void FindNear(const NearTriangles::Group &group, const SearchRegion &region, LaneMask &near) {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f from = region.box.mins, to = region.box.maxs, n = region.normal;
+        const float most = region.reach * region.reach, least = region.dist - kSlack;
+        LaneMask found;
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            const float x = std::max(std::max(group.mins.x[i] - to.x, from.x - group.maxs.x[i]), 0.0f);
+            const float y = std::max(std::max(group.mins.y[i] - to.y, from.y - group.maxs.y[i]), 0.0f);
+            const float z = std::max(std::max(group.mins.z[i] - to.z, from.z - group.maxs.z[i]), 0.0f);
+            const float corner = Dot(n, group.corner[i]), rise1 = Dot(n, group.edge1[i]),
+                        rise2 = Dot(n, group.edge2[i]);
+            const float highest = corner + std::max(std::max(rise1, rise2), 0.0f);
+            found[i] = ~(SignBits(most - (x * x + y * y + z * z)) | SignBits(highest - least)) >> 31;
+        }
+        near = found;
+    });
 }
 
-Q3_VECTOR void FindInBox(const NearTriangles::Group &group, const Vec3f &from, const Vec3f &to, LaneMask &inBox) {
-    LaneMask found;
-    for (std::size_t i = 0; i < kPacketSize; ++i)
-        found[i] = ~(SignBits(to.x - group.mins.x[i]) | SignBits(group.maxs.x[i] - from.x) |
-                     SignBits(to.y - group.mins.y[i]) | SignBits(group.maxs.y[i] - from.y) |
-                     SignBits(to.z - group.mins.z[i]) | SignBits(group.maxs.z[i] - from.z)) >>
-                   31;
-    inBox = found;
+void FindInBox(const NearTriangles::Group &group, const Vec3f &from, const Vec3f &to, LaneMask &inBox) {
+    Vectorize([&]() Q3_INLINE {
+        LaneMask found;
+        for (std::size_t i = 0; i < kPacketSize; ++i)
+            found[i] = ~(SignBits(to.x - group.mins.x[i]) | SignBits(group.maxs.x[i] - from.x) |
+                         SignBits(to.y - group.mins.y[i]) | SignBits(group.maxs.y[i] - from.y) |
+                         SignBits(to.z - group.mins.z[i]) | SignBits(group.maxs.z[i] - from.z)) >>
+                       31;
+        inBox = found;
+    });
 }
 
 using Groups = std::span<const NearTriangles::Group>;
@@ -76,34 +83,36 @@ using Groups = std::span<const NearTriangles::Group>;
 /// Intersects the rays with the triangles of `tested`, a bit for each by group, and sets the first hit of each ray
 /// beyond `tnear`. Variables are named as in Moeller and Trumbore, Fast, Minimum Storage Ray/Triangle Intersection,
 /// 1997.
-Q3_VECTOR void IntersectTriangles(Groups groups, std::span<const unsigned> tested, const RayPacket &packet,
-                                  const LaneMask &live, const Lanes &tnear, LightScene::Blockers &first) {
-    LightScene::Blockers now = first; // a copy that aliases nothing
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        const NearTriangles::Group &group = groups[g];
-        for (unsigned bits = tested[g]; bits != 0; bits &= bits - 1) {
-            const auto k = std::size_t(std::countr_zero(bits));
-            const Vec3f corner = group.corner[k], edge1 = group.edge1[k], edge2 = group.edge2[k];
-            const std::int32_t surface = group.surface[k];
-            for (std::size_t i = 0; i < kPacketSize; ++i) {
-                const Vec3f direction = packet.direction[i], pvec = Cross(direction, edge2),
-                            tvec = packet.origin[i] - corner, qvec = Cross(tvec, edge1);
-                const float determinant = Dot(edge1, pvec), magnitude = std::abs(determinant);
-                const float inverse = 1 / (magnitude < kLeastDeterminant ? 1 : determinant);
-                const float u = Dot(tvec, pvec) * inverse, v = Dot(direction, qvec) * inverse,
-                            t = Dot(edge2, qvec) * inverse;
-                // The sign bit is set if one of the conditions for a hit fails.
-                const std::int32_t misses = SignBits(magnitude - kLeastDeterminant) | SignBits(u + kEdgeSlack) |
-                                            SignBits(v + kEdgeSlack) | SignBits(1 + kEdgeSlack - (u + v)) |
-                                            SignBits(t - tnear[i]) | SignBits(now.distance[i] - t);
-                const std::int32_t hits = (~misses >> 31) & live[i];
-                now.distance[i] = hits != 0 ? t : now.distance[i];
-                now.surface[i] = hits != 0 ? surface : now.surface[i];
-                now.hit[i] |= hits;
+void IntersectTriangles(Groups groups, std::span<const unsigned> tested, const RayPacket &packet, const LaneMask &live,
+                        const Lanes &tnear, LightScene::Blockers &first) {
+    Vectorize([&]() Q3_INLINE {
+        LightScene::Blockers now = first; // a copy that aliases nothing
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            const NearTriangles::Group &group = groups[g];
+            for (unsigned bits = tested[g]; bits != 0; bits &= bits - 1) {
+                const auto k = std::size_t(std::countr_zero(bits));
+                const Vec3f corner = group.corner[k], edge1 = group.edge1[k], edge2 = group.edge2[k];
+                const std::int32_t surface = group.surface[k];
+                for (std::size_t i = 0; i < kPacketSize; ++i) {
+                    const Vec3f direction = packet.direction[i], pvec = Cross(direction, edge2),
+                                tvec = packet.origin[i] - corner, qvec = Cross(tvec, edge1);
+                    const float determinant = Dot(edge1, pvec), magnitude = std::abs(determinant);
+                    const float inverse = 1 / (magnitude < kLeastDeterminant ? 1 : determinant);
+                    const float u = Dot(tvec, pvec) * inverse, v = Dot(direction, qvec) * inverse,
+                                t = Dot(edge2, qvec) * inverse;
+                    // The sign bit is set if one of the conditions for a hit fails.
+                    const std::int32_t misses = SignBits(magnitude - kLeastDeterminant) | SignBits(u + kEdgeSlack) |
+                                                SignBits(v + kEdgeSlack) | SignBits(1 + kEdgeSlack - (u + v)) |
+                                                SignBits(t - tnear[i]) | SignBits(now.distance[i] - t);
+                    const std::int32_t hits = (~misses >> 31) & live[i];
+                    now.distance[i] = hits != 0 ? t : now.distance[i];
+                    now.surface[i] = hits != 0 ? surface : now.surface[i];
+                    now.hit[i] |= hits;
+                }
             }
         }
-    }
-    first = now;
+        first = now;
+    });
 }
 
 } // namespace

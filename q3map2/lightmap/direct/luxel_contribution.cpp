@@ -54,32 +54,35 @@ struct BlockSpheres {
 
 /// mayReach[i]: -1 if a receiver in sphere i may get light: within the envelope, facing it, on its lit side, and for
 /// area lights not faint: strength * height / distance^3 >= tolerance, the form factor of a differential area.
-Q3_VECTOR void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
-                          std::int32_t *__restrict mayReach) {
-    // How far the light may be behind receivers, and receivers behind the light; what is added to its strength.
-    const float behindReceiver = twoSided ? kUnlimited : light.reachOfPolygon;
-    const float behindLight = light.area && light.oneSided ? kAreaBehind : kUnlimited;
-    const float extraStrength = light.endsAtTolerance ? 0 : kUnlimited;
-    for (std::size_t i = 0; i < count; ++i) {
-        const float r = spheres.radius[i];
-        const float x = light.origin.x - spheres.x[i], y = light.origin.y - spheres.y[i],
-                    z = light.origin.z - spheres.z[i];
-        const float distance = std::sqrt(x * x + y * y + z * z);
-        const float facing = x * spheres.nx[i] + y * spheres.ny[i] + z * spheres.nz[i];
-        const float signedHeight = // of the sphere's center over the plane of the light
-            spheres.x[i] * light.normal.x + spheres.y[i] * light.normal.y + spheres.z[i] * light.normal.z - light.dist;
-        const float cx = light.center.x - spheres.x[i], cy = light.center.y - spheres.y[i],
-                    cz = light.center.z - spheres.z[i];
-        const float near = std::sqrt(cx * cx + cy * cy + cz * cz) - r - light.areaRadius;
-        // + 1: the polygon is 1 unit behind the plane through the origin.
-        const float height = std::max(std::abs(signedHeight) + r + 1, kAreaPush);
-        const float most = light.strength * std::min(height, std::max(near, 0.0f)) + extraStrength;
-        const std::int32_t faint = SignBits(1 - near) & SignBits(most - light.tolerance * near * near * near);
-        mayReach[i] =
-            ~(SignBits(light.envelope - (distance - r)) | SignBits(facing + spheres.thickness[i] + behindReceiver) |
-              SignBits(signedHeight + r + behindLight) | faint) >>
-            31;
-    }
+void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
+                std::int32_t *__restrict mayReach) {
+    Vectorize([&]() Q3_INLINE {
+        // How far the light may be behind receivers, and receivers behind the light; what is added to its strength.
+        const float behindReceiver = twoSided ? kUnlimited : light.reachOfPolygon;
+        const float behindLight = light.area && light.oneSided ? kAreaBehind : kUnlimited;
+        const float extraStrength = light.endsAtTolerance ? 0 : kUnlimited;
+        for (std::size_t i = 0; i < count; ++i) {
+            const float r = spheres.radius[i];
+            const float x = light.origin.x - spheres.x[i], y = light.origin.y - spheres.y[i],
+                        z = light.origin.z - spheres.z[i];
+            const float distance = std::sqrt(x * x + y * y + z * z);
+            const float facing = x * spheres.nx[i] + y * spheres.ny[i] + z * spheres.nz[i];
+            const float signedHeight = // of the sphere's center over the plane of the light
+                spheres.x[i] * light.normal.x + spheres.y[i] * light.normal.y + spheres.z[i] * light.normal.z -
+                light.dist;
+            const float cx = light.center.x - spheres.x[i], cy = light.center.y - spheres.y[i],
+                        cz = light.center.z - spheres.z[i];
+            const float near = std::sqrt(cx * cx + cy * cy + cz * cz) - r - light.areaRadius;
+            // + 1: the polygon is 1 unit behind the plane through the origin.
+            const float height = std::max(std::abs(signedHeight) + r + 1, kAreaPush);
+            const float most = light.strength * std::min(height, std::max(near, 0.0f)) + extraStrength;
+            const std::int32_t faint = SignBits(1 - near) & SignBits(most - light.tolerance * near * near * near);
+            mayReach[i] =
+                ~(SignBits(light.envelope - (distance - r)) | SignBits(facing + spheres.thickness[i] + behindReceiver) |
+                  SignBits(signedHeight + r + behindLight) | faint) >>
+                31;
+        }
+    });
 }
 
 } // namespace
@@ -191,17 +194,19 @@ void LuxelBlocks::FindReached(const Light &light, const SurfaceLightSettings &se
 namespace {
 
 /// amounts = SH channels for a light of color 1 1 1, before the tint.
-Q3_VECTOR void ProjectOnSH(const SurfaceIncidentLight &incident, std::array<Lanes, DirectionalChannels::kSH> &amounts) {
-    const LightDirections &from = incident.directions;
-    for (const std::size_t i : kEachLane) {
-        const float strength = incident.strength[i];
-        const float x = from.vector.x[i], y = from.vector.y[i], z = from.vector.z[i];
-        const float fluence = std::sqrt(x * x + y * y + z * z) * from.spread[i];
-        amounts[0][i] = strength * (kDirectedSH0 * fluence + kUniformSH0 * from.uniform[i]);
-        amounts[1][i] = strength * (kDirectedSH1 * y);
-        amounts[2][i] = strength * (kDirectedSH1 * z);
-        amounts[3][i] = strength * (kDirectedSH1 * x);
-    }
+void ProjectOnSH(const SurfaceIncidentLight &incident, std::array<Lanes, DirectionalChannels::kSH> &amounts) {
+    Vectorize([&]() Q3_INLINE {
+        const LightDirections &from = incident.directions;
+        for (const std::size_t i : kEachLane) {
+            const float strength = incident.strength[i];
+            const float x = from.vector.x[i], y = from.vector.y[i], z = from.vector.z[i];
+            const float fluence = std::sqrt(x * x + y * y + z * z) * from.spread[i];
+            amounts[0][i] = strength * (kDirectedSH0 * fluence + kUniformSH0 * from.uniform[i]);
+            amounts[1][i] = strength * (kDirectedSH1 * y);
+            amounts[2][i] = strength * (kDirectedSH1 * z);
+            amounts[3][i] = strength * (kDirectedSH1 * x);
+        }
+    });
 }
 
 /// Irradiance from a sphere that crosses the horizon, divided by its irradiance on a receiver that faces it. sine2:
@@ -237,18 +242,19 @@ void LightOn(const Lanes3 &normal, const SurfaceIncidentLight &incident, Lanes &
 
 } // namespace
 
-Q3_VECTOR void SetIncidentColor(const Vec3f &color, const SurfaceIncidentLight &incident, const Lanes &amount,
-                                Lanes3 &out) {
-    const Vec3f c = color;
-    for (const std::size_t i : kEachLane) {
-        const float light = incident.live[i] != 0 ? amount[i] : 0;
-        out.x[i] = light * c.x, out.y[i] = light * c.y, out.z[i] = light * c.z;
-    }
-    if (!incident.tinted)
-        return;
-    for (const std::size_t i : kEachLane)
-        if (incident.live[i] != 0)
-            out.x[i] *= incident.tint.x[i], out.y[i] *= incident.tint.y[i], out.z[i] *= incident.tint.z[i];
+void SetIncidentColor(const Vec3f &color, const SurfaceIncidentLight &incident, const Lanes &amount, Lanes3 &out) {
+    Vectorize([&]() Q3_INLINE {
+        const Vec3f c = color;
+        for (const std::size_t i : kEachLane) {
+            const float light = incident.live[i] != 0 ? amount[i] : 0;
+            out.x[i] = light * c.x, out.y[i] = light * c.y, out.z[i] = light * c.z;
+        }
+        if (!incident.tinted)
+            return;
+        for (const std::size_t i : kEachLane)
+            if (incident.live[i] != 0)
+                out.x[i] *= incident.tint.x[i], out.y[i] *= incident.tint.y[i], out.z[i] *= incident.tint.z[i];
+    });
 }
 
 void SetChannels(const Vec3f &color, const SurfaceIncidentLight &incident, const DirectionalChannels &channels,
@@ -272,21 +278,24 @@ namespace {
 
 /// Sets color and direction of incident light. directionScale: length of a direction per unit of light; 0: no
 /// directions.
-Q3_VECTOR void SetIncidentLight(const Vec3f &color, const SurfaceIncidentLight &from, float directionScale,
-                                LuxelIncidentLight &out) {
-    SetIncidentColor(color, from, from.strength, out.color);
-    const std::int32_t colored = color.x + color.y + color.z > 0 ? -1 : 0;
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        out.lit[i] = from.live[i] & colored;
-        out.filtered[i] = from.strength[i] > 1 ? from.filtered[i] : 0;
-    }
-    if (directionScale > 0)
+void SetIncidentLight(const Vec3f &color, const SurfaceIncidentLight &from, float directionScale,
+                      LuxelIncidentLight &out) {
+    Vectorize([&]() Q3_INLINE {
+        SetIncidentColor(color, from, from.strength, out.color);
+        const std::int32_t colored = color.x + color.y + color.z > 0 ? -1 : 0;
         for (std::size_t i = 0; i < kPacketSize; ++i) {
-            const float weight = from.live[i] != 0 && from.undirected[i] == 0 ? from.strength[i] * directionScale : 0;
-            out.direction.x[i] = weight > 0 ? from.direction.x[i] * weight : 0;
-            out.direction.y[i] = weight > 0 ? from.direction.y[i] * weight : 0;
-            out.direction.z[i] = weight > 0 ? from.direction.z[i] * weight : 0;
+            out.lit[i] = from.live[i] & colored;
+            out.filtered[i] = from.strength[i] > 1 ? from.filtered[i] : 0;
         }
+        if (directionScale > 0)
+            for (std::size_t i = 0; i < kPacketSize; ++i) {
+                const float weight =
+                    from.live[i] != 0 && from.undirected[i] == 0 ? from.strength[i] * directionScale : 0;
+                out.direction.x[i] = weight > 0 ? from.direction.x[i] * weight : 0;
+                out.direction.y[i] = weight > 0 ? from.direction.y[i] * weight : 0;
+                out.direction.z[i] = weight > 0 ? from.direction.z[i] * weight : 0;
+            }
+    });
 }
 
 } // namespace

@@ -167,12 +167,14 @@ namespace {
 /// (SelectFaintLight). Byte scale.
 constexpr float kFaint = 1.0f / 16;
 
-Q3_VECTOR void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
-    for (std::size_t i = 0; i < kPacketSize; ++i) {
-        sum.x[i] += what.x[i] * sign;
-        sum.y[i] += what.y[i] * sign;
-        sum.z[i] += what.z[i] * sign;
-    }
+void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
+    Vectorize([&]() Q3_INLINE {
+        for (std::size_t i = 0; i < kPacketSize; ++i) {
+            sum.x[i] += what.x[i] * sign;
+            sum.y[i] += what.y[i] * sign;
+            sum.z[i] += what.z[i] * sign;
+        }
+    });
 }
 
 /// Memory that a worker keeps from lightmap to lightmap.

@@ -34,13 +34,15 @@ int RandomCount(int samples, bool exact) {
 }
 
 /// Whether any of the 2 x 2 cells of two rows of luxels is partly lit.
-Q3_VECTOR bool AnyPartlyLit(const std::uint8_t *lit, const std::uint8_t *below, const std::uint8_t *mapped, int count) {
-    std::uint8_t mixed = 0;
-    for (int x = 0; x < count; ++x) {
-        const auto sum = std::uint8_t(lit[x] + lit[x + 1] + below[x] + below[x + 1]);
-        mixed = std::uint8_t(mixed | (sum != 0 && sum != mapped[x] ? 1 : 0));
-    }
-    return mixed != 0;
+bool AnyPartlyLit(const std::uint8_t *lit, const std::uint8_t *below, const std::uint8_t *mapped, int count) {
+    return Vectorize([&]() Q3_INLINE {
+        std::uint8_t mixed = 0;
+        for (int x = 0; x < count; ++x) {
+            const auto sum = std::uint8_t(lit[x] + lit[x + 1] + below[x] + below[x + 1]);
+            mixed = std::uint8_t(mixed | (sum != 0 && sum != mapped[x] ? 1 : 0));
+        }
+        return mixed != 0;
+    });
 }
 
 } // namespace

@@ -16,7 +16,6 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_FIND_LIBRARY_SUFFIXES .a)
-set(ZLIB_LIBRARY /usr/x86_64-w64-mingw32/lib/libz.a) # not libz.dll.a
 
 # One file that runs by itself. The stack of Windows threads is aligned to 16 bytes only, which g++ forgets when it
 # spills vectors of 32 (GCC bug 54412): the assembler makes such accesses unaligned ones.
