@@ -22,6 +22,8 @@ constexpr std::string_view kBaseIsa = "AVX-512 (x86-64-v4)";
 constexpr std::string_view kBaseIsa = "AVX2 (x86-64-v3)";
 #elif defined(__x86_64__)
 constexpr std::string_view kBaseIsa = "SSE2 (x86-64)";
+#elif defined(__aarch64__)
+constexpr std::string_view kBaseIsa = "NEON (ARM64)";
 #else
 constexpr std::string_view kBaseIsa = "base processor of the architecture";
 #endif
