@@ -19,6 +19,12 @@ namespace q3::test {
 
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
+#endif
+
 class FailureTest : public ProgramTest {
   protected:
     void Append(const std::filesystem::path &path, std::string_view text) {
@@ -57,6 +63,25 @@ TEST_F(FailureTest, MapThatIsNotThere) {
     ExpectError("-light " + maps_.string(), "maps is a folder, expected a map, such as " + Map(".bsp").string());
 }
 
+#ifndef _WIN32 // where nothing but the program itself raises an exception in it
+TEST_F(FailureTest, ACrashIsReportedAndKeepsItsSignal) {
+    for (const int signal : {SIGSEGV, SIGABRT}) {
+        // Long enough to be in a pass when the signal comes.
+        const auto before = MapBytes();
+        const Outcome outcome =
+            Run("-light -sh -gridsh 8 8 8 -samples 4 -bounce 4 MAP", {.bytes = 400, .signal = signal});
+        if (kIsSanitized) // whose own report comes instead
+            continue;
+        EXPECT_EQ(outcome.signal, signal) << outcome.text;
+        EXPECT_TRUE(outcome.Printed(signal == SIGABRT ? "Abort (SIGABRT)" : "Invalid memory access (SIGSEGV)"));
+        for (const std::string_view part : {"commit   ", "Embree   ", "-light -sh -gridsh 8 8 8", "file     ",
+                                            "demo.bsp", "in pass  ", "Please report"})
+            EXPECT_TRUE(outcome.Printed(part)) << part << '\n' << outcome.text;
+        EXPECT_EQ(MapBytes(), before);
+    }
+}
+#endif
+
 TEST_F(FailureTest, CutMaps) {
     const auto whole = MapBytes();
     for (const std::size_t size : {std::size_t(0), std::size_t(3), std::size_t(8), std::size_t(100), std::size_t(200),
@@ -87,7 +112,7 @@ TEST_F(FailureTest, AKilledRunLeavesWholeFiles) {
     for (std::size_t i = 0; i < kKills; ++i) {
         ReplaceFile(Map(".bsp"), before);
         std::filesystem::remove_all(Map(""));
-        killed += Run(kLight, printed * i / kKills).status == -1;
+        killed += Run(kLight, {.bytes = printed * i / kKills}).status == -1;
         const auto now = MapBytes();
         EXPECT_TRUE(now == before || now == after) << "killed after " << printed * i / kKills << " bytes of output";
         for (const auto &[path, bytes] : pages())

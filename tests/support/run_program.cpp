@@ -39,7 +39,7 @@ constexpr unsigned kMaxSeconds = 120;
 
 /// Runs PROGRAM with its output into `to`, of which `from` is the other end.
 Outcome RunInto(int from, int to, const std::vector<std::string> &arguments, const std::filesystem::path &home,
-                std::size_t killAfter) {
+                const EndEarly &end) {
     Outcome outcome;
     const pid_t child = fork();
     if (child == 0)
@@ -48,13 +48,17 @@ Outcome RunInto(int from, int to, const std::vector<std::string> &arguments, con
     char buffer[4096];
     for (ssize_t got; (got = read(from, buffer, sizeof buffer)) > 0;) {
         outcome.text.append(buffer, std::size_t(got));
-        if (child > 0 && outcome.text.size() >= killAfter)
-            kill(child, SIGKILL);
+        if (child > 0 && outcome.text.size() >= end.bytes && outcome.text.size() - std::size_t(got) < end.bytes)
+            kill(child, end.signal);
     }
     close(from);
     int status = 0;
-    if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status))
-        outcome.status = WEXITSTATUS(status);
+    if (child > 0 && waitpid(child, &status, 0) == child) {
+        if (WIFEXITED(status))
+            outcome.status = WEXITSTATUS(status);
+        else if (WIFSIGNALED(status))
+            outcome.signal = WTERMSIG(status);
+    }
     return outcome;
 }
 
@@ -88,11 +92,11 @@ std::vector<std::string> Outcome::ErrorLines() const {
 }
 
 Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
-                       std::size_t killAfter) {
+                       const EndEarly &end) {
     int pipes[2];
     if (pipe(pipes) != 0)
         return {};
-    return RunInto(pipes[0], pipes[1], arguments, home, killAfter);
+    return RunInto(pipes[0], pipes[1], arguments, home, end);
 }
 
 Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::filesystem::path &home) {
@@ -100,7 +104,7 @@ Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::file
     if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0)
         return {};
     const int screen = open(ptsname(terminal), O_RDWR | O_NOCTTY);
-    return screen < 0 ? Outcome() : RunInto(terminal, screen, arguments, home, std::size_t(-1));
+    return screen < 0 ? Outcome() : RunInto(terminal, screen, arguments, home, {});
 }
 
 std::int32_t IntOf(const std::vector<std::byte> &file, std::size_t at) {
@@ -131,12 +135,12 @@ ProgramTest::ProgramTest() : game_(folder_ / "base/baseq3"), maps_(game_ / "maps
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
 }
 
-Outcome ProgramTest::Run(std::string_view words, std::size_t killAfter) {
+Outcome ProgramTest::Run(std::string_view words, const EndEarly &end) {
     std::vector<std::string> arguments{"-fs_basepath", (folder_ / "base").string()};
     std::istringstream text{std::string(words)};
     for (std::string word; text >> word;)
         arguments.push_back(word == "MAP" ? Map(".bsp").string() : word);
-    return RunProgramFile(arguments, folder_.Root(), killAfter);
+    return RunProgramFile(arguments, folder_.Root(), end);
 }
 
 Outcome ProgramTest::RunWell(std::string_view words) {

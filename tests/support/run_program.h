@@ -14,16 +14,22 @@ namespace q3::test {
 /// How the program ended.
 struct Outcome {
     int status = -1;  ///< exit status; -1 when a signal ended it
+    int signal = 0;   ///< the signal that ended it; 0: none
     std::string text; ///< standard output and standard error
     bool Printed(std::string_view part) const { return text.find(part) != std::string::npos; }
     /// The lines after the error header but those of every run's end; empty when there was no error.
     std::vector<std::string> ErrorLines() const;
 };
 
-/// Runs PROGRAM with these arguments and HOME set to `home`; it is killed after two minutes, or as soon as it has
-/// written that many bytes of output.
+/// When a run is ended early: as soon as it has written `bytes` of output, by `signal` (Windows ends the process).
+struct EndEarly {
+    std::size_t bytes = std::size_t(-1);
+    int signal = 9; ///< SIGKILL
+};
+
+/// Runs PROGRAM with these arguments and HOME set to `home`; it is killed after two minutes.
 Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
-                       std::size_t killAfter = std::size_t(-1));
+                       const EndEarly &end = {});
 
 /// The same with standard output and standard error on a terminal, which begins lines with a carriage return.
 Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::filesystem::path &home);
@@ -38,7 +44,7 @@ class ProgramTest : public testing::Test {
   protected:
     ProgramTest();
     /// q3map2 -fs_basepath FOLDER and these words, split at blanks; MAP stands for the path of the map.
-    Outcome Run(std::string_view words, std::size_t killAfter = std::size_t(-1));
+    Outcome Run(std::string_view words, const EndEarly &end = {});
     /// Run, and expects exit status 0.
     Outcome RunWell(std::string_view words);
     /// Expects exit status 1, one error line that holds `text`, and the map untouched.

@@ -110,7 +110,7 @@ float OccludedFraction(float distance, float length) {
 /// which the caller decides.
 void CullDistant(const LightScene::Blockers &blockers, float certain, const Lanes &length, LaneMask &live,
                  Lanes &occlusion, LaneMask &close) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, certain]() Q3_INLINE {
         for (std::size_t i = 0; i < kPacketSize; ++i) {
             const std::int32_t hit = blockers.hit[i], far = hit & (SignBits(certain - blockers.distance[i]) >> 31);
             occlusion[i] += far != 0 ? OccludedFraction(blockers.distance[i], length[i]) : 0;

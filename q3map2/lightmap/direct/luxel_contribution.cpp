@@ -56,7 +56,7 @@ struct BlockSpheres {
 /// area lights not faint: strength * height / distance^3 >= tolerance, the form factor of a differential area.
 void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
                 std::int32_t *__restrict mayReach) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, twoSided, count]() Q3_INLINE {
         // How far the light may be behind receivers, and receivers behind the light; what is added to its strength.
         const float behindReceiver = twoSided ? kUnlimited : light.reachOfPolygon;
         const float behindLight = light.area && light.oneSided ? kAreaBehind : kUnlimited;
@@ -280,7 +280,7 @@ namespace {
 /// directions.
 void SetIncidentLight(const Vec3f &color, const SurfaceIncidentLight &from, float directionScale,
                       LuxelIncidentLight &out) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, directionScale]() Q3_INLINE {
         SetIncidentColor(color, from, from.strength, out.color);
         const std::int32_t colored = color.x + color.y + color.z > 0 ? -1 : 0;
         for (std::size_t i = 0; i < kPacketSize; ++i) {
