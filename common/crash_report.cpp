@@ -25,6 +25,7 @@ template <std::size_t kSize> class FixedText {
     std::array<char, kSize> text_{};
 };
 
+// Mutable globals, since a signal handler gets no argument.
 FixedText<512> versionText;
 FixedText<2048> commandText;
 FixedText<1024> fileText;
