@@ -255,7 +255,8 @@ class NeedsOfMap {
             AddSound("sound/movers/plats/pt1_strt.wav", why, Need::Optional);
             AddSound("sound/movers/plats/pt1_end.wav", why, Need::Optional);
         }
-        if (EqualNoCase(entity.ClassName(), "target_push") && (int(entity.Number({"spawnflags"})) & kBouncePad) == 0)
+        if (EqualNoCase(entity.ClassName(), "target_push") &&
+            (IntegerFromText(entity.Value("spawnflags")) & kBouncePad) == 0)
             AddSound("sound/misc/windfly.wav", why, Need::Optional);
     }
 

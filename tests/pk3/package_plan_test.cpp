@@ -135,6 +135,16 @@ TEST_F(PackageTest, EntitiesBringMusicSoundsAndShaders) {
                                          "music/intro.wav", "music/loop.ogg", "maps/x.bsp"));
 }
 
+// Flag 1 of a target_push: its sound is that of a bounce pad.
+TEST_F(PackageTest, FlagsMayBeMoreThanAnIntHolds) {
+    const auto absentWith = [&](const std::string &flags) {
+        return Plan(MapWith("{\n\"classname\" \"target_push\"\n\"spawnflags\" \"" + flags + "\"\n}\n")).absent;
+    };
+    EXPECT_THAT(absentWith("2"), Contains(StartsWith("sound/misc/windfly.wav")));
+    for (const std::string flags : {"1", "3", "4294967295", "99999999999999999999"})
+        EXPECT_THAT(absentWith(flags), Not(Contains(StartsWith("sound/misc/windfly.wav")))) << flags;
+}
+
 /// One surface with one shader.
 std::string Md3(std::string_view shader) {
     std::string file(108 + 108 + 68, '\0');

@@ -2,6 +2,7 @@
 #include "q3map2/light/sparse/near_light_samples.h"
 
 #include "libs/math/sampling.h"
+#include "libs/math/winding.h"
 #include "libs/sh/polygon_moments.h"
 #include "q3map2/light/sources/falloff.h"
 #include "q3map2/light/sparse/display_error.h"
@@ -95,6 +96,9 @@ void AddPositions(const BspSpace &space, const Vec3f &origin, const Light &light
         box = WindingBounds(light.polygon);
     else
         box.Add(light.origin);
+    // Lights may be anywhere, but nothing is near those outside the world: an int need not hold the steps to them.
+    if (!(MaxAbsComponent(box.mins) <= kMaxWorldCoord && MaxAbsComponent(box.maxs) <= kMaxWorldCoord))
+        return;
     Int3 low{}, high{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         low[axis] = int(std::floor((box.mins[axis] - origin[axis] - kFarFromSurface) / step));

@@ -144,7 +144,7 @@ EmitterId BounceScene::State::EmitterAt(const FaceTriangle &triangle, float u, f
         return emitters.Vertex(triangle.NearestVertex(u, v));
     const RawLightmap &raw = surfaces.lightmaps[std::size_t(lightmap)];
     const std::array<float, 2> luxel = triangle.LuxelAt(u, v);
-    const auto texel = [&](float at, int size) { return std::clamp(int(at) / raw.super, 0, size - 1); };
+    const auto texel = [&](float at, int size) { return LuxelOf(at, size * raw.super) / raw.super; };
     return emitters.Texel(std::size_t(lightmap), texel(luxel[0], raw.width), texel(luxel[1], raw.height));
 }
 

@@ -4,6 +4,7 @@
 
 #include "libs/math/winding.h"
 #include "q3map2/light/batch/form_factor.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -187,7 +188,7 @@ bool FaintPatches::PatchBuilder::LightVaries(const Face &face) const {
                     const auto texel = [&](std::size_t axis, int size) {
                         const float at = float(i) * face[0].luxel[axis] + float(j) * face[v].luxel[axis] +
                                          float(k) * face[v + 1].luxel[axis];
-                        return std::clamp(int(at / float(i + j + k)) / raw->super, 0, size - 1);
+                        return LuxelOf(at / float(i + j + k), size * raw->super) / raw->super;
                     };
                     const int x = texel(0, raw->width), y = texel(1, raw->height);
                     if (HoldsLight(*raw, raw->Index(x, y)))
@@ -254,9 +255,8 @@ void FaintPatches::PatchBuilder::AssignTexels(const Face &face, std::uint32_t pa
         }
         return !(left && right);
     };
-    const auto texelAt = [](float value, int size) { return std::clamp(int(value), 0, size - 1); };
-    for (int y = texelAt(least[1], raw.height); y <= texelAt(most[1], raw.height); ++y)
-        for (int x = texelAt(least[0], raw.width); x <= texelAt(most[0], raw.width); ++x) {
+    for (int y = LuxelOf(least[1], raw.height); y <= LuxelOf(most[1], raw.height); ++y)
+        for (int x = LuxelOf(least[0], raw.width); x <= LuxelOf(most[0], raw.width); ++x) {
             const EmitterId texel = Texel(x, y);
             const bool holdsCenter = centerFound[texel] == 0 && inside(float(x) + 0.5f, float(y) + 0.5f);
             if (holdsCenter || result.patchOf_[texel] == kNone)

@@ -170,7 +170,7 @@ void LuxelExplainer::AddPage(const Spot &spot, LuxelAccount &account) const {
     const std::array<float, 2> at = Blended(spot.texels, {1 - v - w, v, w});
     const int side = in_.bsp.lightmapSide;
     for (std::size_t axis = 0; axis < 2; ++axis)
-        account.texel[axis] = std::clamp(int(std::floor(at[axis] * float(side))), 0, side - 1);
+        account.texel[axis] = LuxelOf(at[axis] * float(side), side);
     const std::size_t offset = std::size_t(account.page) * LightmapPageBytes(side) +
                                3 * (std::size_t(account.texel[1]) * std::size_t(side) + std::size_t(account.texel[0]));
     if (offset + 3 <= in_.bsp.lightmaps.size())
@@ -196,8 +196,8 @@ void LuxelExplainer::AddSamples(const Spot &spot, const RawLightmap &raw, LuxelA
     blocks.Build(raw);
     LuxelSampler sampler;
     sampler.Start(in_, raw, blocks, LuxelPassOf(in_, {}, raw));
-    const int left = std::clamp(int(spot.luxel[0] / float(raw.super)), 0, raw.width - 1) * raw.super;
-    const int top = std::clamp(int(spot.luxel[1] / float(raw.super)), 0, raw.height - 1) * raw.super;
+    const int left = LuxelOf(spot.luxel[0] / float(raw.super), raw.width) * raw.super;
+    const int top = LuxelOf(spot.luxel[1] / float(raw.super), raw.height) * raw.super;
     const auto light = [&](const Vec3f &position, std::size_t luxel, int cluster, bool inMean) {
         sampleOf.push_back(account.samples.size());
         receivers.push_back({position, raw.normals[luxel], cluster, inMean});
@@ -231,8 +231,8 @@ void LuxelExplainer::AddSamples(const Spot &spot, const RawLightmap &raw, LuxelA
 /// Lights the lightmap as the first pass does.
 void LuxelExplainer::AddLight(SurfaceLight &surfaces, const Spot &spot, LuxelAccount &account) const {
     RawLightmap &raw = surfaces.lightmaps.front();
-    const int x = std::clamp(int(spot.luxel[0] / float(raw.super)), 0, raw.width - 1);
-    const int y = std::clamp(int(spot.luxel[1] / float(raw.super)), 0, raw.height - 1);
+    const int x = LuxelOf(spot.luxel[0] / float(raw.super), raw.width);
+    const int y = LuxelOf(spot.luxel[1] / float(raw.super), raw.height);
     if (!raw.dirt.empty())
         account.dirt = LuxelMeans(raw, 1.0f, [&](std::size_t at) { return raw.dirt[at]; })[raw.Index(x, y)];
     account.ambient = raw.ambient;

@@ -173,9 +173,10 @@ void SubdivideQuad(const SurfaceVertex &a, const SurfaceVertex &b, const Surface
     }
 }
 
-/// Luxel of a coordinate in a lightmap of that size; NaN gives 0.
+/// Luxel of a coordinate in a lightmap of that size; NaN gives 0. Limited as float: coordinates of broken maps may be
+/// more than an int holds, and what the conversion gives then depends on the processor.
 inline int LuxelOf(float coordinate, int size) {
-    return coordinate > 0 ? std::min(int(coordinate), size - 1) : 0;
+    return coordinate > 0 ? int(std::min(coordinate, float(size - 1))) : 0;
 }
 
 /// Corners of a triangle in lightmap coordinates. Luxels.

@@ -3,6 +3,7 @@
 #include "q3map2/lightmap/store/lightmap_layers.h"
 
 #include "q3map2/light/options/light_tone.h"
+#include "q3map2/lightmap/raw/luxel_raster.h"
 #include "q3map2/lightmap/store/lightmap_store.h"
 
 #include <algorithm>
@@ -356,11 +357,8 @@ class Approximation {
     }
 
     bool IsClose(const SurfaceSample &sample) const {
-        const auto along = [](float coordinate, int count) {
-            return std::clamp(int(std::floor(coordinate)), 0, count - 1);
-        };
         const std::size_t at =
-            lightmap_.Index(along(sample.luxel[0], lightmap_.width), along(sample.luxel[1], lightmap_.height));
+            lightmap_.Index(LuxelOf(sample.luxel[0], lightmap_.width), LuxelOf(sample.luxel[1], lightmap_.height));
         for (std::size_t slot = 0; slot < kStyles; ++slot) {
             if (lightmap_.styles[slot] == kNoStyle || lightmap_.result[slot].empty())
                 continue;
@@ -396,7 +394,7 @@ class Approximation {
 
     int Steps(const SurfaceSample &a, const SurfaceSample &b, const SurfaceSample &c) const {
         const float length = std::sqrt(SquaredDistance(a, b)) + std::sqrt(SquaredDistance(b, c));
-        return std::clamp(int(std::ceil(length / spacing_)), 1, kMaxSteps);
+        return int(std::max(1.0f, std::min(float(kMaxSteps), std::ceil(length / spacing_)))); // no int may hold it
     }
 
     /// Compares on a grid over each biquadratic patch of 3 x 3 control points, as engines tessellate it.

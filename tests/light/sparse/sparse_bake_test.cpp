@@ -350,6 +350,13 @@ TEST_F(SparseBakeTest, WithoutLightItIsBlackAndSmall) {
     EXPECT_LT(sparse.Bytes(), 5000u) << "corners of larger cubes than 64 or 128 units would be outside the room";
 }
 
+// Counting the steps of cells to it gives numbers that no int holds.
+TEST_F(SparseBakeTest, ALightFarOutsideTheWorldIsHarmless) {
+    SceneBuilder scene = OneLamp();
+    scene.AddEntity(Lamp({1e12f, 0, 0}, "300"));
+    EXPECT_EQ(Baked(scene).points.size(), Baked(OneLamp()).points.size());
+}
+
 TEST_F(SparseBakeTest, WithoutOpenSpaceItHasNoPoints) {
     Bsp bsp = OneLamp().Build();
     for (bspLeaf_t &leaf : bsp.leafs)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -129,6 +130,15 @@ TEST(LuxelRasterTest, ATriangleWithoutWidthNamesTheLuxelsAlongIt) {
     for (int x = 2; x <= 9; ++x)
         expected[std::size_t(5 * kWide + x)] = 1;
     EXPECT_EQ(Named({{{2.5f, 5.5f}, {9.25f, 5.5f}, {4, 5.5f}}}), expected);
+}
+
+TEST(LuxelRasterTest, CoordinatesThatNoIntHoldsAreLimited) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(LuxelOf(7.9f, 128), 7);
+    for (const float large : {127.5f, 128.0f, 1e12f, kInfinity})
+        EXPECT_EQ(LuxelOf(large, 128), 127) << large;
+    for (const float small : {0.9f, -0.5f, -1e12f, -kInfinity, kNan})
+        EXPECT_EQ(LuxelOf(small, 128), 0) << small;
 }
 
 TEST(LuxelRasterTest, EveryLuxelInsideATriangleGetsASample) {
