@@ -60,7 +60,7 @@ if(NOT WIN32)
   install(FILES tools/generated/completions/_q3map2 DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
   install(FILES tools/generated/completions/q3map2.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 endif()
-# A part of the program are the libraries that are linked into it: a folder of their licences.
+# Of the libraries that are linked into the program.
 if(Q3MAP2_LICENCES)
   install(DIRECTORY ${Q3MAP2_LICENCES}/ DESTINATION ${share}/licenses)
 endif()
