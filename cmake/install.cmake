@@ -84,6 +84,14 @@ if(CMAKE_SYSTEM_NAME STREQUAL Linux)
   install(SCRIPT cmake/library_licences.cmake COMPONENT libraries EXCLUDE_FROM_ALL)
 endif()
 
+# Microsoft's tools link with DLLs, which lie beside the program.
+if(MSVC)
+  install(RUNTIME_DEPENDENCY_SET libraries PRE_EXCLUDE_REGEXES "^api-ms-" "^ext-ms-"
+          POST_EXCLUDE_REGEXES "[/\\\\][Ss]ystem32[/\\\\]" RUNTIME DESTINATION ${bin})
+  set(CMAKE_INSTALL_SYSTEM_RUNTIME_DESTINATION ${bin})
+  include(InstallRequiredSystemLibraries)
+endif()
+
 set(CPACK_PACKAGE_NAME q3map2-sh)
 set(CPACK_PACKAGE_VENDOR "q3map2-sh")
 set(CPACK_PACKAGE_CONTACT "The q3map2-sh developers <q3map2-sh@localhost>")
