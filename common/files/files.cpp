@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/platform/platform.h"
+#include "common/platform/posix_names.h"
 #include "common/text/text.h"
 
 #include <glib/gstdio.h>
@@ -10,9 +11,6 @@
 #include <cerrno>
 #include <system_error>
 #include <utility>
-
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace q3 {
 

@@ -248,6 +248,7 @@ std::optional<std::size_t> Socket::Send(std::string_view bytes) {
 
 } // namespace q3
 
+#ifndef _MSC_VER
 /// In place of mbrtowc of the C library, which knows no UTF-8 (the linker's --wrap, see common/CMakeLists.txt):
 /// std::filesystem::path reads std::string by it. A code point beyond 16 bits becomes two surrogates, in two calls; the
 /// second one waits in `state`.
@@ -281,3 +282,4 @@ extern "C" std::size_t __wrap_mbrtowc(wchar_t *to, const char *from, std::size_t
     *state = 0xdc00 + int((c - 0x10000) & 0x3ff);
     return 3;
 }
+#endif
