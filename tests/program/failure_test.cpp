@@ -3,17 +3,16 @@
 #include "common/files/files.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/stages/written_map.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/run_program.h"
 
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <map>
-
-#include <csignal>
-#include <sys/resource.h>
 
 namespace q3::test {
 
@@ -183,27 +182,9 @@ TEST_F(FailureTest, OptionsWithBadValues) {
     ExpectError("-light -sh -gridsh 0 0 0 MAP", "-gridsh");
 }
 
-/// While it lives, this process and its children cannot write past that size, as on a full disk; this holds for root.
-class FileSizeLimit {
-  public:
-    explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-        getrlimit(RLIMIT_FSIZE, &before_);
-        const rlimit limit{bytes, before_.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    ~FileSizeLimit() {
-        setrlimit(RLIMIT_FSIZE, &before_);
-        std::signal(SIGXFSZ, handler_);
-    }
-    FileSizeLimit(const FileSizeLimit &) = delete;
-    FileSizeLimit &operator=(const FileSizeLimit &) = delete;
-
-  private:
-    void (*handler_)(int);
-    rlimit before_{};
-};
-
 TEST_F(FailureTest, MapThatCannotBeWrittenWholeStays) {
+    if (!FileSizeLimit::kExists)
+        GTEST_SKIP() << "this system limits the size of no file";
     const std::size_t size = MapBytes().size();
     for (const std::size_t limit : {std::size_t(0), std::size_t(4096), size / 2}) {
         const FileSizeLimit full(limit);
@@ -246,16 +227,18 @@ TEST(FileGuardTest, AnInputThatChangesMeanwhileIsAnError) {
 }
 
 TEST(FileGuardTest, AFileThatAppearsOrGoesCountsAsWell) {
-    const GameFolder folder;
-    folder.Write("x.map", "{}");
-    KeptLog out;
-    FileGuard appears(false, out.log), goes(false, out.log);
-    appears.Reads(folder / "x.srf");
-    goes.Reads(folder / "x.map");
-    folder.Write("x.srf", "default");
-    std::filesystem::remove(folder / "x.map");
-    EXPECT_THROW(appears.CheckUnchanged(), Error);
-    EXPECT_THROW(goes.CheckUnchanged(), Error);
+    for (const std::string name : {"x", "gr\u00f6\u00dfe"}) {
+        const GameFolder folder;
+        folder.Write(name + ".map", "{}");
+        KeptLog out;
+        FileGuard appears(false, out.log), goes(false, out.log);
+        appears.Reads(folder / (name + ".srf"));
+        goes.Reads(folder / (name + ".map"));
+        folder.Write(name + ".srf", "default");
+        std::filesystem::remove(folder / (name + ".map"));
+        EXPECT_THROW(appears.CheckUnchanged(), Error);
+        EXPECT_THROW(goes.CheckUnchanged(), Error);
+    }
 }
 
 /// The light stage reads x.MAP where there is no x.map.

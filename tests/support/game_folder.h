@@ -52,7 +52,7 @@ class GameFolder {
     /// An archive with these entries; level 0 stores them as they are.
     void WriteArchive(std::string_view name, const Entries &entries, int level = 9) const {
         std::filesystem::create_directories((root_ / name).parent_path());
-        zipFile zip = zipOpen64((root_ / name).c_str(), APPEND_STATUS_CREATE);
+        zipFile zip = zipOpen64((root_ / name).string().c_str(), APPEND_STATUS_CREATE);
         ASSERT_NE(zip, nullptr);
         for (const auto &[entry, text] : entries) {
             ASSERT_EQ(zipOpenNewFileInZip64(zip, entry.c_str(), nullptr, nullptr, 0, nullptr, 0, nullptr,
