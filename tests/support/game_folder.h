@@ -36,7 +36,8 @@ class GameFolder {
     GameFolder &operator=(const GameFolder &) = delete;
 
     const std::filesystem::path &Root() const { return root_; }
-    std::filesystem::path operator/(std::string_view name) const { return root_ / name; }
+    /// Separators are those of the system, as in what the program prints.
+    std::filesystem::path operator/(std::string_view name) const { return (root_ / name).make_preferred(); }
 
     void Write(std::string_view name, std::string_view text) const {
         std::filesystem::create_directories((root_ / name).parent_path());

@@ -10,4 +10,7 @@ inline constexpr bool kIsWindows = true;
 inline constexpr bool kIsWindows = false;
 #endif
 
+/// Why a test is skipped.
+inline constexpr const char *kNoCase = "names of files that differ only in case are the same file on Windows";
+
 } // namespace q3::test
