@@ -187,15 +187,15 @@ void RequireFolder(const fs::path &folder) {
 }
 
 std::uint64_t DiskOf(const fs::path &path) {
-    struct stat info {};
-    return stat(path.string().c_str(), &info) == 0 ? std::uint64_t(info.st_dev) : 0;
+    GStatBuf info{}; // stat of Windows reads names in its code page
+    return g_stat(path.string().c_str(), &info) == 0 ? std::uint64_t(info.st_dev) : 0;
 }
 
 FileState FileState::Of(const fs::path &path) {
     FileState state;
     std::error_code failed;
-    struct stat info {};
-    if (stat(path.string().c_str(), &info) != 0)
+    GStatBuf info{};
+    if (g_stat(path.string().c_str(), &info) != 0)
         return state;
     state.exists = true;
     state.size = std::uint64_t(info.st_size);
