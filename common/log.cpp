@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. What the program prints, in the form that editors and build scripts expect.
 #include "common/log.h"
 
+#include "common/crash_report.h"
 #include "common/platform/platform.h"
 #include "common/text/text.h"
 
@@ -64,6 +65,7 @@ void Log::Write(LogLevel level, std::string_view text) {
 
 void Log::SectionText(std::string_view name, Printed printed) {
     const std::lock_guard lock(mutex_);
+    AddCrashPass(name);
     if (observer_)
         observer_->OnSection(name);
     if (IsShown(printed))

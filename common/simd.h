@@ -37,23 +37,24 @@ std::optional<Isa> IsaOfName(std::string_view name);
 extern const Isa kVectorIsa;
 
 #if Q3_SIMD_VERSIONS
-template <class Code> __attribute__((target("arch=x86-64-v3"))) auto VectorizeForAvx2(const Code &code) {
+template <class Code> __attribute__((target("arch=x86-64-v3"))) auto VectorizeForAvx2(Code code) {
     return code();
 }
-template <class Code> __attribute__((target("arch=x86-64-v4"))) auto VectorizeForAvx512(const Code &code) {
+template <class Code> __attribute__((target("arch=x86-64-v4"))) auto VectorizeForAvx512(Code code) {
     return code();
 }
 #endif
 
 /// Runs code, a lambda marked Q3_INLINE, as compiled for the widest vectors of this processor: 512, 256 or 128 bits.
 /// Fused multiply-add is off (-ffp-contract=off), so all versions give the same bits. What the code calls is compiled
-/// for the base processor unless it is inlined.
+/// for the base processor unless it is inlined. Numbers of the function around it are captured by value: as references,
+/// the arrays that a loop writes might alias them.
 ///
-///     Vectorize([&]() Q3_INLINE {
+///     Vectorize([&, weight]() Q3_INLINE {
 ///         for (const std::size_t i : kEachLane)
-///             sum[i] += value[i];
+///             sum[i] += weight * value[i];
 ///     });
-template <class Code> auto Vectorize(const Code &code) {
+template <class Code> Q3_INLINE inline auto Vectorize(const Code &code) {
 #if Q3_SIMD_VERSIONS
     if (kVectorIsa == Isa::Avx512)
         return VectorizeForAvx512(code);

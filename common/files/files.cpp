@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/platform/platform.h"
+#include "common/platform/posix_names.h"
 #include "common/text/text.h"
 
 #include <glib/gstdio.h>
@@ -10,9 +11,6 @@
 #include <cerrno>
 #include <system_error>
 #include <utility>
-
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace q3 {
 
@@ -189,15 +187,15 @@ void RequireFolder(const fs::path &folder) {
 }
 
 std::uint64_t DiskOf(const fs::path &path) {
-    struct stat info {};
-    return stat(path.string().c_str(), &info) == 0 ? std::uint64_t(info.st_dev) : 0;
+    GStatBuf info{}; // stat of Windows reads names in its code page
+    return g_stat(path.string().c_str(), &info) == 0 ? std::uint64_t(info.st_dev) : 0;
 }
 
 FileState FileState::Of(const fs::path &path) {
     FileState state;
     std::error_code failed;
-    struct stat info {};
-    if (stat(path.string().c_str(), &info) != 0)
+    GStatBuf info{};
+    if (g_stat(path.string().c_str(), &info) != 0)
         return state;
     state.exists = true;
     state.size = std::uint64_t(info.st_size);

@@ -22,6 +22,13 @@ struct ProcessStart {
 /// To be called once, first of all. Sets up standard output: bytes are printed as they are, and read as UTF-8.
 ProcessStart StartProcess(int argc, char **argv);
 
+/// From now on `report` is called when a fault is about to end the process, with the fault in words. It may call only
+/// WriteError and what else is safe in a signal handler. Afterwards the fault ends the process as it would have without
+/// this. Sanitizer builds keep the reports of the sanitizer instead.
+void SetCrashHandler(void (*report)(std::string_view fault));
+/// Writes to standard error. Safe in signal handlers.
+void WriteError(std::string_view text);
+
 /// Whether standard output is a terminal.
 bool IsTerminal();
 /// Whether standard output is a terminal that understands ANSI colors.

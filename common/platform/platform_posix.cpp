@@ -12,7 +12,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <system_error>
 
@@ -40,6 +42,69 @@ ProcessStart StartProcess(int argc, char **argv) {
     if (failed)
         program = argv[0];
     return {{argv + 1, argv + argc}, program};
+}
+
+// ---- Crashes ----
+
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
+#endif
+
+struct Fault {
+    int signal;
+    std::string_view text;
+};
+constexpr Fault kFaults[] = {{SIGSEGV, "Invalid memory access (SIGSEGV)"},
+                             {SIGBUS, "Invalid memory access (SIGBUS)"},
+                             {SIGILL, "Invalid instruction (SIGILL)"},
+                             {SIGFPE, "Arithmetic error (SIGFPE)"},
+                             {SIGABRT, "Abort (SIGABRT)"}};
+
+void (*crashReport)(std::string_view fault);
+std::atomic_flag hasCrashed;
+
+void OnFault(int number, siginfo_t *info, void *) {
+    if (hasCrashed.test_and_set()) // another thread is reporting, and then ends the process
+        for (;;)
+            pause();
+    for (const auto &[signal, text] : kFaults)
+        if (signal == number)
+            crashReport(text);
+    // Returning repeats what the fault interrupted, which now ends the process. A signal that was sent is sent again.
+    signal(number, SIG_DFL);
+    if (info->si_code <= 0)
+        raise(number);
+}
+
+} // namespace
+
+void SetCrashHandler(void (*report)(std::string_view fault)) {
+    if (kIsSanitized)
+        return;
+    crashReport = report;
+    static char stack[64 * 1024]; // of its own, for faults that come from a full stack
+    stack_t alternative{};
+    alternative.ss_sp = stack;
+    alternative.ss_size = sizeof stack;
+    sigaltstack(&alternative, nullptr);
+    struct sigaction action {};
+    action.sa_sigaction = OnFault;
+    action.sa_flags = SA_SIGINFO | SA_ONSTACK;
+    for (const Fault &fault : kFaults)
+        sigaction(fault.signal, &action, nullptr);
+}
+
+void WriteError(std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+        if (written <= 0)
+            return;
+        text.remove_prefix(std::size_t(written));
+    }
 }
 
 bool IsTerminal() {

@@ -4,7 +4,9 @@
 #include <glib.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cwchar>
 #include <utility>
 
@@ -71,6 +73,60 @@ ProcessStart StartProcess(int, char **) {
     ProcessStart start{{words + 1, words + g_strv_length(words)}, ProgramFile()};
     g_strfreev(words);
     return start;
+}
+
+// ---- Crashes ----
+
+namespace {
+
+void (*crashReport)(std::string_view fault);
+std::atomic_flag hasCrashed;
+
+void ReportOnce(std::string_view fault) {
+    if (!hasCrashed.test_and_set())
+        crashReport(fault);
+}
+
+std::string_view FaultText(DWORD code) {
+    switch (code) {
+    case EXCEPTION_ACCESS_VIOLATION:
+    case EXCEPTION_IN_PAGE_ERROR:
+        return "Invalid memory access (access violation)";
+    case EXCEPTION_STACK_OVERFLOW:
+        return "Stack overflow";
+    case EXCEPTION_ILLEGAL_INSTRUCTION:
+    case EXCEPTION_PRIV_INSTRUCTION:
+        return "Invalid instruction";
+    case EXCEPTION_INT_DIVIDE_BY_ZERO:
+        return "Arithmetic error (division by zero)";
+    default:
+        return "Unhandled exception";
+    }
+}
+
+/// Windows goes on as without this filter: with its own error report, and the exception's code as exit status.
+LONG WINAPI OnException(EXCEPTION_POINTERS *exception) {
+    ReportOnce(FaultText(exception->ExceptionRecord->ExceptionCode));
+    return EXCEPTION_CONTINUE_SEARCH;
+}
+
+void OnAbort(int) {
+    ReportOnce("Abort"); // abort then ends the process
+}
+
+} // namespace
+
+void SetCrashHandler(void (*report)(std::string_view fault)) {
+    crashReport = report;
+    ULONG forHandler = 16 * 1024; // of the stack, for faults that come from a full one
+    SetThreadStackGuarantee(&forHandler);
+    SetUnhandledExceptionFilter(OnException);
+    std::signal(SIGABRT, OnAbort);
+}
+
+void WriteError(std::string_view text) {
+    DWORD written = 0;
+    WriteFile(GetStdHandle(STD_ERROR_HANDLE), text.data(), DWORD(text.size()), &written, nullptr);
 }
 
 bool IsTerminal() {
@@ -192,6 +248,7 @@ std::optional<std::size_t> Socket::Send(std::string_view bytes) {
 
 } // namespace q3
 
+#ifndef _MSC_VER
 /// In place of mbrtowc of the C library, which knows no UTF-8 (the linker's --wrap, see common/CMakeLists.txt):
 /// std::filesystem::path reads std::string by it. A code point beyond 16 bits becomes two surrogates, in two calls; the
 /// second one waits in `state`.
@@ -225,3 +282,4 @@ extern "C" std::size_t __wrap_mbrtowc(wchar_t *to, const char *from, std::size_t
     *state = 0xdc00 + int((c - 0x10000) & 0x3ff);
     return 3;
 }
+#endif

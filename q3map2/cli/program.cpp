@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. From the command line to a stage: what a stage is and gets, which one is meant, and its run.
 #include "q3map2/cli/program.h"
 
+#include "common/crash_report.h"
 #include "common/error.h"
 #include "common/files/files.h"
 #include "common/text/text.h"
@@ -236,6 +237,7 @@ StageFile TakeFile(const StageContext &context, Arguments &arguments, std::vecto
         ReportUnknown(context, arguments, Checked::Options);
     StageFile result;
     result.file = arguments.TakeAt(FindFile(context, arguments.Rest()));
+    SetCrashFile(result.file);
     ReportUnknown(context, arguments);
     const auto last = std::ranges::find(given.rbegin(), given.rend(), result.file);
     if (last != given.rend())
@@ -338,6 +340,8 @@ int Run(StageList stages, const std::vector<std::string> &words, const std::file
 int RunProgram(StageList stages, const std::vector<std::string> &given, const std::filesystem::path &program,
                Log &log) {
     const std::vector<std::string> arguments = Unquoted(given);
+    InstallCrashReport(VersionText());
+    SetCrashCommand(fmt::format("{}", fmt::join(arguments, " ")));
     RunReport report;
     const std::string reportPath = LastValueOf("-report", arguments);
     ReportFile reportFile;

@@ -3,6 +3,7 @@
 
 #include "common/image/image.h"
 #include "common/text/text.h"
+#include "libs/math/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,11 +129,11 @@ std::vector<std::string> ImageFileNames(std::string_view image, std::string_view
 // ---- Color spaces: sRGB as in IEC 61966-2-1 ----
 
 float LinearFromSrgb(float c) {
-    return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+    return c <= 0.04045f ? c / 12.92f : Pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
 float SrgbFromLinear(float c) {
-    return c <= 0.0031308f ? c * 12.92f : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
+    return c <= 0.0031308f ? c * 12.92f : 1.055f * Pow(c, 1 / 2.4f) - 0.055f;
 }
 
 Vec3f NormalizeColor(const Vec3f &c) {

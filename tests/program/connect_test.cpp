@@ -48,6 +48,8 @@ TEST_F(ProgramTest, EditorGetsErrorsInOptions) {
 }
 
 TEST_F(ProgramTest, EditorGetsNoLiveLineOfATerminal) {
+    if (!kHasTerminals)
+        GTEST_SKIP() << kNoTerminals;
     EditorListener editor;
     const Outcome outcome = RunOnTerminal({"-connect", editor.Address(), "-fs_basepath", (folder_ / "base").string(),
                                            "-light", "-sh", "-samplesize", "4", Map(".bsp").string()},

@@ -91,7 +91,8 @@ TEST_F(ConvertStageTest, OptionsThatWouldChangeNothingAreErrors) {
 }
 
 TEST_F(ConvertStageTest, MissingInputIsNamed) {
-    ExpectError("-convert -format map /nowhere/at/all.map", "/nowhere/at/all.map");
+    const std::string nowhere = (folder_ / "nowhere/at/all.map").string();
+    ExpectError("-convert -format map " + nowhere, nowhere);
 }
 
 } // namespace q3::test

@@ -41,7 +41,8 @@ TEST_F(EditorFilesTest, NameTheGame) {
 
 TEST_F(EditorFilesTest, NeedOneFolder) {
     ExpectError("-editorfiles", "usage: q3map2 -editorfiles DIR");
-    ExpectError("-editorfiles /proc/nowhere", "/proc/nowhere");
+    const std::string belowAFile = (Map(".map") / "folder").string();
+    ExpectError("-editorfiles " + belowAFile, belowAFile);
 }
 
 TEST(EditorSteps, OfEveryPresetAreFoundSound) {

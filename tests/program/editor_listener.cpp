@@ -5,23 +5,115 @@
 
 #include <map>
 #include <thread>
+#include <utility>
 
+#ifdef _WIN32
+#include <winsock2.h>
+
+#include <windows.h>
+
+#include <ws2tcpip.h>
+#else
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
+#endif
 
 namespace q3::test {
 
 namespace {
 
+// ---- What sockets of Windows do otherwise ----
+
+#ifdef _WIN32
+
+using SystemSocket = SOCKET;
+
+std::intptr_t MakeSocket() {
+    WSADATA data{};
+    EXPECT_EQ(WSAStartup(MAKEWORD(2, 2), &data), 0);
+    return std::intptr_t(WSASocketW(AF_INET, SOCK_STREAM, 0, nullptr, 0, WSA_FLAG_NO_HANDLE_INHERIT));
+}
+
+void CloseSocket(std::intptr_t handle) {
+    closesocket(SOCKET(handle));
+}
+
+/// Ends a call of accept that waits in another thread.
+void StopListening(std::intptr_t &handle) {
+    CloseSocket(std::exchange(handle, -1));
+}
+
+std::intptr_t AcceptOn(std::intptr_t handle) {
+    const auto connection = std::intptr_t(accept(SOCKET(handle), nullptr, nullptr));
+    if (connection >= 0) // programs that start meanwhile would keep it open
+        SetHandleInformation(reinterpret_cast<HANDLE>(connection), HANDLE_FLAG_INHERIT, 0);
+    return connection;
+}
+
+/// The next bytes, which stay. Messages arrive whole, so there is nothing to wait for after the first.
+std::ptrdiff_t Peek(std::intptr_t handle, unsigned char *to, std::size_t size) {
+    return recv(SOCKET(handle), reinterpret_cast<char *>(to), int(size), MSG_PEEK);
+}
+
+/// What is there without waiting.
+std::ptrdiff_t ReceiveNow(std::intptr_t handle, char *to, std::size_t size) {
+    u_long mode = 1;
+    ioctlsocket(SOCKET(handle), FIONBIO, &mode);
+    const int got = recv(SOCKET(handle), to, int(size), 0);
+    mode = 0;
+    ioctlsocket(SOCKET(handle), FIONBIO, &mode);
+    return got;
+}
+
+#else
+
+using SystemSocket = int;
+
+std::intptr_t MakeSocket() {
+    return socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+}
+
+void CloseSocket(std::intptr_t handle) {
+    close(int(handle));
+}
+
+/// Ends a call of accept that waits in another thread.
+void StopListening(std::intptr_t &handle) {
+    shutdown(int(handle), SHUT_RDWR);
+}
+
+std::intptr_t AcceptOn(std::intptr_t handle) {
+    return accept4(int(handle), nullptr, nullptr, SOCK_CLOEXEC);
+}
+
+/// The next bytes, which stay.
+std::ptrdiff_t Peek(std::intptr_t handle, unsigned char *to, std::size_t size) {
+    return recv(int(handle), to, size, MSG_PEEK | MSG_WAITALL);
+}
+
+/// What is there without waiting.
+std::ptrdiff_t ReceiveNow(std::intptr_t handle, char *to, std::size_t size) {
+    return recv(int(handle), to, size, MSG_DONTWAIT);
+}
+
+#endif
+
+/// setsockopt for a whole socket.
+template <typename Value> void SetOption(std::intptr_t handle, int option, const Value &value) {
+    setsockopt(SystemSocket(handle), SOL_SOCKET, option, reinterpret_cast<const char *>(&value), sizeof value);
+}
+
+// ---- Messages ----
+
 constexpr std::size_t kLongestPayload = 1020;
 constexpr std::string_view kRoot = "<?xml version=\"1.0\"?><q3map_feedback version=\"1\">";
 
 /// One message with its payload; empty at the end of the stream.
-std::string ReceiveMessage(int connection) {
+std::string ReceiveMessage(std::intptr_t connection) {
     unsigned char head[4];
-    const ssize_t peeked = recv(connection, head, sizeof head, MSG_PEEK | MSG_WAITALL);
+    const std::ptrdiff_t peeked = Peek(connection, head, sizeof head);
     if (peeked <= 0)
         return {};
     EXPECT_EQ(peeked, 4);
@@ -30,9 +122,9 @@ std::string ReceiveMessage(int connection) {
     EXPECT_GE(length, 1u);
     EXPECT_LE(length, kLongestPayload);
     std::string message(4 + std::min(length, kLongestPayload), ' ');
-    const ssize_t got = recv(connection, message.data(), message.size(), MSG_DONTWAIT);
-    EXPECT_EQ(got, ssize_t(message.size())) << "a message in parts";
-    return got == ssize_t(message.size()) ? message.substr(4) : std::string();
+    const std::ptrdiff_t got = ReceiveNow(connection, message.data(), message.size());
+    EXPECT_EQ(got, std::ptrdiff_t(message.size())) << "a message in parts";
+    return got == std::ptrdiff_t(message.size()) ? message.substr(4) : std::string();
 }
 
 /// A strict reader of the little XML that the stream is made of.
@@ -119,32 +211,31 @@ class FeedbackParser {
 
 } // namespace
 
-EditorListener::EditorListener(EditorManner manner)
-    : manner_(manner), socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+EditorListener::EditorListener(EditorManner manner) : manner_(manner), socket_(MakeSocket()) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
     auto *const generic = reinterpret_cast<sockaddr *>(&address);
-    const int small = 1;
     if (manner_.smallBuffer)
-        setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
-    EXPECT_EQ(bind(socket_, generic, size), 0);
-    EXPECT_EQ(listen(socket_, 1), 0);
-    EXPECT_EQ(getsockname(socket_, generic, &size), 0);
+        SetOption(socket_, SO_RCVBUF, 1);
+    EXPECT_EQ(bind(SystemSocket(socket_), generic, size), 0);
+    EXPECT_EQ(listen(SystemSocket(socket_), 1), 0);
+    EXPECT_EQ(getsockname(SystemSocket(socket_), generic, &size), 0);
     port_ = ntohs(address.sin_port);
     received_ = std::async(std::launch::async, [this] { return Receive(); });
 }
 
 EditorListener::~EditorListener() {
     Payloads();
-    close(socket_);
+    if (socket_ >= 0)
+        CloseSocket(socket_);
 }
 
 const std::vector<std::string> &EditorListener::Payloads() {
     if (received_.valid()) {
         if (!manner_.reads || received_.wait_for(std::chrono::seconds(20)) != std::future_status::ready)
-            shutdown(socket_, SHUT_RDWR); // nobody connected
+            StopListening(socket_); // nobody connected
         payloads_ = received_.get();
     }
     return payloads_;
@@ -159,22 +250,23 @@ std::string EditorListener::Text() {
 
 std::vector<std::string> EditorListener::Receive() const {
     std::vector<std::string> all;
+    const std::intptr_t listening = socket_; // which StopListening may change meanwhile
     std::this_thread::sleep_for(manner_.acceptAfter);
-    const int connection = manner_.accepts ? accept(socket_, nullptr, nullptr) : -1;
+    const std::intptr_t connection = manner_.accepts ? AcceptOn(listening) : -1;
     if (connection < 0)
         return all;
     if (!manner_.reads)
-        accept(socket_, nullptr, nullptr); // until the listening socket is shut down
+        AcceptOn(listening); // until the listening socket is shut down
     else
         for (std::string payload; !(payload = ReceiveMessage(connection)).empty();) {
             all.push_back(payload);
             if (all.size() == manner_.resetAfter) {
                 const linger now{.l_onoff = 1, .l_linger = 0};
-                setsockopt(connection, SOL_SOCKET, SO_LINGER, &now, sizeof now);
+                SetOption(connection, SO_LINGER, now);
                 break;
             }
         }
-    close(connection);
+    CloseSocket(connection);
     return all;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <future>
 #include <string>
 #include <vector>
@@ -36,7 +37,7 @@ class EditorListener {
     std::vector<std::string> Receive() const;
 
     EditorManner manner_;
-    int socket_;
+    std::intptr_t socket_; ///< what the operating system calls it; -1: closed
     int port_ = 0;
     std::vector<std::string> payloads_;
     std::future<std::vector<std::string>> received_;

@@ -10,6 +10,13 @@ namespace q3::test {
 
 namespace {
 
+/// The folder of the user's files of Quake 3 below the user's folder.
+#ifdef _WIN32
+const std::string kHome = "q3a";
+#else
+const std::string kHome = ".q3a";
+#endif
+
 class GameCheckTest : public ProgramTest {
   protected:
     /// Without the -fs_basepath that Run gives.
@@ -32,14 +39,14 @@ class GameCheckTest : public ProgramTest {
 TEST_F(GameCheckTest, BasePathThatIsNotThere) {
     const auto before = MapBytes();
     for (const char *stage : {"-light", "-bsp"})
-        ExpectParts(
-            ErrorOf(RunBare({"-fs_basepath", "/nope", stage})),
-            {"no game files", "-fs_basepath /nope", "/nope/baseq3", (folder_ / ".q3a/baseq3").string(), "-force"});
+        ExpectParts(ErrorOf(RunBare({"-fs_basepath", "/nope", stage})),
+                    {"no game files", "-fs_basepath /nope", "/nope/baseq3", (folder_ / (kHome + "/baseq3")).string(),
+                     "-force"});
     EXPECT_EQ(MapBytes(), before);
 }
 
 TEST_F(GameCheckTest, BasePathThatIsNotThereBesideFilesOfTheHomeFolder) {
-    folder_.Write(".q3a/baseq3/scripts/home.shader", "");
+    folder_.Write(kHome + "/baseq3/scripts/home.shader", "");
     ExpectParts(ErrorOf(RunBare({"-fs_basepath", "/nope", "-light"})), {"-fs_basepath /nope"});
 }
 
@@ -67,8 +74,8 @@ TEST_F(GameCheckTest, TheFolderOfTheMapTellsTheGame) {
 
 /// -fs_nobasepath, -fs_nohomepath and -fs_nomagicpath.
 TEST_F(GameCheckTest, FoldersThatAreNotSearched) {
-    folder_.Write(".q3a/baseq3/scripts/home.shader", "");
-    const std::string home = (folder_ / ".q3a/baseq3").string(), base = (folder_ / "base").string();
+    folder_.Write(kHome + "/baseq3/scripts/home.shader", "");
+    const std::string home = (folder_ / (kHome + "/baseq3")).string(), base = (folder_ / "base").string();
     const auto searched = [&](std::vector<std::string> words) {
         words.insert(words.end(), {"-light", "-onlygrid", "-force"});
         const Outcome outcome = RunBare(words);
@@ -129,7 +136,7 @@ TEST_F(GameCheckTest, ModWithoutBaseGame) {
 TEST_F(GameCheckTest, ModThatIsNotThere) {
     ExpectError("-fs_game moda -light MAP", "-fs_game moda: no such folder");
     const std::string line = ErrorOf(Run("-fs_game moda -bsp MAP"));
-    ExpectParts(line, {(folder_ / "base/moda").string(), (folder_ / ".q3a/moda").string(), "-force"});
+    ExpectParts(line, {(folder_ / "base/moda").string(), (folder_ / (kHome + "/moda")).string(), "-force"});
 }
 
 TEST_F(GameCheckTest, UnknownGameNamesTheNearest) {

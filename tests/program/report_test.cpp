@@ -3,10 +3,9 @@
 
 #include "common/files/files.h"
 
+#include <glib.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
-
-#include <cstdlib>
 
 namespace q3::test {
 
@@ -66,15 +65,29 @@ TEST_F(ReportTest, TheLogFileHoldsWhatIsPrinted) {
 }
 
 TEST_F(ReportTest, WarningsAreColoredOnTerminalsAlone) {
+    if (!kHasTerminals)
+        GTEST_SKIP() << kNoTerminals;
     const std::vector<std::string> words{"-fs_basepath", folder_.Root().string(), "-light", "-nonsense",
                                          Map(".bsp").string()};
-    unsetenv("NO_COLOR");
-    setenv("TERM", "xterm", 1);
+    g_unsetenv("NO_COLOR");
+    g_setenv("TERM", "xterm", TRUE);
     EXPECT_THAT(RunOnTerminal(words, folder_.Root()).text, HasSubstr("\x1b[33mWARNING: "));
     EXPECT_THAT(RunProgramFile(words, folder_.Root()).text, Not(HasSubstr("\x1b[33m")));
-    setenv("NO_COLOR", "1", 1);
+    g_setenv("NO_COLOR", "1", TRUE);
     EXPECT_THAT(RunOnTerminal(words, folder_.Root()).text, Not(HasSubstr("\x1b[33m")));
-    unsetenv("NO_COLOR");
+    g_unsetenv("NO_COLOR");
+}
+
+/// What build tools and editors read: no live line, which begins with a carriage return, and no colors.
+TEST_F(ReportTest, APipeGetsWholePlainLines) {
+    for (const std::string stage : {"-bsp -meta", "-vis", "-light -sh -nonsense"}) {
+        const std::string text = RunWell(stage + " " + Map(".map").string()).text;
+        EXPECT_EQ(text.find('\r'), text.npos) << text;
+        EXPECT_EQ(text.find('\x1b'), text.npos) << text;
+        EXPECT_THAT(text, testing::EndsWith("\n"));
+    }
+    const std::string error = Run("-light -bounce x MAP").text;
+    EXPECT_EQ(error.find_first_of("\r\x1b"), error.npos) << error;
 }
 
 } // namespace

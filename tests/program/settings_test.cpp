@@ -122,6 +122,7 @@ TEST_F(ProgramTest, HelpFitsATerminal) {
     EXPECT_THAT(light, HasSubstr("light is also a key of entities (q3map2 -help keys)"));
 }
 
+#ifndef _WIN32 // where no bash is to be expected
 /// What bash offers after these words, the last of which is being typed.
 std::string Completed(const std::string &words) {
     const std::string script = fmt::format("source {}/tools/generated/completions/q3map2.bash; COMP_WORDS=({}); "
@@ -148,6 +149,7 @@ TEST(Completion, OffersTheValuesOfOptions) {
     EXPECT_EQ(Completed("q3map2 -light -super /"), "\n") << "a number";
     EXPECT_THAT(Completed("q3map2 -fs_basepath /us"), HasSubstr("/usr"));
 }
+#endif
 
 TEST_F(ProgramTest, UnknownTopicIsAnErrorWithTheNearestName) {
     ExpectError("-help lihgt", "did you mean -light");

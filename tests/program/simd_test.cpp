@@ -1,7 +1,8 @@
 // GPL-2.0-or-later. Vector code gives the same bytes at every width.
 #include "tests/support/run_program.h"
 
-#include <cstdlib>
+#include <glib.h>
+
 #include <fstream>
 
 namespace q3::test {
@@ -11,8 +12,8 @@ namespace {
 /// Q3MAP2_SIMD in the environment of the programs that run while this exists.
 class IsaLimit {
   public:
-    explicit IsaLimit(const char *name) { setenv("Q3MAP2_SIMD", name, 1); }
-    ~IsaLimit() { unsetenv("Q3MAP2_SIMD"); }
+    explicit IsaLimit(const char *name) { g_setenv("Q3MAP2_SIMD", name, TRUE); }
+    ~IsaLimit() { g_unsetenv("Q3MAP2_SIMD"); }
     IsaLimit(const IsaLimit &) = delete;
     IsaLimit &operator=(const IsaLimit &) = delete;
 };

@@ -36,7 +36,8 @@ class GameFolder {
     GameFolder &operator=(const GameFolder &) = delete;
 
     const std::filesystem::path &Root() const { return root_; }
-    std::filesystem::path operator/(std::string_view name) const { return root_ / name; }
+    /// Separators are those of the system, as in what the program prints.
+    std::filesystem::path operator/(std::string_view name) const { return (root_ / name).make_preferred(); }
 
     void Write(std::string_view name, std::string_view text) const {
         std::filesystem::create_directories((root_ / name).parent_path());
@@ -52,7 +53,7 @@ class GameFolder {
     /// An archive with these entries; level 0 stores them as they are.
     void WriteArchive(std::string_view name, const Entries &entries, int level = 9) const {
         std::filesystem::create_directories((root_ / name).parent_path());
-        zipFile zip = zipOpen64((root_ / name).c_str(), APPEND_STATUS_CREATE);
+        zipFile zip = zipOpen64((root_ / name).string().c_str(), APPEND_STATUS_CREATE);
         ASSERT_NE(zip, nullptr);
         for (const auto &[entry, text] : entries) {
             ASSERT_EQ(zipOpenNewFileInZip64(zip, entry.c_str(), nullptr, nullptr, 0, nullptr, 0, nullptr,

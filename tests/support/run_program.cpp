@@ -6,55 +6,27 @@
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/map/map_parse.h"
 
-#include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <sstream>
-
-#include <csignal>
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace q3::test {
 
 namespace {
 
-constexpr unsigned kMaxSeconds = 120;
-
-[[noreturn]] void Become(const std::vector<std::string> &arguments, const std::string &home, int output) {
-    dup2(output, STDOUT_FILENO);
-    dup2(output, STDERR_FILENO);
-    setenv("HOME", home.c_str(), 1);
-    std::vector<char *> words;
-    std::vector<std::string> copy = arguments;
-    copy.insert(copy.begin(), PROGRAM);
-    for (std::string &word : copy)
-        words.push_back(word.data());
-    words.push_back(nullptr);
-    alarm(kMaxSeconds);
-    execv(PROGRAM, words.data());
-    _exit(127); // as a shell does if there is no such program
-}
-
-/// Runs PROGRAM with its output into `to`, of which `from` is the other end.
-Outcome RunInto(int from, int to, const std::vector<std::string> &arguments, const std::filesystem::path &home,
-                std::size_t killAfter) {
+Outcome RunInto(OutputTo output, const std::vector<std::string> &arguments, const std::filesystem::path &home,
+                const EndEarly &end = {}) {
+    std::vector<std::string> command{PROGRAM};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    Process program(command, home, output);
     Outcome outcome;
-    const pid_t child = fork();
-    if (child == 0)
-        Become(arguments, home.string(), to);
-    close(to);
-    char buffer[4096];
-    for (ssize_t got; (got = read(from, buffer, sizeof buffer)) > 0;) {
-        outcome.text.append(buffer, std::size_t(got));
-        if (child > 0 && outcome.text.size() >= killAfter)
-            kill(child, SIGKILL);
+    for (std::string more; !(more = program.Read()).empty();) {
+        const std::size_t before = outcome.text.size();
+        outcome.text += more;
+        if (before < end.bytes && outcome.text.size() >= end.bytes)
+            program.End(end.signal);
     }
-    close(from);
-    int status = 0;
-    if (child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status))
-        outcome.status = WEXITSTATUS(status);
+    static_cast<Ending &>(outcome) = program.Wait();
     return outcome;
 }
 
@@ -88,19 +60,16 @@ std::vector<std::string> Outcome::ErrorLines() const {
 }
 
 Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
-                       std::size_t killAfter) {
-    int pipes[2];
-    if (pipe(pipes) != 0)
-        return {};
-    return RunInto(pipes[0], pipes[1], arguments, home, killAfter);
+                       const EndEarly &end) {
+    return RunInto(OutputTo::Pipe, arguments, home, end);
 }
 
 Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::filesystem::path &home) {
-    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
-    if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0)
-        return {};
-    const int screen = open(ptsname(terminal), O_RDWR | O_NOCTTY);
-    return screen < 0 ? Outcome() : RunInto(terminal, screen, arguments, home, std::size_t(-1));
+    return RunInto(OutputTo::Terminal, arguments, home);
+}
+
+Ending RunWithoutOutput(const std::vector<std::string> &arguments, const std::filesystem::path &home) {
+    return RunInto(OutputTo::Nowhere, arguments, home);
 }
 
 std::int32_t IntOf(const std::vector<std::byte> &file, std::size_t at) {
@@ -131,12 +100,12 @@ ProgramTest::ProgramTest() : game_(folder_ / "base/baseq3"), maps_(game_ / "maps
     WriteBspFile(Map(".bsp"), bsp, {}, quiet.log);
 }
 
-Outcome ProgramTest::Run(std::string_view words, std::size_t killAfter) {
+Outcome ProgramTest::Run(std::string_view words, const EndEarly &end) {
     std::vector<std::string> arguments{"-fs_basepath", (folder_ / "base").string()};
     std::istringstream text{std::string(words)};
     for (std::string word; text >> word;)
         arguments.push_back(word == "MAP" ? Map(".bsp").string() : word);
-    return RunProgramFile(arguments, folder_.Root(), killAfter);
+    return RunProgramFile(arguments, folder_.Root(), end);
 }
 
 Outcome ProgramTest::RunWell(std::string_view words) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tests/support/game_folder.h"
+#include "tests/support/process.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -11,22 +12,30 @@
 
 namespace q3::test {
 
-/// How the program ended.
-struct Outcome {
-    int status = -1;  ///< exit status; -1 when a signal ended it
+/// How the program ended, and what it printed.
+struct Outcome : Ending {
     std::string text; ///< standard output and standard error
     bool Printed(std::string_view part) const { return text.find(part) != std::string::npos; }
     /// The lines after the error header but those of every run's end; empty when there was no error.
     std::vector<std::string> ErrorLines() const;
 };
 
-/// Runs PROGRAM with these arguments and HOME set to `home`; it is killed after two minutes, or as soon as it has
-/// written that many bytes of output.
-Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
-                       std::size_t killAfter = std::size_t(-1));
+/// When a run is ended early: as soon as it has written `bytes` of output, by `signal` (Process::End).
+struct EndEarly {
+    std::size_t bytes = std::size_t(-1);
+    int signal = 9; ///< SIGKILL
+};
 
-/// The same with standard output and standard error on a terminal, which begins lines with a carriage return.
+/// Runs PROGRAM with these arguments and `home` as the user's folder; it is killed after two minutes.
+Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
+                       const EndEarly &end = {});
+
+/// The same with standard output and standard error on a terminal, which begins lines with a carriage return. Only
+/// where kHasTerminals.
 Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::filesystem::path &home);
+
+/// The same with standard output and standard error that cannot be written to.
+Ending RunWithoutOutput(const std::vector<std::string> &arguments, const std::filesystem::path &home);
 
 /// One lump of a .bsp file on disk.
 std::vector<std::byte> LumpOf(const std::vector<std::byte> &file, std::size_t lump);
@@ -38,7 +47,7 @@ class ProgramTest : public testing::Test {
   protected:
     ProgramTest();
     /// q3map2 -fs_basepath FOLDER and these words, split at blanks; MAP stands for the path of the map.
-    Outcome Run(std::string_view words, std::size_t killAfter = std::size_t(-1));
+    Outcome Run(std::string_view words, const EndEarly &end = {});
     /// Run, and expects exit status 0.
     Outcome RunWell(std::string_view words);
     /// Expects exit status 1, one error line that holds `text`, and the map untouched.

@@ -140,7 +140,7 @@ class TempFolder {
     std::vector<std::string> Files() const {
         std::vector<std::string> names;
         for (const auto &entry : std::filesystem::directory_iterator(path_))
-            names.push_back(entry.path().filename());
+            names.push_back(entry.path().filename().string());
         std::sort(names.begin(), names.end());
         return names;
     }

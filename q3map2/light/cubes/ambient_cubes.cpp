@@ -2,6 +2,7 @@
 #include "q3map2/light/cubes/ambient_cubes.h"
 
 #include "common/error.h"
+#include "libs/math/elementary.h"
 #include "q3map2/bspfile/bspfile_cubes.h"
 #include "q3map2/light/cubes/cube_light.h"
 #include "q3map2/light/cubes/leaf_positions.h"
@@ -134,7 +135,7 @@ CubeSides BlendCubes(std::span<const CubeSample> samples, const Vec3f &position)
 }
 
 float ScreenDifference(const CubeSides &a, const CubeSides &b) {
-    const auto shown = [](float light) { return 255 * std::pow(std::max(light, 0.0f), 1 / kScreenGamma); };
+    const auto shown = [](float light) { return 255 * Pow(std::max(light, 0.0f), 1 / kScreenGamma); };
     float largest = 0;
     for (std::size_t side = 0; side < a.size(); ++side)
         for (std::size_t channel = 0; channel < 3; ++channel)

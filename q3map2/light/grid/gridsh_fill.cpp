@@ -227,7 +227,7 @@ class SightRays {
 
 /// sum[i] += weight * value[i].
 void AddWeighted(double weight, const float *value, double *sum) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, weight]() Q3_INLINE {
         for (std::size_t i = 0; i < kSHFloats; ++i)
             sum[i] += weight * double(value[i]);
     });

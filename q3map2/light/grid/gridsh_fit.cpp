@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. SH grid points fitted to the light between them.
 #include "q3map2/light/grid/gridsh_fit.h"
 
+#include "libs/math/elementary.h"
 #include "libs/math/sampling.h"
 #include "libs/sh/sh.h"
 #include "q3map2/light/batch/receivers.h"
@@ -88,7 +89,7 @@ void LimitToLight(SHFloats &point, float maxBands) {
 float FitWeight(float weight, float mean, FittedPoints fitted) {
     const bool all = fitted == FittedPoints::All;
     const float beyond = std::clamp((all ? kBeyondScreenAll : kBeyondScreen) * mean, 1.0f, kMaxBeyondScreen);
-    return weight * std::pow(kDarkLight / (kDarkLight + mean), 0.25f) / std::pow(beyond, all ? kFallAll : kFall);
+    return weight * Pow(kDarkLight / (kDarkLight + mean), 0.25f) / Pow(beyond, all ? kFallAll : kFall);
 }
 
 GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vector<PointState> &states,

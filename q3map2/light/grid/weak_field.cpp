@@ -2,6 +2,7 @@
 // interpolated; light between the points.
 #include "q3map2/light/grid/weak_field.h"
 
+#include "libs/math/elementary.h"
 #include "libs/math/morton.h"
 #include "libs/math/sampling.h"
 #include "libs/sh/sh.h"
@@ -184,7 +185,7 @@ WeakField::Prediction WeakField::Predict(int x, int y, int z) const {
                 continue;
             const int testedLevel = std::max(1, LevelOf(toX, toY, toZ));
             result.isTested = true;
-            result.error = std::max(result.error, error * std::pow(kErrorDecay, float(level - testedLevel)));
+            result.error = std::max(result.error, error * Pow(kErrorDecay, float(level - testedLevel)));
         }
         if (seen < 2)
             continue;

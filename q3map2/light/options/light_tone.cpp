@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Float light to stored bytes.
 #include "q3map2/light/options/light_tone.h"
+#include "libs/math/elementary.h"
 #include "q3map2/shader/image_formats.h"
 
 #include <fmt/format.h>
@@ -27,9 +28,9 @@ Vec3f ToneMapper::Graded(const Vec3f &color) const {
         v = Each(v, [&](float c) { return tone_.contrast * (c - 128) + 128; });
     v = Each(v, NotNegative);
     if (tone_.gamma != 1)
-        v = Each(v, [&](float c) { return 255 * std::pow(c / 255, 1 / tone_.gamma); });
+        v = Each(v, [&](float c) { return 255 * Pow(c / 255, 1 / tone_.gamma); });
     if (const float m = MaxComponent(v); tone_.exposure != 0 && m > 0)
-        v *= (1 - std::exp(-m / tone_.exposure)) * 255 / m;
+        v *= (1 - Exp(-m / tone_.exposure)) * 255 / m;
     if (tone_.saturation == 1)
         return v;
     // Luminance of linear RGB by Haeberli, Matrix Operations for Image Processing, 1993.

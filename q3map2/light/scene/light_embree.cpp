@@ -41,7 +41,7 @@ GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners) {
 
 void FindNearest(RTCScene scene, const RayPacket &packet, const Lanes &nearest, RTCRayHit16 &hits,
                  RayCoherence coherence) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, scene, coherence]() Q3_INLINE {
         SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, hits.ray);
         std::fill(std::begin(hits.hit.geomID), std::end(hits.hit.geomID), RTC_INVALID_GEOMETRY_ID);
         EmbreeContext context;

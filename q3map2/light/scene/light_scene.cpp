@@ -230,7 +230,7 @@ namespace {
 
 /// Clears `live` of rays that something in the scene blocks; kLegacySurfaces block from `nearestSurface` on only.
 void MaskOccluded(RTCScene scene, RayPacket &packet, float nearest, float nearestSurface = 0) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, scene, nearest, nearestSurface]() Q3_INLINE {
         alignas(64) RTCRay16 rays;
         SetRays(packet.origin, packet.direction, packet.distance, packet.live, nearest, rays);
         OcclusionContext context;

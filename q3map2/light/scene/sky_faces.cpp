@@ -145,7 +145,7 @@ void SkyFaces::AddFace(std::span<const Winding<double>> pieces, int skyIndex) {
 
 /// Written so that compilers make vector code of it: loops without branches, and every lane loaded and stored.
 void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lanes3 &direction, float nearest, SkyHits &hits) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, nearest]() Q3_INLINE {
         const auto [n, dist] = face.plane;
         Lanes distance, toward;
         Lanes3 at;
@@ -186,7 +186,7 @@ void SkyFaces::Test(const Face &face, const Lanes3 &origin, const Lanes3 &direct
 
 void SkyFaces::Find(const Lanes3 &origin, const Lanes3 &direction, const Lanes &farthest, const LaneMask &live,
                     float nearest, SkyHits &hits) const {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, nearest]() Q3_INLINE {
         for (const std::size_t i : kEachLane) {
             hits.hit[i] = hits.behind[i] = hits.skyIndex[i] = 0;
             hits.distance[i] = farthest[i];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/log.h"
+#include "libs/math/elementary.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/light/sources/light_sources.h"
 
@@ -124,7 +125,7 @@ inline float ConeFraction(const Light &light, const Vec3f &toLight) {
         if (cosine <= cone.cosOuter)
             return 0;
         const float fringe = cosine < cone.cosInner ? (cosine - cone.cosOuter) / (cone.cosInner - cone.cosOuter) : 1;
-        return cosine * (cone.exponent == 1 ? fringe : std::pow(fringe, cone.exponent));
+        return cosine * (cone.exponent == 1 ? fringe : Pow(fringe, cone.exponent));
     }
     const float coneRadius = light.radiusByDist * along;
     const float off = Length(-toLight - light.normal * along);

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Lights whose origin, or part of whose polygon, is inside a solid or crossed by a surface.
 #include "q3map2/light/sources/hidden_lights.h"
+#include "libs/math/elementary.h"
 
 #include "q3map2/light/scene/open_parts.h"
 
@@ -104,7 +105,7 @@ bool SeesBacksOnly(const Vec3f &p, const LightScene &scene) {
         for (const std::size_t i : kEachLane) {
             const float turn = goldenAngle * float(first + int(i));
             const float z = 1 - (2 * float(first + int(i)) + 1) / float(kDirections), radius = std::sqrt(1 - z * z);
-            rays.Set(i, p, {radius * std::cos(turn), radius * std::sin(turn), z}, kSunDistance);
+            rays.Set(i, p, {radius * Cos(turn), radius * Sin(turn), z}, kSunDistance);
         }
         LightScene::Blockers blockers;
         scene.TraceBlockers(rays, LightScene::BlockerKind::Casters, 1, nearest, blockers, counts);
@@ -163,7 +164,7 @@ class CrossingSurfaces {
         RayPacket rays;
         for (const std::size_t i : kEachLane) {
             const float turn = 2 * std::numbers::pi_v<float> * float(i) / float(kPacketSize);
-            const Vec3f direction = across * std::cos(turn) + along * std::sin(turn);
+            const Vec3f direction = across * Cos(turn) + along * Sin(turn);
             rays.Set(i, light.origin - direction * kCrossing, direction, 2 * kCrossing);
         }
         LightScene::Blockers hits;

@@ -13,7 +13,7 @@ namespace q3 {
 // ---- Moments of one polygon as the receivers of a batch see it: polygon_moments.h, laid out for SIMD ----
 
 void MomentLanes::SeenCorner::See(Vec3f corner, const Lanes3 &receivers) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, corner]() Q3_INLINE {
         Q3_INDEPENDENT
         for (const std::size_t i : kEachLane) {
             const double wx = double(corner.x) - double(receivers.x[i]), wy = double(corner.y) - double(receivers.y[i]),
@@ -34,7 +34,7 @@ void MomentLanes::Clear() {
 /// AddEdge of polygon_moments.h, which has the derivation, in every lane. Multiplies `half` by the complex number whose
 /// argument is half the solid angle of the triangle of normal, a and b (van Oosterom and Strackee 1983).
 void MomentLanes::AddEdge(const SeenCorner &a, const SeenCorner &b, Vec3d normal, HalfSolidAngles &half) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, normal]() Q3_INLINE {
         Q3_INDEPENDENT
         for (const std::size_t i : kEachLane) {
             const Vec3d aw{a.x[i], a.y[i], a.z[i]}, bw{b.x[i], b.y[i], b.z[i]};
@@ -112,7 +112,7 @@ void MomentLanes::Measure(std::span<const Vec3f> corners, const Lanes3 &receiver
 }
 
 void MomentLanes::Project(double scale, const LaneMask &lanes, std::array<Lanes, 9> &projections) const {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, scale]() Q3_INLINE {
         for (const std::size_t i : kEachLane) {
             const auto values =
                 SHFromMoments<double>(solidAngle[i], {x[i], y[i], z[i]}, xy[i], yz[i], zz[i], xz[i], xx[i] - yy[i]);
@@ -168,7 +168,7 @@ struct Picks {
 };
 
 void Picks::Spread(Sample2 start, std::uint32_t first, double sum) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, start, first, sum]() Q3_INLINE {
         for (const std::size_t i : kEachLane) {
             const double number = double(first) + double(std::int32_t(i));
             const double x = start.u + kPlasticA1 * number, y = start.v + kPlasticA2 * number;
@@ -180,7 +180,7 @@ void Picks::Spread(Sample2 start, std::uint32_t first, double sum) {
 
 /// Moves samples beyond the sum to the next triangle.
 void Picks::Advance(double sum) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, sum]() Q3_INLINE {
         for (const std::size_t i : kEachLane)
             triangle[i] += u[i] >= sum ? 1 : 0;
     });
@@ -202,7 +202,7 @@ struct PickedTriangle {
 /// Samples by solid angle in one triangle. normal, distance: the plane of the polygon relative to p.
 void SampleBySolidAngle(const Picks &picks, PickedTriangle picked, SphericalTriangle triangle, Vec3f p, Vec3d normal,
                         double distance, AreaSamples &samples) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, picked, triangle, p, normal, distance]() Q3_INLINE {
         Lanes3 &target = samples.target, &direction = samples.direction;
         Q3_INDEPENDENT
         for (const std::size_t i : kEachLane) {
@@ -222,7 +222,7 @@ void SampleBySolidAngle(const Picks &picks, PickedTriangle picked, SphericalTria
 
 /// Samples by area in one triangle.
 void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &target) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, picked, a, b, c]() Q3_INLINE {
         Q3_INDEPENDENT
         for (const std::size_t i : kEachLane) {
             const float root = std::sqrt(float(picked.Within(picks.u[i]))), v = float(picks.v[i]);
@@ -237,7 +237,7 @@ void SampleByArea(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, V
 
 /// Directions to samples by area and their weights, strength / d^3.
 void AimByArea(Vec3f p, float strength, AreaSamples &samples) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, p, strength]() Q3_INLINE {
         for (const std::size_t i : kEachLane) {
             const Lanes3 &target = samples.target;
             const auto [x, y, z, d] = DirectionOf(target.x[i] - p.x, target.y[i] - p.y, target.z[i] - p.z);
@@ -262,7 +262,7 @@ Vec3f SampleUniformArea(const Light &light, const Sample2 &s) {
 
 /// Points of the parallelogram a + u (b - a) + v (c - a).
 void PointsOfParallelogram(Vec3f a, Vec3f b, Vec3f c, const Lanes &u, const Lanes &v, Lanes3 &points) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, a, b, c]() Q3_INLINE {
         for (const std::size_t i : kEachLane)
             points.Set(i, a + (b - a) * u[i] + (c - a) * v[i]);
     });
@@ -271,7 +271,7 @@ void PointsOfParallelogram(Vec3f a, Vec3f b, Vec3f c, const Lanes &u, const Lane
 /// Points in one triangle. Those of the half of the parallelogram a b c that is not in it are turned into it, which
 /// keeps patterns as even as they are.
 void FoldIntoTriangle(const Picks &picks, PickedTriangle picked, Vec3f a, Vec3f b, Vec3f c, Lanes3 &points) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, picked, a, b, c]() Q3_INLINE {
         Q3_INDEPENDENT
         for (const std::size_t i : kEachLane) {
             const float u = float(picked.Within(picks.u[i])), v = float(picks.v[i]);

@@ -160,7 +160,7 @@ void AreaContribution::MeasureNear() {
 /// Receivers outside the light's bounds and those that get at most `least` (>= 0) are live no longer. Returns the
 /// greatest estimate of the remaining ones.
 float AreaContribution::CullUnlit(float least) {
-    return Vectorize([&]() Q3_INLINE {
+    return Vectorize([&, least]() Q3_INLINE {
         const Vec3f from = light_.bounds.mins, to = light_.bounds.maxs;
         float brightest = 0;
         for (const std::size_t i : kEachLane) {
@@ -275,7 +275,7 @@ void AreaContribution::TraceProbes(int probes) {
 /// Live receivers whose visibility the probe rays leave uncertain. Receivers from which no probe ray arrived are live
 /// no longer; Refine makes those to be refined live again.
 LaneMask AreaContribution::LanesToRefine(int probes) {
-    return Vectorize([&]() Q3_INLINE {
+    return Vectorize([&, probes]() Q3_INLINE {
         const float allProbes = float(probes);
         std::int32_t anyWhole = 0, anyNotWhole = 0, anyHidden = 0, anySeen = 0;
         for (const std::size_t i : kEachLane) {
@@ -318,7 +318,7 @@ void AreaContribution::ProjectAsPoint() {
 
 /// Adds a small piece of the emitter at `at`: strength h / d^3 times Y[k](direction); strength: radiosity area / pi.
 void AreaContribution::AddSample(const Vec3f &at, float strength) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, strength]() Q3_INLINE {
         const Lanes3 &p = receivers_->position;
         for (const std::size_t i : kEachLane) {
             const auto [x, y, z, d] = DirectionOf(at.x - p.x[i], at.y - p.y[i], at.z - p.z[i]);
@@ -363,7 +363,7 @@ void AreaContribution::ProjectByClosedForm(Method others, const LaneMask &refine
 
 /// Visible fractions and tints from the probe rays, for receivers that are not refined.
 void AreaContribution::SetVisibleFractions(float probes, const LaneMask &refine) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, probes]() Q3_INLINE {
         for (const std::size_t i : kEachLane)
             visibleFraction_[i] = refine[i] != 0 ? 1 : arrived_[i] / probes;
         if (!tinted_) {

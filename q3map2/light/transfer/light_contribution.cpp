@@ -106,7 +106,7 @@ void SetUnshadowedLight(const Light &light, const LightSettings &settings, const
 /// Projects light from one direction u on the SH basis: coefficient k is strength * Y[k](u) times the convolution
 /// factor of its band. At the light's own position u is zero: light from all directions, band 0 alone.
 void ProjectDirections(ProbeIncidentLight &incident, bool radiance) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, radiance]() Q3_INLINE {
         // s0 to s4: SHBasis's constants times the factors; s2 is of xy, yz and xz, s3 of 3 z^2 - 1, s4 of x^2 - y^2.
         const float s0 = float(kSHC0) * float(StoredFactor(0, radiance));
         const float s1 = float(kSHC1) * float(StoredFactor(1, radiance));

@@ -12,7 +12,7 @@ namespace {
 
 /// Receivers that get at most `least` are live no longer.
 void CullBelow(float least, IncidentLight &incident) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, least]() Q3_INLINE {
         for (const std::size_t i : kEachLane) {
             const float strength = incident.strength[i];
             incident.live[i] = strength > least ? incident.live[i] : 0;
@@ -21,7 +21,7 @@ void CullBelow(float least, IncidentLight &incident) {
 }
 
 void SetFalloff(Falloff falloff, const Lanes &angleFactor, IncidentLight &incident) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, falloff]() Q3_INLINE {
         const Lanes &distance = incident.distance;
         Lanes &strength = incident.strength;
         switch (falloff.Curve()) {
@@ -48,7 +48,7 @@ void SetFalloff(Falloff falloff, const Lanes &angleFactor, IncidentLight &incide
 } // namespace
 
 LaneMask InSight(const Light &light, bool skipPvs, const ReceiverBatch &receivers, ContributionCounts &counts) {
-    return Vectorize([&]() Q3_INLINE {
+    return Vectorize([&, skipPvs]() Q3_INLINE {
         LaneMask live = receivers.wanted;
         const int wanted = live.Count();
         counts.pairs += std::uint64_t(wanted);

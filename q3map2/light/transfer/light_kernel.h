@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Steps from a light to receivers that grids, luxels and vertices share, and counts of that work.
 #pragma once
 
+#include "libs/math/elementary.h"
 #include "q3map2/light/batch/receivers.h"
 #include "q3map2/light/sources/light_sources.h"
 
@@ -51,7 +52,7 @@ inline float ReachOfPolygon(const Light &light) {
 /// Number n of stratified rays to a partly hidden light for which the expected error of its light is `error`:
 /// error = (light / 2) n^-0.75.
 inline float RaysForShare(float light, float error) {
-    return std::pow(0.5f * light / error, 1 / 0.75f);
+    return Pow(0.5f * light / error, 1 / 0.75f);
 }
 
 /// Wanted receivers that may see the light; with skipPvs, by visibility data. Counts pairs.

@@ -114,7 +114,7 @@ bool SoftAreaLight::MeasureHorizons(SoftBatch &batch) const {
 /// strength = radiosity F, and the vectors and fluences. isCrossing: a receiver has a part of the light below its
 /// horizon. The fluence is that of a cone with the same irradiance vector.
 void SoftAreaLight::MeasureVectors(bool isCrossing, SoftBatch &batch) const {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, isCrossing]() Q3_INLINE {
         Lanes3 &v = batch.vector;
         SurfaceIncidentLight &incident = batch.incident;
         const Lanes3 &n = batch.normal;
@@ -159,7 +159,7 @@ void SoftAreaLight::Aim(const SoftBatch &batch, std::uint32_t number, PointRays 
 
 /// A point gives cos cos' / d^2, with the cosines at the receiver and at the light.
 void SoftAreaLight::AimLanes(const SoftBatch &batch, std::uint32_t number, PointRays &to) const {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, number]() Q3_INLINE {
         const Sample2 start = PlasticSample(number, batch.seed);
         Lanes u, v;
         for (const std::size_t i : kEachLane) {
@@ -383,7 +383,7 @@ void SoftSampledLight::AimFrom(const SoftBatch &batch, std::size_t receiver, std
 
 /// The rays of all receivers to a sun.
 void SoftSampledLight::AimAtSun(const SoftBatch &batch, std::size_t sample, PointRays &to) const {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, sample]() Q3_INLINE {
         const Light &sun = *samples_[sample];
         const Lanes3 &n = batch.receivers->normal;
         const Vec3f u = -sun.normal;

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Ambient occlusion at receivers on surfaces: dirt, the sky visibility of floodlight, the open sky.
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 
+#include "libs/math/elementary.h"
 #include "libs/math/vec.h"
 #include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/sources/light_sources.h"
@@ -110,7 +111,7 @@ float OccludedFraction(float distance, float length) {
 /// which the caller decides.
 void CullDistant(const LightScene::Blockers &blockers, float certain, const Lanes &length, LaneMask &live,
                  Lanes &occlusion, LaneMask &close) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, certain]() Q3_INLINE {
         for (std::size_t i = 0; i < kPacketSize; ++i) {
             const std::int32_t hit = blockers.hit[i], far = hit & (SignBits(certain - blockers.distance[i]) >> 31);
             occlusion[i] += far != 0 ? OccludedFraction(blockers.distance[i], length[i]) : 0;
@@ -311,7 +312,7 @@ void AmbientOcclusion::Dirt(const OcclusionReceivers &receivers, Nearby *nearby,
     for (std::size_t i = 0; i < receivers.count; ++i) {
         const float fraction = occlusion[i] / float(dirtDirections_.size());
         const float darkening =
-            fraction > 0 ? std::min(1.0f, gain_ == 1 ? fraction : std::pow(fraction, gain_)) * scale_ : 0;
+            fraction > 0 ? std::min(1.0f, gain_ == 1 ? fraction : Pow(fraction, gain_)) * scale_ : 0;
         dirt[i] = 1 - std::min(1.0f, darkening);
     }
 }

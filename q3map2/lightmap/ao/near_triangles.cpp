@@ -85,7 +85,7 @@ using Groups = std::span<const NearTriangles::Group>;
 /// 1997.
 void IntersectTriangles(Groups groups, std::span<const unsigned> tested, const RayPacket &packet, const LaneMask &live,
                         const Lanes &tnear, LightScene::Blockers &first) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, groups]() Q3_INLINE {
         LightScene::Blockers now = first; // a copy that aliases nothing
         for (std::size_t g = 0; g < groups.size(); ++g) {
             const NearTriangles::Group &group = groups[g];

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Solves for the radiosity of a map.
 #include "q3map2/lightmap/bounce/radiosity_solver.h"
 
+#include "libs/math/elementary.h"
 #include "libs/math/vec.h"
 #include "q3map2/lightmap/bounce/bounce_gather.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
@@ -206,7 +207,7 @@ void RadiositySolver::AddRest(int bounces, float peakDecay, State &state) const 
         Vec3f factor;
         for (std::size_t c = 0; c < 3; ++c) {
             const float q = std::min(state.decay[i][c], maxDecay[c]);
-            factor[c] = q / (1 - q) * (bounces == kEndlessBounces ? 1 : 1 - std::pow(q, float(bounces)));
+            factor[c] = q / (1 - q) * (bounces == kEndlessBounces ? 1 : 1 - Pow(q, float(bounces)));
         }
         const auto unshot = groups_[i].Of(state.unshot), total = groups_[i].Of(state.total);
         for (std::size_t k = 0; k < total.size(); ++k)

@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. The light of one source on blocks of 16 luxels, its directional channels, and sums of such light.
 #include "q3map2/lightmap/direct/luxel_contribution.h"
+#include "libs/math/elementary.h"
 
 #include "q3map2/light/transfer/light_kernel.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
@@ -56,7 +57,7 @@ struct BlockSpheres {
 /// area lights not faint: strength * height / distance^3 >= tolerance, the form factor of a differential area.
 void CullBlocks(const LightReach &light, bool twoSided, const BlockSpheres &spheres, std::size_t count,
                 std::int32_t *__restrict mayReach) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, twoSided, count]() Q3_INLINE {
         // How far the light may be behind receivers, and receivers behind the light; what is added to its strength.
         const float behindReceiver = twoSided ? kUnlimited : light.reachOfPolygon;
         const float behindLight = light.area && light.oneSided ? kAreaBehind : kUnlimited;
@@ -143,7 +144,7 @@ Vec3f PlaceOffWalls(const RawLightmap &lightmap, std::size_t luxel, const BspSpa
     for (const float distance : kTries)
         for (int i = 0; i < kDirections; ++i) {
             const float turn = 2 * std::numbers::pi_v<float> * float(i) / kDirections;
-            const Vec3f place = position + (u * std::cos(turn) + v * std::sin(turn)) * distance;
+            const Vec3f place = position + (u * Cos(turn) + v * Sin(turn)) * distance;
             if (isClear(place) && space.ClusterAt(place, 0) == lightmap.luxelClusters[luxel])
                 return place;
         }
@@ -215,7 +216,7 @@ void ProjectOnSH(const SurfaceIncidentLight &incident, std::array<Lanes, Directi
 float SphereAtHorizon(float cosine, float sine2) {
     const float sine = std::sqrt(std::max(1e-12f, 1 - cosine * cosine)), x = std::sqrt(1 / sine2 - 1);
     const float y = std::clamp(-x * cosine / sine, -1.0f, 1.0f), root = sine * std::sqrt(1 - y * y);
-    const float sum = (cosine * std::acos(y) - x * root) * sine2 + std::atan2(root, x);
+    const float sum = (cosine * Acos(y) - x * root) * sine2 + Atan2(root, x);
     return std::max(0.0f, sum / (sine2 * std::numbers::pi_v<float>));
 }
 
@@ -280,7 +281,7 @@ namespace {
 /// directions.
 void SetIncidentLight(const Vec3f &color, const SurfaceIncidentLight &from, float directionScale,
                       LuxelIncidentLight &out) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, directionScale]() Q3_INLINE {
         SetIncidentColor(color, from, from.strength, out.color);
         const std::int32_t colored = color.x + color.y + color.z > 0 ? -1 : 0;
         for (std::size_t i = 0; i < kPacketSize; ++i) {

@@ -168,7 +168,7 @@ namespace {
 constexpr float kFaint = 1.0f / 16;
 
 void AddLanes(const Lanes3 &what, float sign, Lanes3 &sum) {
-    Vectorize([&]() Q3_INLINE {
+    Vectorize([&, sign]() Q3_INLINE {
         for (std::size_t i = 0; i < kPacketSize; ++i) {
             sum.x[i] += what.x[i] * sign;
             sum.y[i] += what.y[i] * sign;

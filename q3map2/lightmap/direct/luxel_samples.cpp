@@ -35,7 +35,7 @@ int RandomCount(int samples, bool exact) {
 
 /// Whether any of the 2 x 2 cells of two rows of luxels is partly lit.
 bool AnyPartlyLit(const std::uint8_t *lit, const std::uint8_t *below, const std::uint8_t *mapped, int count) {
-    return Vectorize([&]() Q3_INLINE {
+    return Vectorize([&, count]() Q3_INLINE {
         std::uint8_t mixed = 0;
         for (int x = 0; x < count; ++x) {
             const auto sum = std::uint8_t(lit[x] + lit[x + 1] + below[x] + below[x + 1]);

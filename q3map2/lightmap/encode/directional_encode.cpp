@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Directional light of luxels as stored: L1 spherical harmonics, radiosity normal mapping, the layout
 // of Lightmass.
 #include "q3map2/lightmap/encode/directional_encode.h"
+#include "libs/math/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -171,7 +172,7 @@ Vec3f RootChromaticity(const Vec3f &color, float luminance) {
 void QuantizeLog(std::span<const std::size_t> mapped, std::span<const float> luminance, std::size_t image,
                  Lightmap &out) {
     const LogScale log = image == kHigh ? kHighLog : kLowLog;
-    const auto logOf = [&](float l) { return std::clamp(std::log2(l + log.black), -log.scale / 2, log.scale / 2); };
+    const auto logOf = [&](float l) { return std::clamp(Log2(l + log.black), -log.scale / 2, log.scale / 2); };
     Range range;
     for (const float l : luminance)
         range.Add(logOf(l));

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Which surfaces share a raw lightmap, its size and its projection, and the phong shading of its
 // normals.
 #include "q3map2/lightmap/raw/lightmap_setup.h"
+#include "libs/math/elementary.h"
 
 #include "q3map2/light/scene/surface_table.h"
 #include "q3map2/light/sources/light_surfaces.h"
@@ -80,7 +81,7 @@ std::vector<float> ShadeAngles(const SurfaceInputs &in) {
 }
 
 float AngleBetween(const Vec3f &a, const Vec3f &b) {
-    return std::acos(std::clamp(Dot(a, b), -1.0f, 1.0f));
+    return Acos(std::clamp(Dot(a, b), -1.0f, 1.0f));
 }
 
 } // namespace

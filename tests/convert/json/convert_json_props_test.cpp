@@ -48,7 +48,7 @@ TEST_F(PropsJsonTest, EditedColorsArePacked) {
     Unpack(PropsBsp());
     std::string text = Text(kFile);
     text.replace(text.find("[1, 2, 3, 4]"), 12, "[9, 8, 7, 6]");
-    std::ofstream(folder_.Path() / kFile) << text;
+    std::ofstream(folder_.Path() / kFile, std::ios::binary) << text;
     const PropLight light = Pack().propLight.value();
     EXPECT_EQ(light.colors.at(2), 9u | 8u << 9 | 7u << 18 | 6u << 27);
 }

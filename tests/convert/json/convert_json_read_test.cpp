@@ -12,6 +12,9 @@ namespace {
 
 using testing::HasSubstr;
 
+/// Between the folder and the name of a file, as messages have it.
+const std::string kSeparator(1, char(std::filesystem::path::preferred_separator));
+
 using PackJsonTest = JsonTest;
 
 TEST_F(PackJsonTest, GivesTheSameBytes) {
@@ -139,7 +142,7 @@ TEST_F(PackJsonTest, EveryMissingFileIsNamed) {
     for (const std::string &file : folder_.Files()) {
         const std::string text = folder_.Text(file);
         std::filesystem::remove(folder_.Path() / file);
-        EXPECT_THAT(PackError(), HasSubstr("/" + file + ": cannot read: "));
+        EXPECT_THAT(PackError(), HasSubstr(kSeparator + file + ": cannot read: "));
         folder_.Put(file, text);
     }
 }
@@ -253,7 +256,7 @@ TEST_F(PackJsonTest, FilesCutShortAreErrors) {
         for (std::size_t length = 0; length < text.size(); length += step) {
             folder_.Put(file, text.substr(0, length));
             const std::string message = PackError();
-            ASSERT_THAT(message, HasSubstr("/" + file + ": ")) << length;
+            ASSERT_THAT(message, HasSubstr(kSeparator + file + ": ")) << length;
             ASSERT_EQ(message.find('\n'), std::string::npos) << message;
         }
         folder_.Put(file, text);

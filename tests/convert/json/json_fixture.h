@@ -41,7 +41,7 @@ class JsonTest : public testing::Test {
         const std::size_t at = text.find(from);
         EXPECT_NE(at, std::string::npos) << from;
         text.replace(at, from.size(), to);
-        std::ofstream(folder_.Path() / file) << text;
+        std::ofstream(folder_.Path() / file, std::ios::binary) << text;
         return PackError();
     }
 
