@@ -181,6 +181,20 @@ std::FILE *OpenFile(const fs::path &path, const char *mode) {
     return _wfopen(path.c_str(), wide.c_str());
 }
 
+FileStamp StampOf(const fs::path &path) {
+    constexpr DWORD kShareAll = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
+    const HANDLE file =
+        CreateFileW(path.c_str(), 0, kShareAll, nullptr, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, nullptr);
+    if (file == INVALID_HANDLE_VALUE)
+        return {};
+    BY_HANDLE_FILE_INFORMATION info{};
+    GetFileInformationByHandle(file, &info);
+    CloseHandle(file);
+    const auto join = [](DWORD high, DWORD low) { return std::uint64_t(high) << 32 | low; };
+    return {join(info.nFileIndexHigh, info.nFileIndexLow),
+            join(info.ftLastWriteTime.dwHighDateTime, info.ftLastWriteTime.dwLowDateTime)};
+}
+
 std::FILE *CreateTemporary(std::string &name, int mode) {
     const int descriptor = g_mkstemp_full(name.data(), _O_WRONLY | _O_BINARY | _O_NOINHERIT, mode);
     return descriptor < 0 ? nullptr : _fdopen(descriptor, "wb");
