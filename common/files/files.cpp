@@ -2,7 +2,6 @@
 #include "common/files/files.h"
 
 #include "common/error.h"
-#include "common/platform/platform.h"
 #include "common/platform/posix_names.h"
 #include "common/text/text.h"
 
@@ -193,14 +192,12 @@ std::uint64_t DiskOf(const fs::path &path) {
 
 FileState FileState::Of(const fs::path &path) {
     FileState state;
-    std::error_code failed;
     GStatBuf info{};
     if (g_stat(path.string().c_str(), &info) != 0)
         return state;
     state.exists = true;
     state.size = std::uint64_t(info.st_size);
-    state.inode = std::uint64_t(info.st_ino);
-    state.time = fs::last_write_time(path, failed);
+    state.stamp = StampOf(path);
     return state;
 }
 

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Files: reading, and safe replacement.
 #pragma once
 
+#include "common/platform/platform.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -93,8 +95,8 @@ void RequireFolder(const std::filesystem::path &folder);
 /// Fingerprint of a file at one time: it differs once another program has written the file. A missing file has one too.
 struct FileState {
     bool exists = false;
-    std::uint64_t size = 0, inode = 0; ///< bytes; inode: 0 on file systems without
-    std::filesystem::file_time_type time{};
+    std::uint64_t size = 0; ///< bytes
+    FileStamp stamp;
 
     static FileState Of(const std::filesystem::path &path);
     bool operator==(const FileState &) const = default;

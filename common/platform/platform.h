@@ -47,6 +47,14 @@ double PeakMemory();
 std::filesystem::path PathOf(std::string_view name);
 /// As fopen, "e" included. Null: failed, errno says why.
 std::FILE *OpenFile(const std::filesystem::path &path, const char *mode);
+/// What tells a file from its other versions of the same size.
+struct FileStamp {
+    std::uint64_t number = 0;  ///< of the file on its disk; 0 on file systems without
+    std::uint64_t written = 0; ///< time of the last write, as exact as the system has it
+    bool operator==(const FileStamp &) const = default;
+};
+/// All 0: no such file.
+FileStamp StampOf(const std::filesystem::path &path);
 /// Creates a file with a new name and these permission bits, but those of the umask. `name` ends in XXXXXX, which are
 /// replaced. Null: failed, errno says why.
 std::FILE *CreateTemporary(std::string &name, int mode);

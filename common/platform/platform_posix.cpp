@@ -145,6 +145,19 @@ std::FILE *OpenFile(const fs::path &path, const char *mode) {
     return std::fopen(path.c_str(), mode);
 }
 
+FileStamp StampOf(const fs::path &path) {
+    struct stat info {};
+    if (stat(path.c_str(), &info) != 0)
+        return {};
+#ifdef __APPLE__
+    const timespec written = info.st_mtimespec;
+#else
+    const timespec written = info.st_mtim;
+#endif
+    constexpr std::uint64_t kNanoseconds = 1000000000; // a second
+    return {std::uint64_t(info.st_ino), std::uint64_t(written.tv_sec) * kNanoseconds + std::uint64_t(written.tv_nsec)};
+}
+
 std::FILE *CreateTemporary(std::string &name, int mode) {
     const int descriptor = g_mkstemp_full(name.data(), O_WRONLY | O_CLOEXEC, mode);
     if (descriptor < 0)

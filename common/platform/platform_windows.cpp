@@ -7,7 +7,9 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cwchar>
+#include <string_view>
 #include <utility>
 
 // In this order: each needs types of those above it, and windows.h without winsock2.h declares other sockets.
@@ -15,6 +17,9 @@
 
 #include <windows.h>
 
+#ifndef _MSC_VER
+#include <dirent.h>
+#endif
 #include <fcntl.h>
 #include <io.h>
 #include <psapi.h>
@@ -176,6 +181,20 @@ std::FILE *OpenFile(const fs::path &path, const char *mode) {
     return _wfopen(path.c_str(), wide.c_str());
 }
 
+FileStamp StampOf(const fs::path &path) {
+    constexpr DWORD kShareAll = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
+    const HANDLE file =
+        CreateFileW(path.c_str(), 0, kShareAll, nullptr, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, nullptr);
+    if (file == INVALID_HANDLE_VALUE)
+        return {};
+    BY_HANDLE_FILE_INFORMATION info{};
+    GetFileInformationByHandle(file, &info);
+    CloseHandle(file);
+    const auto join = [](DWORD high, DWORD low) { return std::uint64_t(high) << 32 | low; };
+    return {join(info.nFileIndexHigh, info.nFileIndexLow),
+            join(info.ftLastWriteTime.dwHighDateTime, info.ftLastWriteTime.dwLowDateTime)};
+}
+
 std::FILE *CreateTemporary(std::string &name, int mode) {
     const int descriptor = g_mkstemp_full(name.data(), _O_WRONLY | _O_BINARY | _O_NOINHERIT, mode);
     return descriptor < 0 ? nullptr : _fdopen(descriptor, "wb");
@@ -281,5 +300,28 @@ extern "C" std::size_t __wrap_mbrtowc(wchar_t *to, const char *from, std::size_t
     unit = wchar_t(0xd800 + ((c - 0x10000) >> 10));
     *state = 0xdc00 + int((c - 0x10000) & 0x3ff);
     return 3;
+}
+
+/// In place of _wopendir of MinGW-w64, by which std::filesystem lists folders: it takes no path of more than 260
+/// characters. Made for the library's _wreaddir and _wclosedir.
+extern "C" _WDIR *__wrap__wopendir(const wchar_t *path) {
+    const DWORD attributes = GetFileAttributesW(path);
+    if (attributes == INVALID_FILE_ATTRIBUTES || (attributes & FILE_ATTRIBUTE_DIRECTORY) == 0) {
+        errno = attributes == INVALID_FILE_ATTRIBUTES ? q3::ErrorNumber(GetLastError()) : ENOTDIR;
+        return nullptr;
+    }
+    constexpr std::wstring_view kAllFiles = L"\\*";
+    const DWORD room = GetFullPathNameW(path, 0, nullptr, nullptr); // with the zero at the end
+    auto *folder = static_cast<_WDIR *>(std::calloc(1, sizeof(_WDIR) + (room + kAllFiles.size()) * sizeof(wchar_t)));
+    if (folder == nullptr) {
+        errno = ENOMEM;
+        return nullptr;
+    }
+    DWORD length = GetFullPathNameW(path, room, folder->dd_name, nullptr);
+    if (length > 0 && folder->dd_name[length - 1] == L'\\')
+        --length;
+    kAllFiles.copy(folder->dd_name + length, kAllFiles.size()); // a zero follows
+    folder->dd_handle = -1;                                     // nothing has been read
+    return folder;
 }
 #endif

@@ -318,7 +318,7 @@ std::uint64_t SizeOfFile(const fs::path &file) {
 
 void WarnIfSourceIsNewer(const MapFiles &files, Log &log) {
     const FileState map = FileState::Of(files.map), bsp = FileState::Of(files.bsp);
-    if (map.exists && bsp.exists && map.time > bsp.time)
+    if (map.exists && bsp.exists && map.stamp.written > bsp.stamp.written)
         log.Warn("newer map source",
                  "{} is newer than {}: changes since then, other than those of light entities, are not in the .bsp; "
                  "compile the map again with -bsp",

@@ -30,8 +30,9 @@ TEST_F(ProgramTest, EditorGetsEverythingThatIsPrinted) {
 
 TEST_F(ProgramTest, EditorGetsErrors) {
     EditorListener editor;
-    EXPECT_EQ(Run("-light -connect " + editor.Address() + " /nowhere/x.bsp").status, 1);
-    EXPECT_NE(TextOfLevel(ParseFeedback(editor.Text()), "3").find("/nowhere/x.bsp"), std::string::npos);
+    const std::string nowhere = (folder_ / "nowhere/x.bsp").string();
+    EXPECT_EQ(Run("-light -connect " + editor.Address() + " " + nowhere).status, 1);
+    EXPECT_NE(Slashed(TextOfLevel(ParseFeedback(editor.Text()), "3")).find(Slashed(nowhere)), std::string::npos);
 }
 
 TEST_F(ProgramTest, EditorGetsErrorsInOptions) {

@@ -32,7 +32,7 @@ class GameCheckTest : public ProgramTest {
     }
     void ExpectParts(const std::string &line, const std::vector<std::string> &parts) {
         for (const std::string &part : parts)
-            EXPECT_NE(line.find(part), std::string::npos) << part << " is not in: " << line;
+            EXPECT_NE(Slashed(line).find(Slashed(part)), std::string::npos) << part << " is not in: " << line;
     }
 };
 
@@ -75,7 +75,8 @@ TEST_F(GameCheckTest, TheFolderOfTheMapTellsTheGame) {
 /// -fs_nobasepath, -fs_nohomepath and -fs_nomagicpath.
 TEST_F(GameCheckTest, FoldersThatAreNotSearched) {
     folder_.Write(kHome + "/baseq3/scripts/home.shader", "");
-    const std::string home = (folder_ / (kHome + "/baseq3")).string(), base = (folder_ / "base").string();
+    const std::string home = Slashed((folder_ / (kHome + "/baseq3")).string()), base = (folder_ / "base").string(),
+                      game = Slashed(game_.string());
     const auto searched = [&](std::vector<std::string> words) {
         words.insert(words.end(), {"-light", "-onlygrid", "-force"});
         const Outcome outcome = RunBare(words);
@@ -83,24 +84,25 @@ TEST_F(GameCheckTest, FoldersThatAreNotSearched) {
         std::vector<std::string> folders;
         constexpr std::string_view kLine = "VFS Init: ";
         for (std::size_t at = 0; (at = outcome.text.find(kLine, at)) != std::string::npos; ++at)
-            folders.push_back(outcome.text.substr(at + kLine.size(), outcome.text.find('\n', at) - at - kLine.size()));
+            folders.push_back(
+                Slashed(outcome.text.substr(at + kLine.size(), outcome.text.find('\n', at) - at - kLine.size())));
         return folders;
     };
     using Folders = std::vector<std::string>;
-    EXPECT_EQ(searched({}), (Folders{home, game_.string()}));
-    EXPECT_EQ(searched({"-fs_nohomepath"}), Folders{game_.string()});
+    EXPECT_EQ(searched({}), (Folders{home, game}));
+    EXPECT_EQ(searched({"-fs_nohomepath"}), Folders{game});
     EXPECT_EQ(searched({"-fs_nobasepath"}), Folders{home});
     const Folders guessed = searched({"-fs_nomagicpath", "-fs_nohomepath"});
     ASSERT_EQ(guessed.size(), 1u); // the folder above the program's
-    EXPECT_NE(guessed[0], game_.string());
+    EXPECT_NE(guessed[0], game);
     const Folders none{"-fs_nobasepath", "-fs_nohomepath", "-fs_nomagicpath"};
     EXPECT_EQ(searched(none), Folders{});
     const auto with = [&](Folders more) {
         more.insert(more.begin(), none.begin(), none.end());
         return more;
     };
-    EXPECT_EQ(searched(with({"-fs_basepath", base})), Folders{game_.string()});
-    EXPECT_EQ(searched(with({"-fs_pakpath", game_.string()})), Folders{game_.string()});
+    EXPECT_EQ(searched(with({"-fs_basepath", base})), Folders{game});
+    EXPECT_EQ(searched(with({"-fs_pakpath", game_.string()})), Folders{game});
     ExpectParts(ErrorOf(RunBare(with({"-light"}))), {"no game files", "(searched: nothing)"});
     EXPECT_TRUE(RunBare(with({"-fs_home", base, "-light", "-force"})).Printed("-fs_nohomepath: the folder")) << base;
     ExpectParts(ErrorOf(RunBare(with({"-pk3"}))), {"-fs_nobasepath leaves no folder", "-outdir"});

@@ -78,11 +78,13 @@ TEST_F(PackageProgramTest, RepackStripsScripts) {
     folder_.Write("base/baseq3/levelshots/demo.jpg", "picture");
     Run("-repack MAP");
     EXPECT_TRUE(std::filesystem::exists(folder_ / "base/demo_strippedBYrepacker.shader"));
-    const Archive archive(folder_ / "base/demo_repacked.pk3");
-    for (const std::string &name : archive.Names())
-        EXPECT_EQ(name.find(".shader"), std::string::npos) << name;
-    EXPECT_FALSE(archive.Contains("maps/demo.bsp"));
-    EXPECT_TRUE(archive.Contains("levelshots/demo.jpg"));
+    {
+        const Archive archive(folder_ / "base/demo_repacked.pk3");
+        for (const std::string &name : archive.Names())
+            EXPECT_EQ(name.find(".shader"), std::string::npos) << name;
+        EXPECT_FALSE(archive.Contains("maps/demo.bsp"));
+        EXPECT_TRUE(archive.Contains("levelshots/demo.jpg"));
+    } // Windows removes no open file
     std::filesystem::remove(folder_ / "base/demo_repacked.pk3");
     const std::string list = (folder_ / "maps.txt").string();
     folder_.Write("maps.txt", Map(".bsp").string() + "\r\n\n");

@@ -28,7 +28,7 @@ class PathsTest : public ProgramTest {
         EXPECT_EQ(outcome.status, 1) << words;
         const std::vector<std::string> lines = outcome.ErrorLines();
         EXPECT_EQ(lines.size(), 1u) << outcome.text;
-        return lines.empty() ? "" : lines.front();
+        return lines.empty() ? "" : Slashed(lines.front());
     }
 };
 
@@ -74,7 +74,7 @@ TEST_F(PathsTest, EveryStageTakesFilesFromTheirPlaces) {
     const std::string srf = (folder_ / "out/s.srf").string(), prt = (folder_ / "out/p.prt").string();
     const std::string places = " -bspfile " + bsp + " ", portals = "-prtfile " + prt + " ";
     RunWell("-bsp -meta " + portals + "-srffile " + srf + places + source);
-    EXPECT_THAT(ErrorOf("-vis" + places + source), HasSubstr((maps_ / "apart.prt").string() + " is missing"));
+    EXPECT_THAT(ErrorOf("-vis" + places + source), HasSubstr(Slashed((maps_ / "apart.prt").string()) + " is missing"));
     EXPECT_TRUE(RunWell("-vis -fast -saveprt " + portals + places + source).Printed("Loading " + prt));
     EXPECT_TRUE(fs::exists(prt));
     RunWell("-vis " + portals + places + source);
@@ -103,8 +103,8 @@ TEST_F(PathsTest, TheNameInOtherCaseIsProposed) {
 }
 
 TEST_F(PathsTest, WhatMayHaveBeenMeantIsProposed) {
-    const std::string bsp = Map(".bsp").string();
-    const auto wrong = [&](std::string_view name) { return (maps_ / name).string(); };
+    const std::string bsp = Slashed(Map(".bsp").string());
+    const auto wrong = [&](std::string_view name) { return Slashed((maps_ / name).string()); };
     EXPECT_EQ(ErrorOf("-light " + wrong("demmo.bsp")),
               wrong("demmo.bsp") + " does not exist; did you mean " + bsp + "?");
     EXPECT_THAT(ErrorOf("-vis " + (game_ / "demo").string()), HasSubstr("did you mean " + bsp + "?"));
@@ -113,9 +113,9 @@ TEST_F(PathsTest, WhatMayHaveBeenMeantIsProposed) {
     EXPECT_THAT(ErrorOf("-light " + wrong("other.bsp")),
                 HasSubstr("its source does: q3map2 -bsp " + wrong("other.map") + " compiles it"));
     EXPECT_THAT(ErrorOf("-meta " + (folder_ / "none/x.map").string()),
-                HasSubstr("x.map does not exist: there is no folder " + (folder_ / "none").string()));
+                HasSubstr("x.map does not exist: there is no folder " + Slashed((folder_ / "none").string())));
     EXPECT_THAT(ErrorOf("-meta " + game_.string()),
-                AllOf(HasSubstr(game_.string() + " is a folder"), HasSubstr(".map")));
+                AllOf(HasSubstr(Slashed(game_.string()) + " is a folder"), HasSubstr(".map")));
     CopySource("x.bin"); // the file itself, of whatever extension, if there is no other
     EXPECT_THAT(ErrorOf("-light " + wrong("x.bin")), HasSubstr("x.bin: the file is a map source"));
     EXPECT_THAT(ErrorOf("-repack " + wrong("demmo")), HasSubstr("did you mean " + bsp));

@@ -5,7 +5,9 @@
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/map/map_parse.h"
+#include "tests/support/this_system.h"
 
+#include <algorithm>
 #include <cstring>
 #include <iterator>
 #include <sstream>
@@ -45,6 +47,13 @@ Bsp CompiledDemo(const std::filesystem::path &game) {
 }
 
 } // namespace
+
+std::string Slashed(std::string_view text) {
+    std::string slashed(text);
+    if (kIsWindows)
+        std::replace(slashed.begin(), slashed.end(), '\\', '/');
+    return slashed;
+}
 
 std::vector<std::string> Outcome::ErrorLines() const {
     constexpr std::string_view kHeader = "************ ERROR ************\n";
@@ -122,7 +131,7 @@ void ProgramTest::ExpectError(std::string_view words, std::string_view text) {
     EXPECT_EQ(outcome.status, 1) << words << '\n' << outcome.text;
     const auto lines = outcome.ErrorLines();
     ASSERT_EQ(lines.size(), 1u) << words << '\n' << outcome.text;
-    EXPECT_NE(lines[0].find(text), std::string::npos) << lines[0];
+    EXPECT_NE(Slashed(lines[0]).find(Slashed(text)), std::string::npos) << lines[0];
     EXPECT_EQ(MapBytes(), before) << words;
     EXPECT_EQ(std::filesystem::last_write_time(Map(".bsp")), time) << words;
     for (const auto &entry : std::filesystem::directory_iterator(maps_))

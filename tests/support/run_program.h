@@ -12,10 +12,14 @@
 
 namespace q3::test {
 
+/// The text with / between folders on Windows, where the program prints names with what they were given with.
+std::string Slashed(std::string_view text);
+
 /// How the program ended, and what it printed.
 struct Outcome : Ending {
     std::string text; ///< standard output and standard error
-    bool Printed(std::string_view part) const { return text.find(part) != std::string::npos; }
+    /// Takes both separators of Windows for the same.
+    bool Printed(std::string_view part) const { return Slashed(text).find(Slashed(part)) != std::string::npos; }
     /// The lines after the error header but those of every run's end; empty when there was no error.
     std::vector<std::string> ErrorLines() const;
 };
