@@ -47,14 +47,14 @@ void WriteFact(std::string_view name, std::string_view fact) {
 void WriteCrashReport(std::string_view fault) {
     WriteError("\n************ CRASH ************\n");
     WriteError(fault);
-    WriteError(": this is a fault of the program, whatever the map holds.\n");
+    WriteError(": this is a bug in the program, not in the map.\n");
     WriteError(versionText.Get());
     WriteFact("command  ", commandText.Get());
     WriteFact("file     ", fileText.Get());
     const unsigned count = passCount.load();
     for (unsigned i = count - std::min(count, kPassesKept); i < count; ++i)
         WriteFact(i + 1 == count ? "in pass  " : "after    ", passTexts[i % kPassesKept].Get());
-    WriteError("Please report these lines, if possible with the map: README.md, \"Report a fault\".\n");
+    WriteError("Please report these lines, if possible with the map: README.md, \"Report a bug\".\n");
 }
 
 } // namespace
