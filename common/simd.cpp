@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <string_view>
 
 namespace q3 {
 
@@ -22,23 +23,15 @@ Isa WidestOfProcessor() {
     return Isa::Sse2;
 }
 
-Isa ChosenIsa() {
-    const char *limit = std::getenv("Q3MAP2_SIMD");
-    return std::min(WidestOfProcessor(), IsaOfName(limit != nullptr ? limit : "").value_or(Isa::Avx512));
+/// Other names set no limit.
+Isa LimitOfEnvironment() {
+    const char *text = std::getenv("Q3MAP2_SIMD");
+    const std::string_view name = text != nullptr ? text : "";
+    return name == "sse2" ? Isa::Sse2 : name == "avx2" ? Isa::Avx2 : Isa::Avx512;
 }
 
 } // namespace
 
-const Isa kVectorIsa = ChosenIsa();
-
-std::optional<Isa> IsaOfName(std::string_view name) {
-    if (name == "sse2")
-        return Isa::Sse2;
-    if (name == "avx2")
-        return Isa::Avx2;
-    if (name == "avx512")
-        return Isa::Avx512;
-    return std::nullopt;
-}
+const Isa kVectorIsa = std::min(WidestOfProcessor(), LimitOfEnvironment());
 
 } // namespace q3

@@ -1,9 +1,6 @@
 // GPL-2.0-or-later. Vector code for several kinds of x86-64 processors from one source.
 #pragma once
 
-#include <optional>
-#include <string_view>
-
 /// 1: code within Vectorize is compiled for several kinds of processors (CMake option Q3MAP2_SIMD); 0: once, like all
 /// other code.
 #ifndef Q3MAP2_SIMD
@@ -29,11 +26,8 @@ namespace q3 {
 /// Instruction sets of x86-64 processors: SSE2, x86-64-v3 (AVX2) and x86-64-v4 (AVX-512).
 enum class Isa { Sse2, Avx2, Avx512 };
 
-/// The widest instruction set of `name`, sse2, avx2 or avx512.
-std::optional<Isa> IsaOfName(std::string_view name);
-
 /// The instruction set that Vectorize uses: the widest that this processor has, up to the one that Q3MAP2_SIMD in the
-/// environment names. Set when the program starts.
+/// environment names: sse2, avx2 or avx512. Set when the program starts.
 extern const Isa kVectorIsa;
 
 #if Q3_SIMD_VERSIONS
@@ -47,8 +41,8 @@ template <class Code> __attribute__((target("arch=x86-64-v4"))) auto VectorizeFo
 
 /// Runs code, a lambda marked Q3_INLINE, as compiled for the widest vectors of this processor: 512, 256 or 128 bits.
 /// Fused multiply-add is off (-ffp-contract=off), so all versions give the same bits. What the code calls is compiled
-/// for the base processor unless it is inlined. Numbers of the function around it are captured by value: as references,
-/// the arrays that a loop writes might alias them.
+/// for the base processor unless it is inlined. Numbers of the function around it are captured by value: if they were
+/// references, the arrays that a loop writes might alias them.
 ///
 ///     Vectorize([&, weight]() Q3_INLINE {
 ///         for (const std::size_t i : kEachLane)

@@ -22,6 +22,13 @@ struct ProcessStart {
 /// To be called once, first of all. Sets up standard output: bytes are printed as they are, and read as UTF-8.
 ProcessStart StartProcess(int argc, char **argv);
 
+/// Whether this build has the address or the thread sanitizer.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kIsSanitized = true;
+#else
+inline constexpr bool kIsSanitized = false;
+#endif
+
 /// From now on `report` is called when a fault is about to end the process, with the fault in words. It may call only
 /// WriteError and what else is safe in a signal handler. Afterwards the fault ends the process as it would have without
 /// this. Sanitizer builds keep the reports of the sanitizer instead.

@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -48,12 +49,6 @@ ProcessStart StartProcess(int argc, char **argv) {
 
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
-
 struct Fault {
     int signal;
     std::string_view text;
@@ -66,6 +61,7 @@ constexpr Fault kFaults[] = {{SIGSEGV, "Invalid memory access (SIGSEGV)"},
 
 void (*crashReport)(std::string_view fault);
 std::atomic_flag hasCrashed;
+std::array<char, 64 * 1024> faultStack; ///< of the handler, for faults that come from a full stack
 
 void OnFault(int number, siginfo_t *info, void *) {
     if (hasCrashed.test_and_set()) // another thread is reporting, and then ends the process
@@ -86,10 +82,9 @@ void SetCrashHandler(void (*report)(std::string_view fault)) {
     if (kIsSanitized)
         return;
     crashReport = report;
-    static char stack[64 * 1024]; // of its own, for faults that come from a full stack
     stack_t alternative{};
-    alternative.ss_sp = stack;
-    alternative.ss_size = sizeof stack;
+    alternative.ss_sp = faultStack.data();
+    alternative.ss_size = faultStack.size();
     sigaltstack(&alternative, nullptr);
     struct sigaction action {};
     action.sa_sigaction = OnFault;

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The program when something is wrong: exit status, one clear line, the old map untouched.
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/platform/platform.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/stages/written_map.h"
 #include "tests/support/file_size_limit.h"
@@ -18,12 +19,6 @@
 namespace q3::test {
 
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 class FailureTest : public ProgramTest {
   protected:

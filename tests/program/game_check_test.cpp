@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Game files that are not where the options say: an error that names the folders searched.
 #include "tests/support/run_program.h"
+#include "tests/support/this_system.h"
 
 #include "common/files/files.h"
 #include "q3map2/bspfile/bspfile.h"
@@ -11,11 +12,7 @@ namespace q3::test {
 namespace {
 
 /// The folder of the user's files of Quake 3 below the user's folder.
-#ifdef _WIN32
-const std::string kHome = "q3a";
-#else
-const std::string kHome = ".q3a";
-#endif
+const std::string kHome = kIsWindows ? "q3a" : ".q3a";
 
 class GameCheckTest : public ProgramTest {
   protected:

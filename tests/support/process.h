@@ -19,16 +19,9 @@ struct Ending {
 /// Where standard output and standard error of a program go.
 enum class OutputTo {
     Pipe,
-    Terminal, ///< only where kHasTerminals
+    Terminal, ///< not on Windows
     Nowhere   ///< each write fails
 };
-
-#ifdef _WIN32
-inline constexpr bool kHasTerminals = false;
-#else
-inline constexpr bool kHasTerminals = true;
-#endif
-inline constexpr const char *kNoTerminals = "this system has no terminal that another process can read";
 
 /// A program that runs beside the test. It is killed after two minutes, or when this object goes.
 class Process {

@@ -34,8 +34,8 @@ struct EndEarly {
 Outcome RunProgramFile(const std::vector<std::string> &arguments, const std::filesystem::path &home,
                        const EndEarly &end = {});
 
-/// The same with standard output and standard error on a terminal, which begins lines with a carriage return. Only
-/// where kHasTerminals.
+/// The same with standard output and standard error on a terminal, which begins lines with a carriage return. Not
+/// on Windows.
 Outcome RunOnTerminal(const std::vector<std::string> &arguments, const std::filesystem::path &home);
 
 /// The same with standard output and standard error that cannot be written to.

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. What operating systems differ in and tests ask for. A test of something that Windows has not is
-// skipped there and says what it is.
+// GPL-2.0-or-later. Differences of operating systems that tests depend on. A test of something that Windows does not
+// have is skipped there with a reason.
 #pragma once
 
 namespace q3::test {
@@ -10,7 +10,8 @@ inline constexpr bool kIsWindows = true;
 inline constexpr bool kIsWindows = false;
 #endif
 
-/// Why a test is skipped.
+/// Reasons for skipping a test on Windows.
+inline constexpr const char *kNoTerminals = "Windows has no terminal that another process can read";
 inline constexpr const char *kNoCase = "names of files that differ only in case are the same file on Windows";
 
 } // namespace q3::test
