@@ -8,6 +8,11 @@ namespace {
 const char *const kNumbers[] = {"0",     "-0",  "1e-30", "-1e-30", "1e-45", "1e30", "-1e30", "1e38", "-1e38",
                                 "1e300", "nan", "-nan",  "inf",    "-inf",  "-1",   "65536", "",     "0x7fffffff"};
 
+/// Small, because there are thousands of bakes.
+SceneBuilder SmallRoom() {
+    return Room({-64, -64, 0}, {64, 64, 128});
+}
+
 enum class LightKind { Point, Linear, Spot, Sun };
 
 /// Entities of a light of that kind with one key set to something.
@@ -35,10 +40,13 @@ TEST_P(LightKeys, AnyNumber) {
     for (const LightKind kind : {LightKind::Point, LightKind::Linear, LightKind::Spot, LightKind::Sun})
         for (const char *number : kNumbers) {
             SCOPED_TRACE(fmt::format("kind {}: {}", int(kind), number));
-            SceneBuilder scene = Room();
+            SceneBuilder scene = SmallRoom();
             scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/vec/sky_sun"));
             AddLight(scene, kind, key, vector ? fmt::format("{0} 1 {0}", number) : number);
-            LitSoundlyOrRefused(scene, "-gridsh 128 128 128 -shadaptive", "light at");
+            std::string_view options = kind == LightKind::Point ? kBothGrids : kUniformGrid;
+            if (key == "_samples") // up to 65536 rays for each point
+                options = "-gridsh 256 256 256";
+            LitSoundlyOrRefused(scene, options, "light at");
         }
 }
 
@@ -54,12 +62,12 @@ TEST_P(WorldKeys, AnyNumber) {
     for (const char *number : kNumbers) {
         SCOPED_TRACE(number);
         for (const std::string &value : {std::string(number), fmt::format("{0} {0} {0} {0} {0}", number)}) {
-            SceneBuilder scene = Room();
+            SceneBuilder scene = SmallRoom();
             scene.SetWorldKey(key, value);
             if (key == "_color")
                 scene.SetWorldKey("_ambient", "10");
             scene.AddEntity(PointLight("10 20 100"));
-            LitSoundlyOrRefused(scene, "-gridsh 128 128 128 -shadaptive", "grid");
+            LitSoundlyOrRefused(scene, kBothGrids, "grid");
         }
     }
 }
@@ -82,7 +90,7 @@ TEST_P(ShaderNumbers, AnyNumber) {
     }
     for (int i = 0; i < count; i++) {
         SCOPED_TRACE(kNumbers[i]);
-        SceneBuilder scene = Room({-64, -64, 0}, {64, 64, 128});
+        SceneBuilder scene = SmallRoom();
         scene.SetWallShader(BoxFace::PlusZ, TestShader(fmt::format("textures/test/odd{}", i)));
         LitSoundly(scene, kBothGrids);
     }
