@@ -62,7 +62,7 @@ if(NOT WIN32)
 endif()
 # Of the libraries that are linked into the program.
 if(Q3MAP2_LICENCES)
-  install(DIRECTORY ${Q3MAP2_LICENCES}/ DESTINATION ${share}/licenses)
+  install(DIRECTORY ${Q3MAP2_LICENCES}/ DESTINATION ${share}/licences)
 endif()
 
 # The libraries of this system, with their licences, but for the C library: a part of the TGZ only (cpack_generator.cmake).

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Parallel loops over indices.
 #include "common/jobs.h"
 
+#include "common/platform/platform.h"
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -118,6 +120,7 @@ class JobPool::Workers {
     }
 
     void Serve(int worker) {
+        PrepareThreadForCrashes();
         std::unique_lock lock(mutex_);
         for (;;) {
             wake_.wait(lock, [this] { return stopped_ || wanted_ > 0; });

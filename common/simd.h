@@ -27,7 +27,7 @@ namespace q3 {
 enum class Isa { Sse2, Avx2, Avx512 };
 
 /// The instruction set that Vectorize uses: the widest that this processor has, up to the one that Q3MAP2_SIMD in the
-/// environment names: sse2, avx2 or avx512. Set when the program starts.
+/// environment names: sse2, avx2 or avx512; other text sets no limit. Set when the program starts.
 extern const Isa kVectorIsa;
 
 #if Q3_SIMD_VERSIONS

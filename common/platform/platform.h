@@ -19,11 +19,12 @@ struct ProcessStart {
     std::filesystem::path program;      ///< the file that runs
 };
 
-/// To be called once, first of all. Sets up standard output: bytes are printed as they are, and read as UTF-8.
+/// To be called once, first of all. Sets up standard output: bytes are printed as they are, and the console reads them
+/// as UTF-8.
 ProcessStart StartProcess(int argc, char **argv);
 
-/// Whether this build has the address or the thread sanitizer.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+/// Whether this build has sanitizers.
+#ifdef Q3_SANITIZED
 inline constexpr bool kIsSanitized = true;
 #else
 inline constexpr bool kIsSanitized = false;
@@ -33,6 +34,8 @@ inline constexpr bool kIsSanitized = false;
 /// WriteError and what else is safe in a signal handler. Afterwards the fault ends the process as it would have without
 /// this. Sanitizer builds keep the reports of the sanitizer instead.
 void SetCrashHandler(void (*report)(std::string_view fault));
+/// To be called by each other thread when it starts, so that an overflow of its stack is reported too.
+void PrepareThreadForCrashes();
 /// Writes to standard error. Safe in signal handlers.
 void WriteError(std::string_view text);
 

@@ -61,15 +61,15 @@ constexpr Fault kFaults[] = {{SIGSEGV, "Invalid memory access (SIGSEGV)"},
 
 void (*crashReport)(std::string_view fault);
 std::atomic_flag hasCrashed;
-std::array<char, 64 * 1024> faultStack; ///< of the handler, for faults that come from a full stack
+thread_local std::array<char, 16 * 1024> faultStack; ///< of the handler, for faults that come from a full stack
 
 void OnFault(int number, siginfo_t *info, void *) {
     if (hasCrashed.test_and_set()) // another thread is reporting, and then ends the process
         for (;;)
             pause();
-    for (const auto &[signal, text] : kFaults)
-        if (signal == number)
-            crashReport(text);
+    for (const Fault &fault : kFaults)
+        if (fault.signal == number)
+            crashReport(fault.text);
     // Returning repeats what the fault interrupted, which now ends the process. A signal that was sent is sent again.
     signal(number, SIG_DFL);
     if (info->si_code <= 0)
@@ -82,15 +82,22 @@ void SetCrashHandler(void (*report)(std::string_view fault)) {
     if (kIsSanitized)
         return;
     crashReport = report;
-    stack_t alternative{};
-    alternative.ss_sp = faultStack.data();
-    alternative.ss_size = faultStack.size();
-    sigaltstack(&alternative, nullptr);
+    PrepareThreadForCrashes();
     struct sigaction action {};
+    sigfillset(&action.sa_mask); // a fault within the handler ends the process at once
     action.sa_sigaction = OnFault;
     action.sa_flags = SA_SIGINFO | SA_ONSTACK;
     for (const Fault &fault : kFaults)
         sigaction(fault.signal, &action, nullptr);
+}
+
+void PrepareThreadForCrashes() {
+    if (kIsSanitized)
+        return;
+    stack_t alternative{};
+    alternative.ss_sp = faultStack.data();
+    alternative.ss_size = faultStack.size();
+    sigaltstack(&alternative, nullptr);
 }
 
 void WriteError(std::string_view text) {

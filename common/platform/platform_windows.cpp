@@ -85,11 +85,14 @@ ProcessStart StartProcess(int, char **) {
 namespace {
 
 void (*crashReport)(std::string_view fault);
-std::atomic_flag hasCrashed;
+std::atomic<DWORD> crashedThread; ///< its number, or 0
 
 void ReportOnce(std::string_view fault) {
-    if (!hasCrashed.test_and_set())
+    DWORD none = 0;
+    if (crashedThread.compare_exchange_strong(none, GetCurrentThreadId()))
         crashReport(fault);
+    else if (none != GetCurrentThreadId()) // another thread is reporting, and then ends the process
+        Sleep(INFINITE);
 }
 
 std::string_view FaultText(DWORD code) {
@@ -123,10 +126,14 @@ void OnAbort(int) {
 
 void SetCrashHandler(void (*report)(std::string_view fault)) {
     crashReport = report;
-    ULONG forHandler = 16 * 1024; // of the stack, for faults that come from a full one
-    SetThreadStackGuarantee(&forHandler);
+    PrepareThreadForCrashes();
     SetUnhandledExceptionFilter(OnException);
     std::signal(SIGABRT, OnAbort);
+}
+
+void PrepareThreadForCrashes() {
+    ULONG forHandler = 16 * 1024; // of the stack, for faults that come from a full one
+    SetThreadStackGuarantee(&forHandler);
 }
 
 void WriteError(std::string_view text) {
@@ -197,7 +204,16 @@ FileStamp StampOf(const fs::path &path) {
 
 std::FILE *CreateTemporary(std::string &name, int mode) {
     const int descriptor = g_mkstemp_full(name.data(), _O_WRONLY | _O_BINARY | _O_NOINHERIT, mode);
-    return descriptor < 0 ? nullptr : _fdopen(descriptor, "wb");
+    if (descriptor < 0)
+        return nullptr;
+    std::FILE *file = _fdopen(descriptor, "wb");
+    if (file == nullptr) {
+        const int error = errno;
+        _close(descriptor);
+        g_unlink(name.c_str());
+        errno = error;
+    }
+    return file;
 }
 
 void SetPermissions(std::FILE *, int) {}

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Elementary functions of floats, with the same bits from every C library.
+// GPL-2.0-or-later. Elementary functions of floats whose results hardly depend on the C library.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 namespace q3 {
 
 // The float functions of C libraries differ in the last bit of some results, even between processors. Those of doubles
-// do too, but an error of 2^-53 hardly ever changes the float that the result is rounded to.
+// do too, but a relative error near 2^-52 hardly ever changes the float that the result is rounded to.
 
 inline float Pow(float base, float exponent) {
     return float(std::pow(double(base), double(exponent)));

@@ -2,6 +2,7 @@
 #include "q3map2/bspfile/grid_table.h"
 
 #include "common/error.h"
+#include "libs/math/elementary.h"
 
 #include <algorithm>
 #include <array>
@@ -67,9 +68,9 @@ Coordinates CoordinatesOf(const bspGridPoint_t &point) {
         }
     constexpr float kStep = 2 * std::numbers::pi_v<float> / 255; // radians
     const float polar = float(point.latLong[0]) * kStep, around = float(point.latLong[1]) * kStep;
-    at[next++] = float(brightest) * std::cos(around) * std::sin(polar);
-    at[next++] = float(brightest) * std::sin(around) * std::sin(polar);
-    at[next++] = float(brightest) * std::cos(polar);
+    at[next++] = float(brightest) * Cos(around) * Sin(polar);
+    at[next++] = float(brightest) * Sin(around) * Sin(polar);
+    at[next++] = float(brightest) * Cos(polar);
     return at;
 }
 

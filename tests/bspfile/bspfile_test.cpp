@@ -142,7 +142,7 @@ TEST_F(Files, ABadMapLeavesTheOldFile) {
 
 TEST_F(Files, AFullDiskLeavesTheOldFile) {
     if (!FileSizeLimit::kExists)
-        GTEST_SKIP() << "this system limits the size of no file";
+        GTEST_SKIP() << kNoSizeLimit;
     const fs::path path = Old("old");
     const Bsp bsp = WithGrid(10, 1);
     KeptLog listener;

@@ -36,13 +36,13 @@ class LightKeys : public StressTest, public testing::WithParamInterface<const ch
 
 TEST_P(LightKeys, AnyNumber) {
     const std::string_view key = GetParam();
-    const bool vector = key == "_color" || key == "origin";
+    const bool isVector = key == "_color" || key == "origin";
     for (const LightKind kind : {LightKind::Point, LightKind::Linear, LightKind::Spot, LightKind::Sun})
         for (const char *number : kNumbers) {
             SCOPED_TRACE(fmt::format("kind {}: {}", int(kind), number));
             SceneBuilder scene = SmallRoom();
             scene.SetWallShader(BoxFace::PlusZ, TestShader("textures/vec/sky_sun"));
-            AddLight(scene, kind, key, vector ? fmt::format("{0} 1 {0}", number) : number);
+            AddLight(scene, kind, key, isVector ? fmt::format("{0} 1 {0}", number) : number);
             std::string_view options = kind == LightKind::Point ? kBothGrids : kUniformGrid;
             if (key == "_samples") // up to 65536 rays for each point
                 options = "-gridsh 256 256 256";
@@ -67,7 +67,7 @@ TEST_P(WorldKeys, AnyNumber) {
             if (key == "_color")
                 scene.SetWorldKey("_ambient", "10");
             scene.AddEntity(PointLight("10 20 100"));
-            LitSoundlyOrRefused(scene, kBothGrids, "grid");
+            LitSoundlyOrRefused(scene, kBothGrids, "grid"); // only a grid may be refused
         }
     }
 }

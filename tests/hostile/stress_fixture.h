@@ -18,14 +18,14 @@ class StressTest : public LightTest {
   protected:
     static constexpr std::string_view kUniformGrid = "-gridsh 64 64 64", kBothGrids = "-gridsh 64 64 64 -shadaptive";
 
-    /// Lights the map with one worker and with three: the same bytes, all coefficients finite, no negative mean, legal
+    /// Lights the map with one worker and with three: the same grids, all coefficients finite, no negative mean, legal
     /// legacy points. The same of the sparse grid, if the options ask for one, wherever it is sampled. Returns the lit
     /// map. Sanitizers, which make a bake 15 times slower, see the one with three workers only.
     Bsp LitSoundly(const Bsp &bsp, std::string_view options = kUniformGrid) {
         Bsp lit = Lit(bsp, options, 3);
         if (!kIsSanitized) {
             const LightResult three = result;
-            EXPECT_TRUE(SameGrids(lit, Lit(bsp, options, 1))) << "three workers give other bytes than one";
+            EXPECT_TRUE(SameGrids(lit, Lit(bsp, options, 1))) << "three workers give other grids than one";
             EXPECT_EQ(three.gridSH.counts.rays, result.gridSH.counts.rays);
         }
         const GridView grid(lit);
@@ -39,7 +39,7 @@ class StressTest : public LightTest {
     Bsp LitSoundly(const SceneBuilder &scene, std::string_view options = kUniformGrid) {
         return LitSoundly(scene.Build(), options);
     }
-    /// The same, or an Error that names the entity or key.
+    /// The same, or an Error whose text contains `name`.
     void LitSoundlyOrRefused(const SceneBuilder &scene, std::string_view options, std::string_view name) {
         try {
             LitSoundly(scene, options);

@@ -181,7 +181,7 @@ TEST_F(FailureTest, OptionsWithBadValues) {
 
 TEST_F(FailureTest, MapThatCannotBeWrittenWholeStays) {
     if (!FileSizeLimit::kExists)
-        GTEST_SKIP() << "this system limits the size of no file";
+        GTEST_SKIP() << kNoSizeLimit;
     const std::size_t size = MapBytes().size();
     for (const std::size_t limit : {std::size_t(0), std::size_t(4096), size / 2}) {
         const FileSizeLimit full(limit);

@@ -18,7 +18,7 @@ class FileSizeLimit {
     explicit FileSizeLimit(std::size_t) {}
 };
 #else
-/// While it lives, this process and its children cannot write past that size, as on a full disk; this holds for root.
+/// While it lives, this process and its children cannot write past that size, as on a full disk; root included.
 class FileSizeLimit {
   public:
     static constexpr bool kExists = true;

@@ -36,8 +36,10 @@ Ends EndsOf(OutputTo output) {
         return {.to = open("/dev/null", O_RDONLY | O_CLOEXEC)};
     if (output == OutputTo::Terminal) {
         const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-        if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0)
+        if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0) {
+            close(terminal);
             return {};
+        }
         return {terminal, open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC)};
     }
     int pipes[2];

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <numbers>
 #include <numeric>
 
@@ -52,7 +54,13 @@ struct Directed {
 /// is known only at the end, so every contribution is recorded.
 class GridRecords {
   public:
-    explicit GridRecords(std::size_t blocks) : blocks_(blocks) { lightRecords_.reserve(kUsualLights * blocks); }
+    /// Starts anew with that many blocks.
+    void Reset(std::size_t blocks) {
+        blocks_.assign(blocks, Block());
+        lightRecords_.clear();
+        lightRecords_.reserve(kUsualLights * blocks);
+        pointRecords_.clear();
+    }
     /// What a record counts for.
     enum class Counts { AsLight, AsDirection };
     /// Adds a light at the points of a block.
@@ -105,6 +113,28 @@ class GridRecords {
     std::vector<Block> blocks_;
     std::vector<LightRecord> lightRecords_;
     std::vector<PointRecord> pointRecords_;
+};
+
+/// Records that are not in use, with their memory: that of thousands of lights would else be asked of the operating
+/// system for each few blocks.
+class SpareRecords {
+  public:
+    std::unique_ptr<GridRecords> Take() {
+        const std::scoped_lock lock(mutex_);
+        if (spare_.empty())
+            return std::make_unique<GridRecords>();
+        std::unique_ptr<GridRecords> records = std::move(spare_.back());
+        spare_.pop_back();
+        return records;
+    }
+    void Return(std::unique_ptr<GridRecords> records) {
+        const std::scoped_lock lock(mutex_);
+        spare_.push_back(std::move(records));
+    }
+
+  private:
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<GridRecords>> spare_;
 };
 
 /// Color of the arriving light per lane, negative for negative lights.
@@ -370,12 +400,14 @@ bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::BlockLight &l
     return stored;
 }
 
-/// Points of a few blocks being lit.
+/// Points of a few blocks being lit. Keeps references; what `records` has in it is lost.
 class GridBlocks {
   public:
-    GridBlocks(const GridInputs &in, std::span<ReceiverBatch> blocks)
-        : in_(in), blocks_(blocks), records_(blocks.size()), incident_(blocks.size()),
-          sums_(in.options.cheapGrid ? blocks.size() : 0) {}
+    GridBlocks(const GridInputs &in, std::span<ReceiverBatch> blocks, GridRecords &records)
+        : in_(in), blocks_(blocks), records_(records), incident_(blocks.size()),
+          sums_(in.options.cheapGrid ? blocks.size() : 0) {
+        records_.Reset(blocks.size());
+    }
     void Trace(const LightSettings &settings, std::span<const WeightedLight> lights, GridStats &work) {
         for (const WeightedLight &one : lights) {
             LightContributionToPoint(*one.light, one.weight, settings, in_.scene, blocks_, incident_, work.counts);
@@ -409,7 +441,7 @@ class GridBlocks {
 
     const GridInputs &in_;
     std::span<ReceiverBatch> blocks_;
-    GridRecords records_;
+    GridRecords &records_;
     std::vector<ProbeIncidentLight> incident_;
     std::vector<Lanes3> sums_; ///< by block: light so far, of all styles; only with -cheapgrid
 };
@@ -522,6 +554,7 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
     std::vector<std::uint8_t> lit(grid.size()); // a byte each: workers write side by side
     const GridBricks bricks(layout);
+    SpareRecords spare;
     stats.points = layout.Count();
     RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
         std::vector<ReceiverBatch> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
@@ -535,11 +568,14 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
                                           in.options.skip, work);
         LightSettings pass = settings;
         pass.faint = lightsInReach.HasManyFaint() ? kFaintInBrick : 0;
+        std::unique_ptr<GridRecords> records = spare.Take();
         for (std::size_t first = 0; first < blocks.size(); first += kBlocksTogether) {
-            GridBlocks together(in, std::span(blocks).subspan(first, std::min(kBlocksTogether, blocks.size() - first)));
+            const std::size_t count = std::min(kBlocksTogether, blocks.size() - first);
+            GridBlocks together(in, std::span(blocks).subspan(first, count), *records);
             together.Trace(pass, lightsInReach.List(), work);
             together.Store(grid, work);
         }
+        spare.Return(std::move(records));
     });
     if (in.options.styleSlots)
         MarkWalls(layout, lit, grid);

@@ -13,7 +13,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
-# Below the sysroot CMake would make empty entries of it, which mean the current folder.
+# With a sysroot, CMake would write empty RPATH entries, which mean the current folder.
 set(CMAKE_SKIP_RPATH ON)
 
 # For ctest, and to try the program on other machines: the emulator of user programs, if there is one.

@@ -1,6 +1,6 @@
 
-# Added to Embree by tools/scripts/windows/build: a unity build of each library. Left out are sources that include a
-# source that another one includes too, or that define a name that another one defines.
+# Added to Embree by tools/scripts/windows/build: a unity build of each library. Sources are left out that would define a
+# name twice or include a source that another one includes.
 foreach(library embree embree_avx embree_avx2 embree_avx512)
   if(TARGET ${library})
     get_target_property(sources ${library} SOURCES)

@@ -17,8 +17,9 @@ set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_FIND_LIBRARY_SUFFIXES .a)
 
-# One file that runs by itself. The stack of Windows threads is aligned to 16 bytes only, which g++ forgets when it
-# spills vectors of 32 (GCC bug 54412): the assembler makes such accesses unaligned ones. -fno-ipa-ra: see CMakeLists.txt.
+# -static: one file that needs no DLL. The stack of Windows threads is aligned to 16 bytes only, which g++ ignores when it
+# spills 32-byte vectors (GCC bug 54412), so the assembler is told to use unaligned moves. -fno-ipa-ra: see
+# CMakeLists.txt.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -L${Q3_WINDOWS_PREFIX}/lib")
 set(CMAKE_C_FLAGS_INIT "-Wa,-muse-unaligned-vector-move -fno-ipa-ra")
 set(CMAKE_CXX_FLAGS_INIT "-Wa,-muse-unaligned-vector-move -fno-ipa-ra")
