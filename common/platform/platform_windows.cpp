@@ -2,6 +2,7 @@
 #include "common/platform/platform.h"
 
 #include <glib.h>
+#include <glib/gstdio.h>
 
 #include <algorithm>
 #include <atomic>
