@@ -16,7 +16,7 @@ namespace {
 #ifndef _WIN32 // no signals
 
 /// Needs more stack than there is.
-int Overflow(volatile int depth) {
+int Overflow(int depth) {
     volatile char block[4096];
     block[0] = char(depth);
     return depth < 0 ? 0 : block[0] + Overflow(depth + 1);
