@@ -61,7 +61,7 @@ constexpr Fault kFaults[] = {{SIGSEGV, "Invalid memory access (SIGSEGV)"},
 
 void (*crashReport)(std::string_view fault);
 std::atomic_flag hasCrashed;
-thread_local std::array<char, 16 * 1024> faultStack; ///< of the handler, for faults that come from a full stack
+thread_local std::array<char, 64 * 1024> faultStack; ///< of the handler, for faults that come from a full stack
 
 void OnFault(int number, siginfo_t *info, void *) {
     if (hasCrashed.test_and_set()) // another thread is reporting, and then ends the process
