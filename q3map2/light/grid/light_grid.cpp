@@ -115,8 +115,8 @@ class GridRecords {
     std::vector<PointRecord> pointRecords_;
 };
 
-/// Records that are not in use, with their memory: that of thousands of lights would else be asked of the operating
-/// system for each few blocks.
+/// Records that no worker uses at the moment. They keep their memory: with thousands of lights it is megabytes, which
+/// Windows would take back after every few blocks.
 class SpareRecords {
   public:
     std::unique_ptr<GridRecords> Take() {
@@ -400,7 +400,7 @@ bspGridPoint_t StorePoint(const GridInputs &in, const GridRecords::BlockLight &l
     return stored;
 }
 
-/// Points of a few blocks being lit. Keeps references; what `records` has in it is lost.
+/// Points of a few blocks being lit. Keeps references; resets `records`.
 class GridBlocks {
   public:
     GridBlocks(const GridInputs &in, std::span<ReceiverBatch> blocks, GridRecords &records)
