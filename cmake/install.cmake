@@ -48,8 +48,19 @@ install(FILES libs/shgrid/shgrid.h libs/shgrid/shgrid.glsl libs/shgrid/shgrid.hl
               libs/shgrid/shgrid_atlas.glsl libs/shgrid/shgrid_atlas.hlsl libs/ambientcubes/ambient_cubes.h libs/staticprops/staticprops.h
               libs/hdrlight/hdrlight.h libs/bspx/bspx.h libs/directional/directional.h libs/directional/directional.glsl
               libs/directional/directional.hlsl DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${doc})
-install(DIRECTORY docs/ DESTINATION ${doc}/docs PATTERN "*.1" EXCLUDE)
+install(FILES CHANGELOG.md LICENSE DESTINATION ${doc})
+if(Q3MAP2_MANUAL)
+  install(DIRECTORY ${Q3MAP2_MANUAL}/ DESTINATION ${doc}/manual)
+  # The README links to pages of the manual: docs/guide/x.md is manual/docs/guide/x.html.
+  file(READ README.md readme)
+  string(REGEX REPLACE "\\]\\(docs/([a-z0-9_/]*|README)[.]md" "](manual/docs/\\1.html" readme "${readme}")
+  string(REGEX REPLACE "\\]\\(docs/pictures/([^)/]*/)?([^)/]*)\\)" "](manual/_images/\\2)" readme "${readme}")
+  file(WRITE ${CMAKE_BINARY_DIR}/generated/README.md "${readme}")
+  install(FILES ${CMAKE_BINARY_DIR}/generated/README.md DESTINATION ${doc})
+else()
+  install(FILES README.md DESTINATION ${doc})
+  install(DIRECTORY docs/ DESTINATION ${doc}/docs PATTERN "*.1" EXCLUDE)
+endif()
 install(DIRECTORY tools/generated/editors/netradiant tools/generated/editors/gtkradiant tools/generated/editors/trenchbroom
         DESTINATION ${share}/editors)
 install(FILES tools/viewer/viewer.html DESTINATION ${share})

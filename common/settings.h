@@ -67,6 +67,8 @@ struct SettingInfo {
     bool firstOnly = false;      ///< repetitions are left for another table of settings
     std::string_view help{};     ///< one line, a sentence without its full stop
     std::string_view details{};  ///< more for the documentation page
+    std::string_view since{};    ///< who introduced it: a version of this program, "q3map2" (NetRadiant's), "VRAD" ...
+    std::string_view example{};  ///< values for an example in the documentation; needed where there are values
 
     /// Whether the word is the name or an alias, whatever its case.
     bool Names(std::string_view word) const;
@@ -184,7 +186,8 @@ Setting<Options> WithoutEffect(std::vector<std::string> Options::*given, std::st
     const auto note = [given, name, help](Options &o, const SettingValues &) {
         (o.*given).push_back(fmt::format("{} ({})", name, help));
     };
-    return {{.name = name, .aliases = {alias}, .withoutEffect = true, .help = help}, Do<Options>(note)};
+    return {{.name = name, .aliases = {alias}, .withoutEffect = true, .help = help, .since = "q3map2"},
+            Do<Options>(note)};
 }
 /// One warning that names these options; none if there are none.
 void WarnWithoutEffect(const std::vector<std::string> &given, Log &log);

@@ -14,8 +14,8 @@
 namespace q3 {
 
 /// Read-only view of all mounted game folders. Names are relative, with '/', such as "textures/base/wall.tga"; archive
-/// names are case-insensitive, loose files by the file system's rules. Precedence: docs/differences.md. Safe for
-/// concurrent reads once set up.
+/// names are case-insensitive, loose files by the file system's rules. Precedence:
+/// docs/reference/game_files.md. Safe for concurrent reads once set up.
 class VirtualFileSystem {
   public:
     explicit VirtualFileSystem(Log &log);

@@ -68,7 +68,7 @@ std::optional<TextureBlocks> BlocksOfDxgi(unsigned format) {
     }
 }
 
-/// The layout of a DXGI_FORMAT of the extended header; nullopt: not one of up to 8 bits a channel.
+/// The layout of a DXGI_FORMAT of the extended header; nullopt: not one of up to 8 bits per channel.
 std::optional<TexelMasks> MasksOfDxgi(unsigned format) {
     constexpr std::array<unsigned, 4> kRgba = {0xFF, 0xFF00, 0xFF0000, 0xFF000000};
     constexpr std::array<unsigned, 4> kBgra = {0xFF0000, 0xFF00, 0xFF, 0xFF000000};
@@ -141,7 +141,7 @@ class DdsDecoder {
                 return ReadBlocks(*blocks);
             if (const auto masks = MasksOfDxgi(format))
                 return ReadMasked(*masks);
-            throw Error("{}: DDS with DXGI format {}, expected BC1 to BC5, BC7 or up to 8 bits a channel", name_,
+            throw Error("{}: DDS with DXGI format {}, expected BC1 to BC5, BC7 or up to 8 bits per channel", name_,
                         format);
         }
         if (const auto blocks = BlocksOfFourCc(fourCc))

@@ -93,7 +93,7 @@ FloatImage ReadExr(std::span<const std::byte> file, std::string_view name) {
         if (!found)
             throw Error("{}: EXR without a channel {}, expected R, G and B", name, channel);
         if (found->xSampling != 1 || found->ySampling != 1)
-            throw Error("{}: EXR whose channel {} has a sample for {} x {} texels, expected one for each", name,
+            throw Error("{}: EXR whose channel {} has one sample per {} x {} texels, expected one per texel", name,
                         channel, found->xSampling, found->ySampling);
     }
     FloatImage image{int(width), int(height), std::vector<Vec3f>(std::size_t(width * height))};

@@ -213,7 +213,7 @@ class KtxDecoder {
             layout.masks = *masks;
         else if (!layout.blocks)
             throw Error("{}: KTX with type {:x}, format {:x} and internal format {:x}, expected BC1 to BC5, BC7, ETC1, "
-                        "ETC2, or up to 8 bits a channel",
+                        "ETC2, or up to 8 bits per channel",
                         name_, type, format, internalFormat);
         constexpr std::uint64_t kSizeWord = 4, kRowAlignment = 4;
         const std::uint64_t at = kKtx1Header + std::uint64_t(keyBytes);
@@ -232,8 +232,9 @@ class KtxDecoder {
         if (const auto masks = MasksOfVk(format); masks && !layout.blocks)
             layout.masks = *masks;
         else if (!layout.blocks)
-            throw Error("{}: KTX 2 with Vulkan's format {}, expected BC1 to BC5, BC7, ETC2, or up to 8 bits a channel",
-                        name_, format);
+            throw Error(
+                "{}: KTX 2 with Vulkan's format {}, expected BC1 to BC5, BC7, ETC2, or up to 8 bits per channel", name_,
+                format);
         Need(kKtx2Header, kKtx2LevelBytes, "index of mipmaps");
         return Texels(size, layout, LongWord(kKtx2Header), 1);
     }

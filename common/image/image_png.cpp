@@ -154,7 +154,7 @@ std::vector<std::byte> EncodePng(std::span<const std::uint8_t> texels, int width
                                  std::string_view name) {
     CheckImageSize(std::uint64_t(width), std::uint64_t(height), name);
     if (channels != 3 && channels != 4)
-        throw Error("{}: cannot write: {} channels a texel, expected 3 or 4", name, channels);
+        throw Error("{}: cannot write: {} channels per texel, expected 3 or 4", name, channels);
     if (texels.size() != std::size_t(channels) * std::size_t(width) * std::size_t(height))
         throw Error("{}: cannot write: {} bytes of texels, expected {} x {} x {}", name, texels.size(), width, height,
                     channels);

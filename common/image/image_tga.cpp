@@ -205,7 +205,7 @@ class PcxReader {
         CheckImageSize(width < 1 ? 0 : std::uint64_t(width), height < 1 ? 0 : std::uint64_t(height), name_);
         const std::size_t stride = Word(66), rows = std::size_t(height);
         if (stride < std::size_t(width))
-            throw Error("{}: PCX with {} bytes a row, expected at least {}", name_, stride, width);
+            throw Error("{}: PCX with {} bytes per row, expected at least {}", name_, stride, width);
         if (stride * rows > kLengthBits * file_.size()) // a run is at most 63 texels; checked before allocating
             TooShort();
         ReadRuns(stride * rows);

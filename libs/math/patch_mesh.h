@@ -43,7 +43,7 @@ template <typename Vert> Vert HalfwayVert(const Vert &a, const Vert &b) {
     return middle;
 }
 
-/// What decides how often the curve with these control points is halved, as in the established program: |b - a| +
+/// What decides how often the curve with these control points is halved, as in NetRadiant's q3map2: |b - a| +
 /// 7/8 |c - 2b + a|, a bound of half its speed |(b - a) + t (c - 2b + a)| at t = 7/8. Game units. 0 for a curve that is
 /// nearly straight or a point, which needs none.
 float HalvingMeasure(const Vec3f &a, const Vec3f &b, const Vec3f &c);

@@ -48,7 +48,7 @@ template <typename T> constexpr std::array<T, 9> SHBasis(const Vec3<T> &d) {
     return SHFromMoments<T>(1, d, d.x * d.y, d.y * d.z, d.z * d.z, d.x * d.z, d.x * d.x - d.y * d.y);
 }
 
-// ---- Deringing: coefficients without negative lobes. Derivation: docs/sh_math.md ----
+// ---- Deringing: coefficients without negative lobes. Derivation: docs/internals/sh_math.md ----
 
 /// The least value of an SH sum over all directions, and a unit direction that attains it.
 struct SHMinimum {

@@ -435,8 +435,8 @@ static inline int shgrid_atlas_fits_(const shgrid_atlas *atlas) {
 /* ---- The table of lights ---- */
 
 /* Texels of light number n of the grid, from SHGRID_STYLE_TEXELS + SHGRID_LIGHT_TEXELS * n on: fields of the lump's
-   table (docs/bsp_format.md), in `light`, 4 a texel. The last texel also has the number of the texel of its first
-   polygon, and the number of its polygons. */
+   table (docs/reference/bsp_format.md), in `light`, 4 a texel. The last texel also has the number of the texel of its
+   first polygon, and the number of its polygons. */
 static inline void shgrid_put_light_(const unsigned char *light, size_t polygonTexel, float *to) {
     static const unsigned char fields[26] = {4,  8,  12, 40, 16, 20, 24, 96, 28, 32, 36, 92,  44,
                                              48, 52, 56, 60, 64, 68, 72, 76, 80, 84, 88, 100, 0};

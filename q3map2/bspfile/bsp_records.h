@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Records of compiled maps: little endian, no padding, as they lie in RBSP and FBSP files. Brush
-// sides, vertices, surfaces and grid points are smaller in IBSP files: bspfile_ibsp.cpp. See docs/bsp_format.md.
+// sides, vertices, surfaces and grid points are smaller in IBSP files: bspfile_ibsp.cpp. See
+// docs/reference/bsp_format.md.
 #pragma once
 
 #include "libs/math/packed_color.h"

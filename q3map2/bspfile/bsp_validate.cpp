@@ -122,7 +122,7 @@ class Validator {
         if (clusters < 0)
             throw Error("{}: visibility: {} clusters, expected at least 0", name_, clusters);
         if (row < (clusters + 7) / 8)
-            throw Error("{}: visibility: {} bytes a row, expected at least {} for {} clusters", name_, row,
+            throw Error("{}: visibility: {} bytes per row, expected at least {} for {} clusters", name_, row,
                         (clusters + 7) / 8, clusters);
         if (kVisHeadBytes + std::uint64_t(clusters) * std::uint64_t(row) > length)
             throw Error("{}: visibility: {} rows of {} bytes exceed the {} bytes of the lump", name_, clusters, row,

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. IBSP files of version 46 and 47: bytes to records and back. See docs/bsp_format.md.
+// GPL-2.0-or-later. IBSP files of version 46 and 47: bytes to records and back. See docs/reference/bsp_format.md.
 #include "q3map2/bspfile/bspfile_ibsp.h"
 
 #include "common/error.h"
@@ -210,7 +210,7 @@ class Reader {
         } catch (const Error &error) {
             if (isOwnLayout)
                 throw;
-            log_.Warn("slot 18", "slot 18 is ignored, it is no SH light grid: {}", error.what());
+            log_.Warn("slot 18", "slot 18 is ignored, since it is not an SH light grid: {}", error.what());
             return;
         }
         lumps_.SetLump(LUMP_LIGHTGRID_SH, part);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. IBSP files of version 46 and 47: bytes to records and back. See docs/bsp_format.md.
+// GPL-2.0-or-later. IBSP files of version 46 and 47: bytes to records and back. See docs/reference/bsp_format.md.
 #pragma once
 
 #include "common/log.h"

@@ -17,8 +17,8 @@
 namespace q3 {
 
 /// A light that points of the grid name. A surface that faces it gets `color` times a strength, 1 = byte 255;
-/// docs/bsp_format.md has the formula of the strength for each type. Fields that the type and the curve do not need are
-/// 0. Distances are in game units.
+/// docs/reference/bsp_format.md has the formula of the strength for each type. Fields that the type and the curve do
+/// not need are 0. Distances are in game units.
 struct GridLight {
     std::uint8_t type = SHGRID_POINT;
     std::uint8_t curve = SHGRID_INVERSE_SQUARE; ///< points and spots: falloff with distance

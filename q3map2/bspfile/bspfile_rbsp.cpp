@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. RBSP files (Soldier of Fortune II, Jedi Outcast, Jedi Academy) and FBSP files (qfusion): bytes to
-// records and back. See docs/bsp_format.md.
+// records and back. See docs/reference/bsp_format.md.
 #include "q3map2/bspfile/bspfile_rbsp.h"
 
 #include "common/error.h"
@@ -37,7 +37,7 @@ void AddGrid(const Bsp &bsp, LumpBytes &lumps, Log &log) {
         log.Warn(
             "light grid joined",
             "the light grid has {} different points, but the file holds {}: the nearest were joined, which changes "
-            "{} points by {:.2f} of 255 in the mean over all and by {} at most; a larger gridsize avoids it",
+            "{} points by {:.2f} levels on average over all and by at most {}; a larger gridsize avoids it",
             loss.distinct, kMaxGridRecords, loss.changed, loss.mean, loss.worst);
     const auto add = [&lumps](int slot, const auto &records) {
         const auto bytes = std::as_bytes(std::span(records));

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. RBSP files (Soldier of Fortune II, Jedi Outcast, Jedi Academy) and FBSP files (qfusion): bytes to
-// records and back. See docs/bsp_format.md.
+// records and back. See docs/reference/bsp_format.md.
 #pragma once
 
 #include "common/log.h"

@@ -17,8 +17,8 @@ namespace q3 {
 /// in y, bit 2 in z. It is an inner node if its bit is set in `inner`, else a cell, that is, a leaf.
 ///
 /// A cell owns the lattice point at its lower corner. With its bit in `stored` the value of that point is stored. With
-/// its bit in `hanging` it follows from points of larger cells that touch it, see docs/bsp_format.md. With neither, no
-/// value exists there: solid space or void.
+/// its bit in `hanging` it follows from points of larger cells that touch it, see docs/reference/bsp_format.md. With
+/// neither, no value exists there: solid space or void.
 struct SparseGridNode {
     std::uint32_t children = 0; ///< index of the first inner child; the others follow
     std::uint32_t points = 0;   ///< index of the value of the first stored cell; the others follow

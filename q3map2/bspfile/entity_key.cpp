@@ -85,76 +85,109 @@ namespace {
 
 /// `help` is what to write instead.
 constexpr std::array kForeignWorldKeys = std::to_array<SettingInfo>({
-    {.name = "_sunlight", .help = "A light_environment with _light, or q3map_sunExt in the shader of the sky"},
-    {.name = "_sunlight_color", .help = "The color in _light of a light_environment, or that of q3map_sunExt"},
+    {.name = "_sunlight",
+     .help = "Use a light_environment with _light, or q3map_sunExt in the shader of the sky",
+     .since = "ericw-tools"},
+    {.name = "_sunlight_color",
+     .help = "Use the color in _light of a light_environment, or that of q3map_sunExt",
+     .since = "ericw-tools"},
     {.name = "_sunlight_mangle",
      .aliases = {"_sun_mangle", "sun_mangle"},
-     .help = "The keys angle and pitch of a light_environment, or the angles of q3map_sunExt"},
-    {.name = "_sunlight_penumbra", .help = "SunSpreadAngle of a light_environment, or the deviance of q3map_sunExt"},
+     .help = "Use the keys angle and pitch of a light_environment, or the angles of q3map_sunExt",
+     .since = "ericw-tools"},
+    {.name = "_sunlight_penumbra",
+     .help = "Use SunSpreadAngle of a light_environment, or the deviance of q3map_sunExt",
+     .since = "ericw-tools"},
     {.name = "_sunlight2",
      .aliases = {"_sunlight3", "_sunlight2_color", "_sunlight3_color"},
-     .help = "The key _ambient of a light_environment, or q3map_skyLight in the shader of the sky"},
-    {.name = "_bounce", .help = "The option -bounce N of the light stage"},
-    {.name = "_bouncescale", .help = "The option -bouncescale F of the light stage"},
-    {.name = "_bouncecolorscale", .help = "The option -bouncecolorratio F of the light stage"},
+     .help = "Use the key _ambient of a light_environment, or q3map_skyLight in the shader of the sky",
+     .since = "ericw-tools"},
+    {.name = "_bounce", .help = "Use the option -bounce N of the light stage", .since = "ericw-tools"},
+    {.name = "_bouncescale", .help = "Use the option -bouncescale F of the light stage", .since = "ericw-tools"},
+    {.name = "_bouncecolorscale",
+     .help = "Use the option -bouncecolorratio F of the light stage",
+     .since = "ericw-tools"},
     {.name = "_dirt",
      .aliases = {"_sunlight_dirt", "_sunlight2_dirt", "_minlight_dirt"},
-     .help = "The option -dirty of the light stage, for all light of the map"},
-    {.name = "_dirtmode", .help = "The options -dirty and -dirtmode of the light stage"},
-    {.name = "_dirtdepth", .help = "The options -dirty and -dirtdepth of the light stage"},
-    {.name = "_dirtscale", .help = "The options -dirty and -dirtscale of the light stage"},
-    {.name = "_dirtgain", .help = "The options -dirty and -dirtgain of the light stage"},
-    {.name = "_minlight_color", .help = "The key _color of worldspawn"},
-    {.name = "_range", .help = "The option -scale of the light stage"},
-    {.name = "_dist", .help = "The option -pointscale of the light stage, or brighter lights"},
-    {.name = "_gamma", .help = "The option -gamma of the light stage"},
-    {.name = "_anglescale", .aliases = {"_anglesense"}, .help = "The key _anglescale of each light"},
-    {.name = "_surflight_subdivide", .help = "q3map_lightSubdivide in the shader of the emitting surfaces"},
+     .help = "Use the option -dirty of the light stage, for all light of the map",
+     .since = "ericw-tools"},
+    {.name = "_dirtmode", .help = "Use the options -dirty and -dirtmode of the light stage", .since = "ericw-tools"},
+    {.name = "_dirtdepth", .help = "Use the options -dirty and -dirtdepth of the light stage", .since = "ericw-tools"},
+    {.name = "_dirtscale", .help = "Use the options -dirty and -dirtscale of the light stage", .since = "ericw-tools"},
+    {.name = "_dirtgain", .help = "Use the options -dirty and -dirtgain of the light stage", .since = "ericw-tools"},
+    {.name = "_minlight_color", .help = "Use the key _color of worldspawn", .since = "ericw-tools"},
+    {.name = "_range", .help = "Use the option -scale of the light stage", .since = "ericw-tools"},
+    {.name = "_dist",
+     .help = "Use the option -pointscale of the light stage, or brighter lights",
+     .since = "ericw-tools"},
+    {.name = "_gamma", .help = "Use the option -gamma of the light stage", .since = "ericw-tools"},
+    {.name = "_anglescale",
+     .aliases = {"_anglesense"},
+     .help = "Use the key _anglescale of each light",
+     .since = "ericw-tools"},
+    {.name = "_surflight_subdivide",
+     .help = "Use q3map_lightSubdivide in the shader of the emitting surfaces",
+     .since = "ericw-tools"},
 });
 
 constexpr std::array kForeignLightKeys = std::to_array<SettingInfo>({
     {.name = "_surface",
      .aliases = {"_surface_offset", "_surface_spotlight", "_surface_radiosity"},
-     .help = "q3map_surfaceLight in the shader of the surfaces that emit light"},
-    {.name = "mangle", .help = "A target, or a light_spot with angle and pitch"},
-    {.name = "_softangle", .help = "The keys _inner_cone and _cone, which are half angles"},
+     .help = "Use q3map_surfaceLight in the shader of the surfaces that emit light",
+     .since = "ericw-tools"},
+    {.name = "mangle", .help = "Use a target, or a light_spot with angle and pitch", .since = "ericw-tools"},
+    {.name = "_softangle", .help = "Use the keys _inner_cone and _cone, which are half angles", .since = "ericw-tools"},
     {.name = "_project_texture",
      .aliases = {"_project_mangle", "_project_fov"},
-     .help = "A surface with surfaceparm lightfilter in front of the light, which colors it by its image"},
-    {.name = "_falloff", .help = "The key _radius, the distance at which the light ends"},
-    {.name = "_distance", .help = "The key _radius, the distance at which the light ends"},
+     .help = "Use a surface with surfaceparm lightfilter in front of the light, which colors it by its image",
+     .since = "ericw-tools"},
+    {.name = "_falloff", .help = "Use the key _radius, the distance at which the light ends", .since = "ericw-tools"},
+    {.name = "_distance", .help = "Use the key _radius, the distance at which the light ends", .since = "VRAD"},
     {.name = "_dirt",
      .aliases = {"_dirtscale", "_dirtgain", "_dirt_on_radius", "_dirt_off_radius"},
-     .help = "The option -dirty of the light stage, for all light of the map"},
-    {.name = "_bouncescale", .help = "The option -bouncescale F of the light stage, for all light of the map"},
+     .help = "Use the option -dirty of the light stage, for all light of the map",
+     .since = "ericw-tools"},
+    {.name = "_bouncescale",
+     .help = "Use the option -bouncescale F of the light stage, for all light of the map",
+     .since = "ericw-tools"},
     {.name = "_sunlight",
      .aliases = {"_sunlight2", "_sunlight3"},
-     .help = "The class light_environment, or _sun 1 and a target"},
-    {.name = "_sunlight_color", .help = "The key _color of the light"},
-    {.name = "_sunlight_penumbra", .help = "The keys _deviance and _samples of the light"},
+     .help = "Use the class light_environment, or _sun 1 and a target",
+     .since = "ericw-tools"},
+    {.name = "_sunlight_color", .help = "Use the key _color of the light", .since = "ericw-tools"},
+    {.name = "_sunlight_penumbra", .help = "Use the keys _deviance and _samples of the light", .since = "ericw-tools"},
 });
 
 constexpr std::array kForeignBrushKeys = std::to_array<SettingInfo>({
     {.name = "_phong",
      .aliases = {"_phong_angle", "_phong_angle_concave", "_phong_group"},
-     .help = "The key _shadeangle DEGREES and the option -shade of the light stage, or q3map_shadeAngle in shaders"},
+     .help = "Use the key _shadeangle DEGREES and the option -shade of the light stage, or q3map_shadeAngle in shaders",
+     .since = "ericw-tools"},
     {.name = "_lightmap_scale",
      .aliases = {"_lmscale", "lightmap_scale", "_world_units_per_luxel"},
-     .help = "The key _lightmapsamplesize, game units per luxel, or the factor _lightmapscale"},
-    {.name = "_shadow", .help = "The key _castShadows 1"},
+     .help = "Use the key _lightmapsamplesize, game units per luxel, or the factor _lightmapscale",
+     .since = "ericw-tools"},
+    {.name = "_shadow", .help = "Use the key _castShadows 1", .since = "ericw-tools"},
     {.name = "_shadowself",
      .aliases = {"_selfshadow", "_shadowworldonly"},
-     .help = "The keys _castShadows and _receiveShadows, with one number above 1 for those that shadow each other"},
-    {.name = "_mirrorinside", .help = "cull none or q3map_backShader in the shader"},
-    {.name = "_surflight_subdivide", .help = "q3map_lightSubdivide in the shader of the emitting surfaces"},
+     .help = "Use the keys _castShadows and _receiveShadows, with one number above 1 for those that shadow each other",
+     .since = "ericw-tools"},
+    {.name = "_mirrorinside", .help = "Use cull none or q3map_backShader in the shader", .since = "ericw-tools"},
+    {.name = "_surflight_subdivide",
+     .help = "Use q3map_lightSubdivide in the shader of the emitting surfaces",
+     .since = "ericw-tools"},
 });
 
 /// Keys that worldspawn has a meaning for, and entities with brushes do not.
 constexpr std::array kForeignModelKeys = std::to_array<SettingInfo>({
-    {.name = "_minlight", .help = "The key _minlight of worldspawn, for the whole map"},
-    {.name = "_minlight_color", .help = "The key _color of worldspawn, for the whole map"},
-    {.name = "_dirt", .help = "q3map_noDirty in the shader keeps -dirty off its surfaces"},
-    {.name = "_bounce", .help = "q3map_bounceScale 0 in the shader keeps surfaces from reflecting light"},
+    {.name = "_minlight", .help = "Use the key _minlight of worldspawn, for the whole map", .since = "ericw-tools"},
+    {.name = "_minlight_color", .help = "Use the key _color of worldspawn, for the whole map", .since = "ericw-tools"},
+    {.name = "_dirt",
+     .help = "Use q3map_noDirty in the shader, which keeps -dirty off its surfaces",
+     .since = "ericw-tools"},
+    {.name = "_bounce",
+     .help = "Use q3map_bounceScale 0 in the shader, which keeps surfaces from reflecting light",
+     .since = "ericw-tools"},
 });
 
 void WarnOfKeys(std::span<const SettingInfo> keys, const Entity &entity, std::size_t number, Log &log) {
@@ -162,8 +195,7 @@ void WarnOfKeys(std::span<const SettingInfo> keys, const Entity &entity, std::si
         const auto &[second, third, fourth, fifth] = key.aliases;
         for (const std::string_view name : {key.name, second, third, fourth, fifth})
             if (!name.empty() && entity.Has(name))
-                log.Warn(fmt::format("key {}", name),
-                         "entity {} ({}): the key {} \"{}\" has no effect here; instead: {}", number,
+                log.Warn(fmt::format("key {}", name), "entity {} ({}): the key {} \"{}\" has no effect. {}", number,
                          entity.ClassName(), name, entity.Value(name).substr(0, kShownChars), key.help);
     }
 }
@@ -191,15 +223,16 @@ void WarnOfForeignKeys(const Entity &entity, std::size_t number, KeyOwner owner,
 }
 
 std::vector<SettingSection> ForeignKeySections() {
-    return {
-        KeySection("Keys of other compilers: worldspawn",
-                   "Keys of ericw-tools and Source that have no effect here, with what to write instead. A key of this "
-                   "kind is a warning, once in a run: of the light stage for worldspawn and lights, of the bsp stage "
-                   "for entities with brushes.",
-                   kForeignWorldKeys),
-        KeySection("Keys of other compilers: lights", "", kForeignLightKeys),
-        KeySection("Keys of other compilers: entities with brushes", "", kForeignBrushKeys),
-        KeySection("Keys of other compilers: entities with brushes other than worldspawn", "", kForeignModelKeys)};
+    return {KeySection("Keys of other compilers: worldspawn",
+                       "These keys of ericw-tools and Source have no effect, and each entry says what to use instead. "
+                       "Such a key is a warning, once in a run. The light stage warns of keys of worldspawn and of "
+                       "lights, and the bsp stage of keys of entities with brushes.",
+                       kForeignWorldKeys),
+            KeySection("Keys of other compilers: lights", "These keys of lights have no effect.", kForeignLightKeys),
+            KeySection("Keys of other compilers: entities with brushes",
+                       "These keys have no effect on any entity with brushes.", kForeignBrushKeys),
+            KeySection("Keys of other compilers: entities with brushes other than worldspawn",
+                       "These keys have no effect on entities with brushes other than worldspawn.", kForeignModelKeys)};
 }
 
 // ---- Keys of worldspawn that tell readers of a .bsp how it was lit ----

@@ -12,7 +12,7 @@ namespace q3 {
 
 /// Most records of a table: a number has 16 bits, and 65535 itself is not used.
 inline constexpr std::size_t kMaxGridRecords = 65535;
-/// Most points of a grid in engines of these files, and in the established program for all files.
+/// Most points of a grid in engines of these files, and in NetRadiant's q3map2 for all files.
 inline constexpr std::size_t kMaxGridPoints = 0x100000;
 
 struct GridTable {

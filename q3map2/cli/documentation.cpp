@@ -1,5 +1,4 @@
-// GPL-2.0-or-later. Files that are generated: documentation of settings, keys and directives, and menus of level
-// editors.
+// GPL-2.0-or-later. What the documentation lists: sections of keys and directives. The menus of level editors.
 #include "q3map2/cli/documentation.h"
 
 #include "common/error.h"
@@ -26,58 +25,64 @@ namespace q3 {
 namespace {
 
 std::vector<SettingSection> OwnKeySections() {
-    return {DescribeKeys("Worldspawn: light",
-                         "The light stage writes `_q3map2_cmdline`, `_q3map2_version`, `_q3map2_sh` with the value "
-                         "`radiance` after `-shradiance`, `_q3map2_tone`, the tone of the lightmaps unless it is "
-                         "plain, and `_q3map2_rnm`, `raw` or `rescaled`, after `-rnm`.",
-                         keys::kWorldLightKeys),
+    return {DescribeKeys(
+                "Worldspawn: light",
+                "The light stage writes keys too: `_q3map2_cmdline`, `_q3map2_version`, `_q3map2_sh`, `_q3map2_tone` "
+                "and `_q3map2_rnm`. `_q3map2_sh` is `radiance` after `-shradiance`. `_q3map2_tone` is the "
+                "tone of the lightmaps, unless it is the default. `_q3map2_rnm` is `raw` or `rescaled`, after "
+                "`-rnm`.",
+                keys::kWorldLightKeys),
             DescribeKeys("Worldspawn: switchable lights", "", keys::kStyleWorldKeys),
             DescribeKeys("Worldspawn: macro texture", "", keys::kMacroKeys),
             DescribeKeys("Lights",
-                         "Every entity whose class name starts with `light`. A point light of intensity I gives "
-                         "7500 I / d² of 255 at distance d, at least 16; a linear one 0.9375 I − d `fade`. Entities of "
-                         "the class `lightJunior` shine on the grids only. `_anglescale`, `_filterradius` and "
-                         "spawnflag 2 have no meaning for grids.",
+                         "These keys belong to every entity whose class name starts with `light`. A point light of "
+                         "intensity I gives 7500 I / d² levels at distance d, where d counts as at least 16. A linear "
+                         "light gives 0.9375 I − d `fade` levels. Entities of the class `lightJunior` light only the "
+                         "grids. `_anglescale`, `_filterradius` and spawnflag 2 have no effect on grids.",
                          keys::kLightKeys),
             DescribeKeys("Lights: patterns and switches",
-                         "The light stage numbers the styles that these need and writes to worldspawn: "
+                         "The light stage numbers the styles that these keys need. It writes three keys to worldspawn: "
                          "`_styleNpattern`, the pattern of style N; `_switchN`, the targetnames of the lights of style "
-                         "N; `_switchNdark`, 1 if they are dark at first. Lights that stay in the `.bsp` get `style`.",
+                         "N; and `_switchNdark`, 1 if they start dark. Lights that stay in the `.bsp` get the key "
+                         "`style`.",
                          keys::kStyleLightKeys),
             DescribeKeys("Lights: falloff",
-                         "Curves other than those of the established program; the first of "
-                         "`_fifty_percent_distance`, the three of `_constant_attn`, `_radius` and `delay` counts. The "
-                         "page [from_source.md](from_source.md) has the formulas.",
+                         "These curves come from Source and ericw-tools. If a light has several, the first of these "
+                         "counts: `_fifty_percent_distance`, any of the three `_constant_attn` keys, `_radius`, "
+                         "`delay`. [From Source or ericw-tools](../guide/from_source_engine.md) has the formulas.",
                          keys::kFalloffKeys),
             DescribeKeys("Lights: cones",
-                         "The cone of a `light_spot`, and of other lights with one of the first three keys, in place "
-                         "of the one that `radius` describes. The light is also multiplied by the cosine to the axis.",
+                         "The cone of a `light_spot`, and of any light with one of the first three keys. It replaces "
+                         "the cone that `radius` describes. The light is also multiplied by the cosine of the angle to "
+                         "the axis.",
                          keys::kConeKeys),
             DescribeKeys("light_environment",
-                         "The sun and the sky light of a map, through any sky: `_light` is the light of the sun on a "
-                         "surface that faces it, `pitch`, `angles` and `angle` are where it shines, as for cones. The "
-                         "last one of a map counts.",
+                         "This entity is the sun and the sky light of a map, through any sky. `_light` is the light of "
+                         "the sun on a surface that faces it. `pitch`, `angles` and `angle` give the direction in "
+                         "which it emits, as for cones. If a map has several, the last one counts.",
                          keys::kEnvironmentKeys),
             DescribeKeys("Lights: HDR", "", keys::kHdrLightKeys),
             DescribeKeys("Worldspawn: bsp and vis", "", keys::kWorldKeys),
             DescribeKeys("Entities with brushes or patches, and the world",
-                         "The bsp stage writes what these keys say to the `.srf`. The light stage reads the keys of a "
-                         "map without one; with a `.srf`, its `castShadows` counts where it is not 0.",
+                         "The bsp stage writes these values to the `.srf`. The light stage reads the keys from a map "
+                         "that has no `.srf`. If there is one, its `castShadows` counts unless it is 0.",
                          keys::kSurfaceKeys),
             DescribeKeys("misc_model", "", keys::kModelKeys),
             DescribeKeys("Static props",
-                         "Entities of the classes `misc_model_static` and `prop_static`, and each `misc_model` with "
-                         "`_staticprop`, which the light stage lights at their vertices with `-staticproplighting`: "
-                         "[static_props.md](static_props.md). They have the keys of misc_model for model, skin, size "
-                         "and place too, and `_castShadows` and `_receiveShadows`, whose default is 1.",
+                         "Static props are entities of the classes `misc_model_static` and `prop_static`, and each "
+                         "`misc_model` with `_staticprop`. The light stage lights their vertices with "
+                         "`-staticproplighting`. [Static props](../guide/static_props.md) explains them. They also "
+                         "have the keys of misc_model for model, skin, size and place, and `_castShadows` and "
+                         "`_receiveShadows`, whose default is 1.",
                          keys::kPropKeys),
-            DescribeKeys("Terrain", "Entities whose surfaces blend layers by a picture.", keys::kTerrainKeys),
+            DescribeKeys("Terrain", "Entities whose surfaces blend layers as a picture says.", keys::kTerrainKeys),
             DescribeKeys("Decals", "Entities of the class `_decal`, whose patches are projected onto surfaces.",
                          keys::kDecalKeys),
             DescribeKeys("Sky boxes",
-                         "Entities of the class `_skybox`: their area is drawn a second time, enlarged, where sky is.",
+                         "Entities of the class `_skybox`. Their area is drawn a second time, enlarged, behind the "
+                         "sky surfaces.",
                          keys::kSkyBoxKeys),
-            DescribeKeys("Flares", "Keys of lights for the bsp stage.", keys::kFlareKeys),
+            DescribeKeys("Flares", "Keys of lights that the bsp stage reads.", keys::kFlareKeys),
             DescribeKeys("Names and instances", "", keys::kNameKeys)};
 }
 
@@ -101,237 +106,18 @@ std::vector<SettingSection> DirectiveSections() {
     }
     SettingSection &stages = sections.emplace_back(SettingSection{
         "Inside stages",
-        "Of a stage, a block in braces within a shader, the compiler reads images only. What the engine does with them "
-        "(blending, alpha tests, movement) does not change light: shadows through textures need `surfaceparm "
-        "alphashadow` or `lightfilter`. A generated shader repeats the stages, and its images replace `$lightmap`.",
+        "A stage is a block in braces within a shader. The compiler reads only its images. What the engine does with "
+        "them, such as blending, alpha tests and movement, does not change the light. Shadows through textures need "
+        "`surfaceparm alphashadow` or `lightfilter`. A generated shader repeats the stages, and its images replace "
+        "`$lightmap`.",
         {}});
     for (const StageWordEntry &word : StageWords())
-        stages.entries.push_back({word.info, {}, "both"});
+        stages.entries.push_back({word.info, std::string(word.info.initial), "both"});
     return sections;
 }
 
-// ---- Pages that are generated from the declared settings ----
-
-namespace {
-
-constexpr std::string_view kOptionRules =
-    "Option names are whole words, case-insensitive. Their order does not matter; options, the stage word and the file "
-    "may stand anywhere on the line. The extension of the file is replaced by the one that the stage needs. A value "
-    "must be a whole word and a number of the range given, or the program stops with an error; where another value is "
-    "used instead, with a warning, the range says so. Numbers without a range may be from -1000000 to 1000000. An "
-    "unknown option after the stage word is a warning, which the end of the run repeats; before it, or when no stage "
-    "is named, it is an error, and so is a second map. Exit status 0: done; 1: failed, with one line that says why. "
-    "The last line of a run says how it ended, what it warned of, and what time and memory it took.";
-
-bool HasRange(const SettingEntry &entry) {
-    return entry.info.kind == SettingKind::Integer || entry.info.kind == SettingKind::Number;
-}
-
-/// The range in words. Limits of one billion or more only keep numbers computable, so they are not named.
-std::string RangeInWords(const SettingRange &range) {
-    constexpr double kBillion = 1e9;
-    if (range.high < kBillion)
-        return range.Text();
-    if (range.low <= -kBillion)
-        return "";
-    return range.aboveLow ? fmt::format("over {:.12g}", range.low) : fmt::format("{:.12g} or more", range.low);
-}
-
-/// Range and unit, and what becomes of values outside: "from 1 to 8 luxels".
-std::string Limits(const SettingEntry &entry, ShownRanges ranges) {
-    const SettingInfo &info = entry.info;
-    std::string text;
-    if (HasRange(entry) && (ranges == ShownRanges::All || !info.range.IsDefault()))
-        text = RangeInWords(info.range);
-    const bool shown = !text.empty();
-    if (!info.unit.empty())
-        text += (text.empty() ? "in " : " ") + std::string(info.unit);
-    if (shown && info.outside == OutOfRange::Clamp)
-        text += "; beyond it the nearest is used";
-    if (shown && info.outside == OutOfRange::UseDefault)
-        text += fmt::format("; beyond it {:g} is used", info.outsideValue);
-    if (shown && info.floor > -kMaxSetting)
-        text += fmt::format("; at least {:g} is used", info.floor);
-    return text;
-}
-
-/// The stages that a directive is for, in words.
-std::string_view DirectiveStageText(std::string_view stage) {
-    return stage == "both" ? "bsp, light" : stage == "none" ? "" : stage;
-}
-
-/// The text as it stands in a cell of a Markdown table.
-std::string Cell(std::string_view text) {
-    std::string cell;
-    for (const char c : text)
-        cell += c == '|' ? std::string("\\|") : std::string(1, c);
-    return cell;
-}
-
-std::string NamesCell(const SettingInfo &info) {
-    const std::string values = info.values.empty() ? "" : " " + Cell(info.values);
-    std::string names = fmt::format("`{}{}`", info.name, values);
-    for (const std::string_view alias : info.aliases)
-        if (!alias.empty())
-            names += fmt::format(", `{}{}`", alias, values);
-    return names;
-}
-
-/// Help, limits and details as sentences.
-std::string EffectText(const SettingEntry &entry) {
-    std::string effect(entry.info.help);
-    if (const std::string limits = Limits(entry, ShownRanges::Declared); !limits.empty())
-        effect += fmt::format(" ({})", limits);
-    effect += ".";
-    if (!entry.info.details.empty())
-        effect += fmt::format(" {}", entry.info.details);
-    return effect;
-}
-
-std::string MarkdownTable(const SettingSection &section, std::string_view heading, std::string_view column) {
-    std::string text = fmt::format("\n{} {}\n\n", heading, section.title);
-    if (!section.intro.empty())
-        text += fmt::format("{}\n\n", section.intro);
-    text += fmt::format("| {} | default | effect |\n|---|---|---|\n", column);
-    for (const SettingEntry &entry : section.entries)
-        text += fmt::format("| {} | {} | {} |\n", NamesCell(entry.info), Cell(entry.initial), Cell(EffectText(entry)));
-    return text;
-}
-
-/// MarkdownTable with a column for the stage of each directive.
-std::string DirectiveTable(const SettingSection &section) {
-    std::string text = fmt::format("\n## {}\n\n", section.title);
-    if (!section.intro.empty())
-        text += fmt::format("{}\n\n", section.intro);
-    text += "| directive | stage | default | effect |\n|---|---|---|---|\n";
-    for (const SettingEntry &entry : section.entries)
-        text += fmt::format("| {} | {} | {} | {} |\n", NamesCell(entry.info), DirectiveStageText(entry.stage),
-                            Cell(entry.initial), Cell(EffectText(entry)));
-    return text;
-}
-
-/// The text without Markdown, as it stands in a manual page.
-std::string Roff(std::string_view text) {
-    std::string result;
-    for (const char c : WithoutMarkup(text)) {
-        if (c == '\\' || c == '-')
-            result += '\\';
-        result += c;
-    }
-    return result.starts_with('.') || result.starts_with('\'') ? "\\&" + result : result;
-}
-
-std::string RoffSection(const SettingSection &section) {
-    std::string text = fmt::format(".SS {}\n", Roff(section.title));
-    if (!section.intro.empty())
-        text += Roff(section.intro) + "\n";
-    for (const SettingEntry &entry : section.entries) {
-        text += fmt::format(".TP\n.B {}", Roff(entry.info.name));
-        if (!entry.info.values.empty())
-            text += fmt::format(" {}", Roff(entry.info.values));
-        text += fmt::format("\n{}\n", Roff(FullHelp(entry, ShownRanges::Declared)));
-        if (!entry.info.details.empty())
-            text += Roff(entry.info.details) + "\n";
-    }
-    return text;
-}
-
-} // namespace
-
 std::vector<SettingSection> SectionsOf(const Stage &stage) {
     return stage.settings ? stage.settings() : std::vector<SettingSection>();
-}
-
-std::string FullHelp(const SettingEntry &entry, ShownRanges ranges) {
-    std::string extra = Limits(entry, ranges);
-    const auto addExtra = [&](const std::string &more) { extra += (extra.empty() ? "" : "; ") + more; };
-    if (!entry.initial.empty() && !(entry.info.kind == SettingKind::Flag && entry.initial == "off"))
-        addExtra(fmt::format("default: {}", entry.initial));
-    if (const std::string_view stage = DirectiveStageText(entry.stage); !stage.empty())
-        addExtra(fmt::format("stage: {}", stage));
-    return fmt::format("{}{}", entry.info.help, extra.empty() ? "" : fmt::format(" ({})", extra));
-}
-
-std::string WithoutMarkup(std::string_view text) {
-    std::string result;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        if (text[i] == '`' || (text[i] == '[' && text.find("](", i) != std::string_view::npos))
-            continue;
-        if (text.substr(i).starts_with("](")) {
-            i = std::min(text.find(')', i), text.size() - 1);
-            continue;
-        }
-        result += text[i];
-    }
-    return result;
-}
-
-std::string MarkdownPage(StageList stages) {
-    std::string text = fmt::format("<!-- Generated: q3map2 -help markdown > docs/options.md -->\n# Options\n\n"
-                                   "    q3map2 [global options] STAGE [options] FILE\n\n{}\n\n"
-                                   "| stage | does |\n|---|---|\n",
-                                   kOptionRules);
-    for (const Stage &stage : stages)
-        text += fmt::format("| `{}` | {} |\n", Cell(stage.usage), Cell(stage.help));
-    text += "\n## Global options\n";
-    for (const SettingSection &section : GlobalSections())
-        text += MarkdownTable(section, "###", "option");
-    for (const Stage &stage : stages) {
-        if (!stage.settings && stage.intro.empty())
-            continue;
-        text +=
-            fmt::format("\n## {}\n\n{}.{}{}\n", stage.word, stage.help, stage.intro.empty() ? "" : " ", stage.intro);
-        for (const SettingSection &section : SectionsOf(stage))
-            text += MarkdownTable(section, "###", "option");
-    }
-    text += fmt::format("\n## Keys of entities\n\n{}\n", kKeyRules);
-    for (const SettingSection &section : EntitySections())
-        text += MarkdownTable(section, "###", "key");
-    return text;
-}
-
-std::string DirectivesPage() {
-    std::string text = fmt::format("<!-- Generated: q3map2 -help shadermarkdown > docs/shader_directives.md -->\n"
-                                   "# Directives of shaders\n\n{}\n\nWhich names `surfaceparm` takes depends on "
-                                   "`-game`. [lights.md](lights.md) shows kinds of light, "
-                                   "[lightmaps.md](lightmaps.md) how lightmaps are made. `q3map2 -help "
-                                   "q3map_surfaceLight` prints one of these entries, `q3map2 -help shader` all.\n",
-                                   kDirectiveRules);
-    for (const SettingSection &section : DirectiveSections())
-        text += DirectiveTable(section);
-    return text;
-}
-
-std::string ManualPage(StageList stages) {
-    std::string text = fmt::format(".\\\" Generated: q3map2 \\-help man > docs/q3map2.1\n"
-                                   ".TH Q3MAP2 1 \"\" \"q3map2\\-sh {}\"\n.SH NAME\nq3map2 \\- compile maps for games "
-                                   "of the Quake III family\n.SH SYNOPSIS\n.B q3map2\n[global options] stage "
-                                   "[options] file\n.SH DESCRIPTION\n{}\n.SH STAGES\n",
-                                   kVersionNumber, Roff(kOptionRules));
-    for (const Stage &stage : stages)
-        text += fmt::format(".TP\n.B q3map2 {}\n{}.\n", Roff(stage.usage), Roff(stage.help));
-    text += ".SH GLOBAL OPTIONS\n";
-    for (const SettingSection &section : GlobalSections())
-        text += RoffSection(section);
-    for (const Stage &stage : stages) {
-        if (!stage.settings && stage.intro.empty())
-            continue;
-        std::string title(Roff(stage.word));
-        std::ranges::transform(title, title.begin(),
-                               [](char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; });
-        text += fmt::format(".SH {}\n", title);
-        if (!stage.intro.empty())
-            text += Roff(stage.intro) + "\n";
-        for (const SettingSection &section : SectionsOf(stage))
-            text += RoffSection(section);
-    }
-    text += fmt::format(".SH KEYS OF ENTITIES\n{}\n", Roff(kKeyRules));
-    for (const SettingSection &section : EntitySections())
-        text += RoffSection(section);
-    text += fmt::format(".SH DIRECTIVES OF SHADERS\n{}\n", Roff(kDirectiveRules));
-    for (const SettingSection &section : DirectiveSections())
-        text += RoffSection(section);
-    return text + ".SH EXIT STATUS\n0: done. 1: failed. 255: \\-info without files.\n";
 }
 
 // ---- q3map2 -editorfiles: menus and profiles for level editors ----

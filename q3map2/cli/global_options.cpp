@@ -133,7 +133,7 @@ std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const
     if (engine.empty())
         engine = program.parent_path().parent_path().string();
     if (engine.empty())
-        throw Error("cannot tell where the game is installed; give it by -fs_basepath");
+        throw Error("cannot find the folder of the game; name it with -fs_basepath");
     return {engine};
 }
 
@@ -203,55 +203,69 @@ Group General() {
     const auto help = [](GlobalOptions &o, const SettingValues &v) { o.help = v.words.empty() ? "" : v.words[0]; };
     return {
         "General",
-        "They may stand anywhere on the line.",
+        "These options may be anywhere on the line.",
         {{{.name = "-help",
            .aliases = {"--help", "-h"},
            .values = "[TOPIC]",
            .kind = SettingKind::Text,
-           .help = "Print this overview, or what there is about a stage, an option, a key or a directive",
-           .details = "Topics: a stage, an option, a key, a directive of shaders, `keys`, `shader` (all directives), "
-                      "`vrad` (options of VRAD), `game` (the known games), and `all`. `markdown`, "
-                      "`shadermarkdown`, `man`, `bash`, `zsh` and `fish` print this page, that of shader "
-                      "directives, the manual page and shell completions."},
+           .initial = "an overview",
+           .help = "Prints an overview, or what there is about a stage, an option, a key or a directive",
+           .details = "TOPIC is the name of a stage, an option, a key of entities or a directive of shaders. It "
+                      "may also be `keys` (all keys), `shader` (all directives), `vrad` (options of VRAD), `game` "
+                      "(the known games) or `all`. The topics `markdown`, `shadermarkdown`, `man`, `bash`, `zsh` "
+                      "and `fish` print the reference pages, the manual page and shell completions.",
+           .since = "q3map2",
+           .example = "samples"},
           Do<GlobalOptions>(help)},
          {{.name = "-version",
            .aliases = {"--version"},
-           .help = "Print the version, commit, compiler, Embree version and SIMD level"},
+           .help = "Prints the version, commit, compiler, Embree version and SIMD level",
+           .since = "0.1.0"},
           &GlobalOptions::version},
          {{.name = "-v",
            .firstOnly = true,
-           .help = "Print more: every warning, scripts as they are read, counters",
-           .details = "A second `-v` belongs to the vis stage."},
+           .help = "Prints more: every warning, scripts as they are read, and counters",
+           .details = "A second `-v` belongs to the vis stage.",
+           .since = "q3map2"},
           &GlobalOptions::verbose},
          {{.name = "-threads",
            .values = "N",
            .initial = "one per hardware thread",
            .range = {0, kMaxThreads},
            .outside = OutOfRange::Clamp,
-           .help = "Number of worker threads",
-           .details = "The output does not depend on it."},
+           .help = "Sets the number of worker threads",
+           .details = "The output does not depend on it.",
+           .since = "q3map2",
+           .example = "4"},
           &GlobalOptions::threads},
          {{.name = "-force",
-           .help = "Go on without game files, and load files with another ident or version",
-           .details = "Damaged lumps become warnings. So do what else keeps a stage from writing: an input that "
-                      "changed meanwhile, a disk that seems too full, and a map that would lose most of its light "
-                      "for want of its light entities."},
+           .help = "Continues without game files, and loads files with another ident or version",
+           .details = "Errors about damaged lumps become warnings. So do errors about an input that changed "
+                      "meanwhile, a disk that seems too full, and a map that would lose most of its light because "
+                      "its light entities are missing.",
+           .since = "q3map2"},
           &GlobalOptions::force},
          {{.name = "-log",
            .values = "FILE",
            .initial = "none",
-           .help = "Write everything that is printed to a file too"},
+           .help = "Writes everything that is printed to a file too",
+           .since = "0.2.0",
+           .example = "mymap.log"},
           &GlobalOptions::logFile},
          {{.name = "-report",
            .values = "FILE.json",
            .initial = "none",
-           .help = "Write settings, counts and times of each pass, and all warnings to a file",
-           .details = "[report.md](report.md) describes it. A run that fails writes one too."},
+           .help = "Writes the settings, the counts and times of each pass, and all warnings to a file",
+           .details = "The page [The report of a run](report.md) describes the file. A run that fails writes one too.",
+           .since = "0.2.0",
+           .example = "mymap.json"},
           &GlobalOptions::reportFile},
          {{.name = "-connect",
            .values = "A.B.C.D:PORT",
            .initial = "none",
-           .help = "Send everything that is printed to a level editor"},
+           .help = "Sends everything that is printed to a level editor",
+           .since = "q3map2",
+           .example = "127.0.0.1:39000"},
           &GlobalOptions::connect}}};
 }
 
@@ -260,20 +274,24 @@ Group BspStageOptions() {
         o.maxDrawSurfaces = int(v.numbers[0] < 0 ? -v.numbers[0] : v.numbers[0]);
     };
     return {"Options of the bsp stage",
-            "Accepted with every stage, since editors send them always.",
+            "Every stage accepts these options, since editors always send them.",
             {{{.name = "-subdivisions",
                .values = "N",
                .range = {.low = 1},
                .outside = OutOfRange::Clamp,
-               .help = "bsp stage: tolerance of patches turned into triangles; smaller is finer"},
+               .help = "Sets the tolerance of patches that the bsp stage turns into triangles, where smaller is finer",
+               .since = "q3map2",
+               .example = "4"},
               &GlobalOptions::subdivisions},
              {{.name = "-maxmapdrawsurfs",
                .values = "N",
                .kind = SettingKind::Integer,
                .initial = "131072",
                .range = {-kMaxDrawSurfaces, kMaxDrawSurfaces},
-               .help = "bsp stage: maximum number of draw surfaces while compiling",
-               .details = "A negative number counts as its absolute value."},
+               .help = "Sets the largest number of draw surfaces while the bsp stage compiles",
+               .details = "A negative number counts as its absolute value.",
+               .since = "q3map2",
+               .example = "262144"},
               Do<GlobalOptions>(drawSurfaces)}}};
 }
 
@@ -284,66 +302,98 @@ Group GamePaths() {
     };
     return {
         "Game and folders",
-        "Without `-fs_basepath` the first word of the command line, program path included, that contains the "
-        "game's name (\"quake\") gives it: `/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise it "
-        "is where the map is: a map in `baseq3/maps` of any folder, or in that of an `-fs_game`, means that "
-        "folder. Failing that it is the folder above the program's. `-fs_nomagicpath` leaves out all but the last, "
-        "and `-fs_nobasepath` that too; with `-fs_nohomepath` besides, nothing is searched but what `-fs_basepath` "
-        "and `-fs_pakpath` name. The bsp and light stages need the game's files "
-        "and stop when an `-fs_basepath` is no folder, an `-fs_game` is nowhere, or no game folder holds an "
-        "archive or one of the folders of shader scripts, `textures` and `models`; an unknown `-game` is an error "
-        "in all stages. With `-force` these are warnings; the light stage then knows of a shader what the shader "
-        "records "
-        "of the `.bsp` say.",
+        "The option `-fs_basepath` names the folder of the game. Without it, the first word of the command line, "
+        "program path included, that contains the name of the game (\"quake\") gives it. So "
+        "`/games/Quake3/baseq3/maps/x.bsp` means `/games/Quake3/`. Otherwise the folder follows from the map: a map in "
+        "`baseq3/maps` of a folder, or in the `maps` of an `-fs_game` in it, means that folder. Failing that, it is "
+        "the "
+        "folder above that of the program. With `-fs_nomagicpath` only the last of these is tried, and with "
+        "`-fs_nobasepath` none of them. With `-fs_nohomepath` in addition, only the folders of `-fs_basepath` and "
+        "`-fs_pakpath` are searched. The bsp and light stages need the files of the game. They stop if an "
+        "`-fs_basepath` is not a folder, if an `-fs_game` does not exist, or if no game folder holds an archive, "
+        "shader scripts, `textures` or `models`. An unknown `-game` is an error in all stages. With `-force` these "
+        "errors are warnings, and the light stage then knows only what the `.bsp` says about shaders.",
         {{{.name = "-game",
            .values = "NAME",
            .initial = "quake3",
-           .help = "Game that the map is for; -help game lists them",
-           .details = "Decides folder names, surfaceparms, file version and defaults of light."},
+           .help = "Chooses the game that the map is for, which -help game lists",
+           .details = "It decides the names of folders, the surfaceparms, the file version and the defaults of light.",
+           .since = "q3map2",
+           .example = "xonotic"},
           &GlobalOptions::games},
          {{.name = "-fs_basepath",
            .values = "DIR",
            .initial = "by the path of the map or the program",
-           .help = "Folder in which the game is installed; repeatable"},
+           .help = "Names the folder in which the game is installed",
+           .details = "It may be given several times.",
+           .since = "q3map2",
+           .example = "/games/quake3"},
           &GlobalOptions::basePaths},
          {{.name = "-fs_game",
            .values = "DIR",
            .initial = "none",
-           .help = "Mod folder; repeatable, the first wins, and all win over the base game"},
+           .help = "Names the folder of a mod, whose files override those of the base game",
+           .details = "It may be given several times, and then the first one overrides the others.",
+           .since = "q3map2",
+           .example = "missionpack"},
           &GlobalOptions::gameDirs},
-         {{.name = "-fs_basegame", .values = "DIR", .initial = "by game", .help = "Folder of the base game"},
+         {{.name = "-fs_basegame",
+           .values = "DIR",
+           .initial = "by game",
+           .help = "Names the folder of the base game",
+           .since = "q3map2",
+           .example = "baseoa"},
           &GlobalOptions::baseGame},
          {{.name = "-fs_home",
            .values = "DIR",
            .initial = "home of the user",
-           .help = "Folder that holds the folder with the user's own files"},
+           .help = "Names the folder that holds the folder with the user's own files",
+           .since = "q3map2",
+           .example = "/home/mapper"},
           &GlobalOptions::home},
          {{.name = "-fs_homebase",
            .values = "DIR",
            .initial = "by game",
-           .help = "Name of the folder with the user's own files, such as .q3a; its dot is dropped with -fs_home"},
+           .help = "Names the folder with the user's own files, such as .q3a",
+           .details = "With `-fs_home` the dot in front of the name is dropped.",
+           .since = "q3map2",
+           .example = ".openarena"},
           &GlobalOptions::homeBase},
          {{.name = "-fs_homepath",
            .values = "DIR",
            .kind = SettingKind::Text,
            .initial = "none",
-           .help = "Path of the folder with the user's own files, in place of -fs_home and -fs_homebase"},
+           .help = "Sets the path of the folder with the user's own files",
+           .details = "It is used instead of `-fs_home` and `-fs_homebase`.",
+           .since = "q3map2",
+           .example = "/home/mapper/.q3a"},
           Do<GlobalOptions>(homePath)},
-         {{.name = "-fs_nobasepath", .help = "Have no base paths but those of -fs_basepath; includes -fs_nomagicpath"},
+         {{.name = "-fs_nobasepath",
+           .help = "Uses no base paths except those of -fs_basepath",
+           .details = "Implies `-fs_nomagicpath`.",
+           .since = "q3map2"},
           &GlobalOptions::noBasePath},
-         {{.name = "-fs_nohomepath", .help = "Do not search the folder with the user's own files"},
+         {{.name = "-fs_nohomepath", .help = "Does not search the folder with the user's own files", .since = "q3map2"},
           &GlobalOptions::noHomePath},
-         {{.name = "-fs_nomagicpath", .help = "Do not take the path of the game from words of the command line"},
+         {{.name = "-fs_nomagicpath",
+           .help = "Does not take the path of the game from words of the command line",
+           .since = "q3map2"},
           &GlobalOptions::noMagicPath},
          {{.name = "-fs_pakpath",
            .values = "DIR",
            .initial = "none",
-           .help = "One more folder with game files, searched last; repeatable"},
+           .help = "Adds a folder with game files, which is searched last",
+           .details = "It may be given several times.",
+           .since = "q3map2",
+           .example = "/games/texturepacks"},
           &GlobalOptions::pakPaths},
          {{.name = "-fs_forbiddenpath",
            .values = "MASK",
            .initial = "none",
-           .help = "Skip folders and archives of that name, with ? and *; repeatable"},
+           .help = "Skips folders and archives of that name, which may contain ? and *",
+           .details = "It may be given several times.",
+           .since = "q3map2",
+           .example = "'old*.pk3'"},
           &GlobalOptions::forbidden}}};
 }
 
@@ -473,7 +523,7 @@ void RequireGameFiles(const GlobalOptions &options, const std::vector<fs::path> 
             return FailOrWarn(
                 options.force, "no base path",
                 fmt::format(
-                    "no game files: -fs_basepath {} is not a folder; it must be the one that holds {} (searched: "
+                    "no game files: {} is not a folder; -fs_basepath must name the folder that contains {} (searched: "
                     "{})",
                     path, base, Joined(folders)),
                 log);

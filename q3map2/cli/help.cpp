@@ -5,6 +5,7 @@
 #include "common/text/text.h"
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/presets.h"
+#include "q3map2/cli/reference_pages.h"
 #include "q3map2/report/version.h"
 
 #include <fmt/ranges.h>
@@ -424,35 +425,44 @@ std::string AllText(StageList stages) {
 }
 
 /// Adds the help of each setting of that name or alias, with or without its dash. `owner`: what has the settings, such
-/// as the word of a stage.
-void AddEntries(std::string_view owner, const std::vector<SettingSection> &sections, std::string_view topic,
-                std::string &text) {
+/// as the word of a stage. `example(info)`: the example of a setting, or nothing.
+template <typename Example>
+void AddEntries(std::string_view owner, const std::vector<SettingSection> &sections, const Example &example,
+                std::string_view topic, std::string &text) {
     for (const SettingSection &section : sections)
         for (const SettingEntry &entry : section.entries)
             if (entry.info.Names(topic) || entry.info.Names(fmt::format("-{}", topic))) {
                 // Directives have no common default range.
                 const ShownRanges ranges = entry.stage.empty() ? ShownRanges::All : ShownRanges::Declared;
                 text += fmt::format("{}, {}\n{}", owner, section.title, EntryLine(entry, ranges));
+                const auto addLine = [&](std::string_view line) {
+                    text += fmt::format("{:{}}{}\n", "", kNameColumn, Wrapped(line, kNameColumn, kNameColumn));
+                };
                 if (!entry.info.details.empty())
-                    text += fmt::format("{:{}}{}\n", "", kNameColumn,
-                                        Wrapped(WithoutMarkup(entry.info.details), kNameColumn, kNameColumn));
+                    addLine(WithoutMarkup(entry.info.details));
+                addLine(fmt::format("Since: {}", SinceText(entry.info)));
+                if (const std::string shown = example(entry.info); !shown.empty())
+                    addLine(fmt::format("Example: {}", shown));
             }
 }
 
 /// Options of that name, wherever they occur.
 std::string OptionHelp(StageList stages, std::string_view topic) {
     std::string text;
-    AddEntries("every stage", GlobalSections(), topic, text);
+    const auto exampleOf = [](const Stage *stage) {
+        return [stage](const SettingInfo &info) { return OptionExample(stage, info); };
+    };
+    AddEntries("every stage", GlobalSections(), exampleOf(nullptr), topic, text);
     for (const Stage &stage : stages)
-        AddEntries(stage.word, SectionsOf(stage), topic, text);
+        AddEntries(stage.word, SectionsOf(stage), exampleOf(&stage), topic, text);
     return text;
 }
 
 /// Keys of entities and directives of shaders of that name.
 std::string MapWordHelp(std::string_view topic) {
     std::string text;
-    AddEntries("entities", EntitySections(), topic, text);
-    AddEntries("shaders", DirectiveSections(), topic, text);
+    AddEntries("entities", EntitySections(), KeyExample, topic, text);
+    AddEntries("shaders", DirectiveSections(), DirectiveExample, topic, text);
     return text;
 }
 
@@ -486,25 +496,34 @@ std::string MapWordHint(std::string_view topic) {
 
 } // namespace
 
+std::string ManualLine(const std::filesystem::path &program) {
+    for (const char *const place : {"manual/index.html", "../share/doc/q3map2-sh/manual/index.html"}) {
+        const std::filesystem::path page = (program.parent_path() / place).lexically_normal();
+        std::error_code error;
+        if (std::filesystem::exists(page, error))
+            return fmt::format("The manual is {}\n", page.string());
+    }
+    return "The manual is docs/README.md of the sources; packages have it as manual/index.html.\n";
+}
+
 std::string HelpText(StageList stages, std::string_view topic) {
     std::string_view bare = topic;
     while (bare.starts_with('-'))
         bare.remove_prefix(1);
     if (bare.empty())
         return Overview(stages);
-    const std::map<std::string, std::string (*)(StageList)> pages = {
-        {"common", [](StageList) { return GlobalText(); }},
-        {"keys", [](StageList) { return KeysText(); }},
-        {"game", [](StageList) { return GamesText(); }},
-        {"shader", [](StageList) { return DirectivesText(); }},
-        {"vrad", [](StageList) { return VradText(); }},
-        {"all", AllText},
-        {"markdown", MarkdownPage},
-        {"shadermarkdown", [](StageList) { return DirectivesPage(); }},
-        {"man", ManualPage},
-        {"bash", BashCompletion},
-        {"zsh", ZshCompletion},
-        {"fish", FishCompletion}};
+    std::map<std::string, std::string (*)(StageList)> pages = {{"common", [](StageList) { return GlobalText(); }},
+                                                               {"keys", [](StageList) { return KeysText(); }},
+                                                               {"game", [](StageList) { return GamesText(); }},
+                                                               {"shader", [](StageList) { return DirectivesText(); }},
+                                                               {"vrad", [](StageList) { return VradText(); }},
+                                                               {"all", AllText},
+                                                               {"man", ManualPage},
+                                                               {"bash", BashCompletion},
+                                                               {"zsh", ZshCompletion},
+                                                               {"fish", FishCompletion}};
+    for (const ReferencePage &page : ReferencePages())
+        pages.emplace(page.file, page.text);
     if (const auto page = pages.find(LowerCase(bare)); page != pages.end())
         return page->second(stages);
     std::string text;

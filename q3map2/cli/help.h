@@ -3,6 +3,7 @@
 
 #include "q3map2/cli/program.h"
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -14,7 +15,10 @@ std::string ZshCompletion(StageList stages);
 std::string FishCompletion(StageList stages);
 
 /// What -help TOPIC prints: a stage, an option or a key by its name, "game", "keys", "all", or a generated file
-/// (documentation.h). Without a topic an overview. Errors: an unknown topic.
+/// (reference_pages.h). Without a topic an overview. Errors: an unknown topic.
 std::string HelpText(StageList stages, std::string_view topic);
+
+/// The line of -help that says where the manual is, as HTML in the package that `program` (real path) belongs to.
+std::string ManualLine(const std::filesystem::path &program);
 
 } // namespace q3

@@ -16,22 +16,22 @@ namespace q3 {
 
 namespace {
 
-// docs/ship_sh.md has error and size of these SH grids.
+// docs/guide/releasing.md has error and size of these SH grids.
 constexpr std::array<Preset, 3> kPresets{{
     {.name = "draft",
-     .help = "To see at once what a change does",
+     .help = "Shows quickly what a change does",
      .bsp = "-meta -samplesize 32",
      .vis = "-fast",
      .light = "-faster",
      .gridSH = "-gridsh 64 64 128"},
     {.name = "normal",
-     .help = "For play tests: soft shadows and two bounces",
+     .help = "Lights play tests, with soft shadows and two bounces",
      .bsp = "-meta",
      .vis = "",
      .light = "-fast -areashadows 64 -samples 2 -bounce 2 -bouncegrid",
      .gridSH = "-gridsh 64 64 64"},
     {.name = "final",
-     .help = "For release: nothing is left out for speed, and the SH grid is small and fitted",
+     .help = "Lights the release: nothing is left out for speed, and the SH grid is small and fitted",
      .bsp = "-meta",
      .vis = "",
      .light = "-patchshadows -areashadows -samples 3 -bounce inf -bouncegrid",
@@ -96,58 +96,110 @@ void ExpandPreset(const Stage &stage, Arguments &arguments, Log &log) {
 }
 
 SettingSection PresetSection() {
-    static constexpr SettingInfo kInfo{
-        .name = "-preset",
-        .values = "draft|normal|final",
-        .kind = SettingKind::Choice,
-        .help = "A set of options; others on the line come on top and override it",
-        .details = "[presets.md](presets.md) lists them. The run prints what the preset stands for."};
-    return {"Preset", "", {{kInfo, "none"}}};
+    static const std::string details = [] {
+        const auto named = [](std::string_view options) {
+            return options.empty() ? std::string("no options") : fmt::format("`{}`", options);
+        };
+        std::string text = "Options on the line are added to the set and override it. The run prints the set. ";
+        for (const Preset &preset : kPresets)
+            text += fmt::format(
+                "The preset `{}` stands for {} in the bsp stage, {} in the vis stage and {} in the light "
+                "stage. If the line asks for an SH grid, {} is added. ",
+                preset.name, named(preset.bsp), named(preset.vis), named(preset.light), named(preset.gridSH));
+        return text + "[Releasing](../guide/releasing.md) compares their results and times.";
+    }();
+    const SettingInfo info{.name = "-preset",
+                           .values = "draft|normal|final",
+                           .kind = SettingKind::Choice,
+                           .help = "Selects a set of options for a quick look, for play tests or for the release",
+                           .details = details,
+                           .since = "0.2.0",
+                           .example = "final"};
+    return {"Preset", "", {{info, "none"}}};
 }
 
 // ---- Options of VRAD ----
 
 namespace {
 
+constexpr std::string_view kPerLuxel =
+    "radiosity is solved per luxel, so use -samplesize and -bouncerays for its quality";
+
+/// The advice about options with a replacement says what that is. Other advice is a clause.
 constexpr VradOption kVradOptions[] = {
-    {"-final", 0, "-preset final", "the preset for release"},
+    {"-final", 0, "-preset final", "the preset for the release"},
     {"-extra", 0, "-samples 2", "adaptive samples at shadow edges"},
-    {"-noextra", 0, "-samples 1", "one sample a luxel"},
-    {"-fastambient", 0, "-cubesperleaf 1", "one ambient cube a leaf"},
-    {"-smooth", 1, "-shade -shadeangle N", "phong shading below that angle"},
-    {"-reflectivityscale", 1, "-bouncescale N", "factor of reflected light"},
-    {"-chop", 1, "", "radiosity is solved by luxel: -samplesize sets their size, -bouncerays the quality"},
-    {"-maxchop", 1, "", "radiosity is solved by luxel: -samplesize sets their size, -bouncerays the quality"},
-    {"-dispchop", 1, "", "radiosity is solved by luxel: -samplesize sets their size, -bouncerays the quality"},
-    {"-maxdispchop", 1, "", "radiosity is solved by luxel: -samplesize sets their size, -bouncerays the quality"},
-    {"-choptexlights", 1, "", "surface lights are divided by q3map_lightSubdivide"},
-    {"-softsun", 1, "", "SunSpreadAngle of light_environment, or the deviance of q3map_sunExt"},
-    {"-extrasky", 1, "", "_samples of light_environment, or the iterations of q3map_skylight"},
-    {"-extrapasses", 1, "", "-samples N"},
-    {"-luxeldensity", 1, "", "-samplescale N: 2 halves the density"},
-    {"-centersamples", 0, "", "samples are at the centers of luxels"},
-    {"-ambient", 3, "", "_ambient of worldspawn"},
-    {"-maxlight", 1, "", "_maxlight of worldspawn"},
-    {"-dlight", 1, "", "surface lights shine as far as their light lasts"},
-    {"-noskyboxrecurse", 0, "", "rays end at the sky"},
-    {"-nodetaillight", 0, "", "there are no detail props"},
-    {"-onlydetail", 0, "", "there are no detail props"},
-    {"-nossprops", 0, "", "without -staticproppolys props do not cast shadows by their triangles"},
-    {"-staticpropnormals", 0, "", "-debugnormals shows the normals of luxels"},
-    {"-dumpnormals", 0, "", "-debugnormals shows the normals of luxels"},
-    {"-debugextra", 0, "", "-debug shows luxels that were moved or filled"},
-    {"-rederrors", 0, "", "-debug shows luxels that were moved or filled"},
-    {"-low", 0, "", "the priority of a process is set by the system: nice, start /low"},
-    {"-mpi", 0, "", "one machine does all the work: -threads N"},
-    {"-mpi_pw", 1, "", "one machine does all the work: -threads N"},
-    {"-vproject", 1, "", "-fs_basepath DIR and -fs_game NAME"},
-    {"-insert_search_path", 1, "", "-fs_basepath, which may be repeated"},
-    {"-novconfig", 0, "", "there is no such window"},
+    {"-noextra", 0, "-samples 1", "one sample per luxel"},
+    {"-fastambient", 0, "-cubesperleaf 1", "one ambient cube per leaf"},
+    {"-smooth", 1, "-shade -shadeangle N", "smooth shading of edges up to that angle"},
+    {"-reflectivityscale", 1, "-bouncescale N", "a factor of bounced light"},
+    {"-chop", 1, "", kPerLuxel},
+    {"-maxchop", 1, "", kPerLuxel},
+    {"-dispchop", 1, "", kPerLuxel},
+    {"-maxdispchop", 1, "", kPerLuxel},
+    {"-choptexlights", 1, "", "use q3map_lightSubdivide, which divides surface lights"},
+    {"-softsun", 1, "", "use SunSpreadAngle of light_environment, or the deviance of q3map_sunExt"},
+    {"-extrasky", 1, "", "use _samples of light_environment, or the iterations of q3map_skylight"},
+    {"-extrapasses", 1, "", "use -samples N"},
+    {"-luxeldensity", 1, "", "use -samplescale N, where 2 halves the density"},
+    {"-centersamples", 0, "", "samples are always at the centers of luxels"},
+    {"-ambient", 3, "", "use the worldspawn key _ambient"},
+    {"-maxlight", 1, "", "use the worldspawn key _maxlight"},
+    {"-dlight", 1, "", "surface lights always reach as far as their light lasts"},
+    {"-noskyboxrecurse", 0, "", "rays always end at the sky"},
+    {"-nodetaillight", 0, "", "q3map2-sh has no detail props"},
+    {"-onlydetail", 0, "", "q3map2-sh has no detail props"},
+    {"-nossprops", 0, "", "props cast the shadows of their triangles only with -staticproppolys"},
+    {"-staticpropnormals", 0, "", "use -debugnormals, which shows the normals of luxels"},
+    {"-dumpnormals", 0, "", "use -debugnormals, which shows the normals of luxels"},
+    {"-debugextra", 0, "", "use -debug, which marks luxels that were filled"},
+    {"-rederrors", 0, "", "use -debug, which marks luxels that were filled"},
+    {"-low", 0, "", "set the priority of the process with the system, by nice or start /low"},
+    {"-mpi", 0, "", "one machine does all the work, with -threads N"},
+    {"-mpi_pw", 1, "", "one machine does all the work, with -threads N"},
+    {"-vproject", 1, "", "use -fs_basepath DIR and -fs_game NAME"},
+    {"-insert_search_path", 1, "", "use -fs_basepath, which can be repeated"},
+    {"-novconfig", 0, "", "q3map2-sh has no such window"},
     {"-stoponexit", 0, "", "the program never waits for a key"},
-    {"-compressconstant", 0, "", "lightmaps of one color are stored as one texel"},
-    {"-loghash", 0, "", "-v prints details, -report writes them as JSON"},
-    {"-verbose", 0, "", "-v prints details"},
+    {"-compressconstant", 0, "", "lightmaps of one color are always stored as one texel"},
+    {"-loghash", 0, "", "use -v to print details, and -report to write them as JSON"},
+    {"-verbose", 0, "", "use -v to print details"},
 };
+
+/// How the values of an option of VRAD are shown.
+struct VradValues {
+    std::string_view name, values, example;
+};
+
+/// Of every option of kVradOptions that has values.
+constexpr VradValues kVradValues[] = {
+    {"-smooth", "N", "45"},
+    {"-reflectivityscale", "N", "0.8"},
+    {"-chop", "N", "4"},
+    {"-maxchop", "N", "4"},
+    {"-dispchop", "N", "8"},
+    {"-maxdispchop", "N", "64"},
+    {"-choptexlights", "N", "64"},
+    {"-softsun", "N", "5"},
+    {"-extrasky", "N", "16"},
+    {"-extrapasses", "N", "4"},
+    {"-luxeldensity", "N", "0.5"},
+    {"-ambient", "R G B", "10 10 10"},
+    {"-maxlight", "N", "200"},
+    {"-dlight", "N", "0.1"},
+    {"-mpi_pw", "PASSWORD", "secret"},
+    {"-vproject", "DIR", "/games/quake3"},
+    {"-insert_search_path", "DIR", "/games/quake3"},
+};
+
+std::string VradHelp(const VradOption &option) {
+    if (!option.replacement.empty())
+        return fmt::format("Becomes `{}`, {}", option.replacement, option.advice);
+    std::string advice(option.advice);
+    if (advice[0] >= 'a' && advice[0] <= 'z' && !advice.starts_with("q3map2"))
+        advice[0] = char(advice[0] - 'a' + 'A');
+    return fmt::format("Does nothing. {}", advice);
+}
 
 std::vector<std::string> ReplacementWords(const VradOption &option, const std::string &value) {
     std::istringstream text{std::string(option.replacement)};
@@ -169,7 +221,8 @@ void TranslateVradOptions(const Stage &stage, Arguments &arguments, Log &log) {
     for (const VradOption &option : kVradOptions)
         while (const auto values = arguments.TakeValues({option.name}, std::size_t(option.values))) {
             if (option.replacement.empty()) {
-                log.Warn(option.name, "{} is an option of VRAD and does nothing here: {}", option.name, option.advice);
+                log.Warn(option.name, "{} is an option of VRAD without an effect in q3map2-sh: {}", option.name,
+                         option.advice);
                 continue;
             }
             const auto words = ReplacementWords(option, values->empty() ? std::string() : values->front());
@@ -182,21 +235,23 @@ SettingSection VradSection() {
     static const std::vector<std::string> helps = [] {
         std::vector<std::string> texts;
         for (const VradOption &option : kVradOptions)
-            texts.push_back(option.replacement.empty() ? fmt::format("Does nothing; instead: {}", option.advice)
-                                                       : fmt::format("`{}`: {}", option.replacement, option.advice));
+            texts.push_back(VradHelp(option));
         return texts;
     }();
-    SettingSection section{
-        "Options of VRAD",
-        "Accepted for those who come from Source: [from_source.md](from_source.md#options). The first ones become "
-        "other options, as the run says; the others have no effect, which is a warning that names what to use instead.",
-        {},
-        "vrad"};
+    SettingSection section{"Options of VRAD",
+                           "The light stage accepts these options for users who come from Source, see [Coming from "
+                           "Source](../guide/from_source_engine.md). Some of them become other options, which the run "
+                           "prints. The others do nothing, and a warning names what to use instead.",
+                           {},
+                           "vrad"};
     for (std::size_t i = 0; i < std::size(kVradOptions); ++i) {
-        SettingInfo info{.name = kVradOptions[i].name, .help = helps[i]};
-        constexpr std::string_view kValues[] = {"", "N", "N N", "R G B"};
-        info.values = kValues[kVradOptions[i].values];
-        info.kind = info.values.empty() ? SettingKind::Flag : SettingKind::Text;
+        SettingInfo info{.name = kVradOptions[i].name, .help = helps[i], .since = "VRAD"};
+        const auto values = std::ranges::find(kVradValues, info.name, &VradValues::name);
+        if (values != std::end(kVradValues)) {
+            info.values = values->values;
+            info.example = values->example;
+            info.kind = SettingKind::Text;
+        }
         section.entries.push_back({info, ""});
     }
     return section;

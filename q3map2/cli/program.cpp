@@ -317,7 +317,7 @@ int Run(StageList stages, const std::vector<std::string> &words, const std::file
     Arguments arguments(words);
     const GlobalOptions options = ParseGlobalOptions(arguments, log);
     if (options.help) {
-        log.Print("{}", HelpText(stages, *options.help));
+        log.Print("{}{}", HelpText(stages, *options.help), options.help->empty() ? ManualLine(program) : "");
         return 0;
     }
     if (options.version) {

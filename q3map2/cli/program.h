@@ -43,6 +43,8 @@ struct Stage {
 
     /// The words that the value of an option may be, for completion; null or an empty list: the option's help says so.
     std::vector<std::string> (*choices)(std::string_view option) = nullptr;
+    /// What follows the option in examples of the documentation.
+    std::string_view exampleFiles = "maps/mymap.bsp";
 
     /// Names and aliases of its options and of those that every stage accepts.
     std::vector<std::string> OptionNames() const;

@@ -179,7 +179,7 @@ namespace {
 struct PlacingOption {
     std::string_view name;
     std::string FilePlaces::*field;
-    std::string_view initial;
+    std::string_view initial, example;
     std::string_view bsp, vis, light;
 
     std::string_view HelpIn(std::string_view stage) const {
@@ -188,13 +188,14 @@ struct PlacingOption {
 };
 
 constexpr PlacingOption kPlacingOptions[] = {
-    {"-bspfile", &FilePlaces::bsp, "x.bsp", "Write the compiled map to FILE; -onlyents reads it too",
-     "Read and write this compiled map", "Read and write this compiled map; images and shaders go beside it"},
-    {"-srffile", &FilePlaces::srf, "x.srf", "Write the file about surfaces, for -light, to FILE", "",
-     "Read what the bsp stage says about surfaces from FILE"},
-    {"-prtfile", &FilePlaces::prt, "x.prt", "Write the portals, for -vis, to FILE",
-     "Read the portals from FILE, which is deleted without -saveprt", ""},
-    {"-linfile", &FilePlaces::lin, "x.lin", "Write the line that shows a leak to FILE", "", ""},
+    {"-bspfile", &FilePlaces::bsp, "x.bsp", "build/mymap.bsp",
+     "Writes the compiled map to FILE, which -onlyents reads too", "Reads and writes this compiled map",
+     "Reads and writes this compiled map, and writes images and shaders next to it"},
+    {"-srffile", &FilePlaces::srf, "x.srf", "build/mymap.srf", "Writes the settings of surfaces, for -light, to FILE",
+     "", "Reads the settings of surfaces, which the bsp stage wrote, from FILE"},
+    {"-prtfile", &FilePlaces::prt, "x.prt", "build/mymap.prt", "Writes the portals, for -vis, to FILE",
+     "Reads the portals from FILE, which is deleted without -saveprt", ""},
+    {"-linfile", &FilePlaces::lin, "x.lin", "build/mymap.lin", "Writes the line that shows a leak to FILE", "", ""},
 };
 
 } // namespace
@@ -202,15 +203,19 @@ constexpr PlacingOption kPlacingOptions[] = {
 std::vector<SettingGroup<FilePlaces>> FileSettings(std::string_view stage) {
     SettingGroup<FilePlaces> group{
         "Places of files",
-        "For builds that keep sources and results apart. FILE is a path, absolute or from the current "
-        "folder, and its folder must be there; files that no option names are beside the map of the line. "
-        "`_q3map2_cmdline` does not record them.",
+        "These options are for builds that keep sources and results apart. FILE is a path, absolute or from the "
+        "current folder, and its folder must exist. Files that no option names are next to the map of the command "
+        "line. The worldspawn key `_q3map2_cmdline` does not record these options.",
         {}};
     for (const PlacingOption &option : kPlacingOptions)
         if (!option.HelpIn(stage).empty())
-            group.settings.push_back(
-                {{.name = option.name, .values = "FILE", .initial = option.initial, .help = option.HelpIn(stage)},
-                 option.field});
+            group.settings.push_back({{.name = option.name,
+                                       .values = "FILE",
+                                       .initial = option.initial,
+                                       .help = option.HelpIn(stage),
+                                       .since = "q3map2",
+                                       .example = option.example},
+                                      option.field});
     return {group};
 }
 

@@ -130,7 +130,7 @@ namespace {
 constexpr std::string_view kSeparator = "---------------------------------";
 constexpr double kMegabyte = 1024 * 1024;
 
-/// Record sizes of IBSP. The established program prints those in memory, which RBSP files have, for all files.
+/// Record sizes of IBSP. NetRadiant's q3map2 prints those in memory, which RBSP files have, for all files.
 constexpr std::size_t kIbspBrushSideBytes = 8, kIbspSurfaceBytes = 104, kIbspVertBytes = 44, kIbspGridPointBytes = 8;
 
 /// The value with -0 as 0, for text.
@@ -320,7 +320,7 @@ class InfoTable {
         Note("{} lights: {} points, {} spots, {} suns, {} with polygons", grid.table.lights.size(), types[SHGRID_POINT],
              types[SHGRID_SPOT], types[SHGRID_SUN], types[SHGRID_POLYGONS]);
         const auto styled = std::ranges::count_if(grid.table.lights, [](const GridLight &l) { return l.style != 0; });
-        Note("{} of them with a style; {:.1f} names a point", styled,
+        Note("{} of them with a style; {:.1f} names per point", styled,
              double(grid.shares.size()) / double(std::max<std::size_t>(1, grid.points.size())));
     }
 

@@ -273,7 +273,7 @@ void Merger::MergeLightmaps() {
     bsp_.lightmaps.insert(bsp_.lightmaps.end(), added_.lightmaps.begin(), added_.lightmaps.end());
     if (mainIsExternal || addedIsExternal)
         log_.Warn("external lightmaps",
-                  "lightmaps are files beside the maps, and no files are copied: the merged map looks for the pages of "
+                  "lightmaps are external files, which are not copied: the merged map looks for the pages of "
                   "the first map from lm_0000 on, and for those of the second from lm_{:04} on, in the folder of its "
                   "own name",
                   lightmapBase_);

@@ -16,26 +16,34 @@ namespace q3 {
 // ---- Options of -scale, -shift and -mergebsp ----
 
 std::vector<SettingGroup<ScaleOptions>> ScaleSettings() {
-    return {
-        {"Scaling",
-         "Before the file stand one to three factors: one for all axes, one for x and y and one for z, or one an "
-         "axis.",
-         {{{.name = "-tex", .help = "Textures keep their size in the world, and are not stretched with the faces"},
-           &ScaleOptions::projectTextures},
-          {{.name = "-spawn_ref",
-            .values = "F",
-            .unit = "game units",
-            .help =
-                "Minus the height of `info_player_` entities over the floor, such as -24; that height is not scaled"},
-           &ScaleOptions::spawnReference}}}};
+    return {{"Scaling",
+             "One to three factors come before the file. One factor counts for all axes. Of two factors, the first "
+             "counts for x and y, and the second for z. Three factors count for x, y and z.",
+             {{{.name = "-tex",
+                .help = "Keeps the size of textures in the world instead of stretching them with the faces",
+                .since = "q3map2"},
+               &ScaleOptions::projectTextures},
+              {{.name = "-spawn_ref",
+                .values = "F",
+                .unit = "game units",
+                .help = "Sets minus the height of info_player_ entities over the floor, which is not scaled",
+                .details = "In Quake III it is -24, since the origin of a player is 24 game units above the floor.",
+                .since = "q3map2",
+                .example = "-24"},
+               &ScaleOptions::spawnReference}}}};
 }
 
 std::vector<SettingGroup<MergeOptions>> MergeSettings() {
     return {{"Merging",
              "",
-             {{{.name = "-fixnames", .help = "Give targets of the second map that the first has too other names"},
+             {{{.name = "-fixnames",
+                .help = "Renames targets of the second map that the first one has too",
+                .details = "Targets and targetnames get a number.",
+                .since = "q3map2"},
                &MergeOptions::fixNames},
-              {{.name = "-world", .help = "Merge the world of the second map too, not its entities only"},
+              {{.name = "-world",
+                .help = "Merges the world of the second map too, and not only its entities",
+                .since = "q3map2"},
                &MergeOptions::world}}}};
 }
 

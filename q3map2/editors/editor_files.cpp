@@ -51,7 +51,7 @@ std::vector<EditorBuild> EditorBuilds(std::span<const std::string_view> presets)
     for (const std::string_view preset : presets)
         builds.push_back(GridBuild(preset));
     builds[first].opensGroup = true;
-    builds.push_back({.label = "Geometry alone, to find leaks",
+    builds.push_back({.label = "Geometry only, to find leaks",
                       .steps = {fmt::format("-bsp -preset {} -leaktest", presets.front())},
                       .opensGroup = true});
     builds.push_back({.label = "Entities only", .steps = {"-bsp -onlyents"}});

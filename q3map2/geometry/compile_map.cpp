@@ -299,7 +299,7 @@ Tree MapCompiler::MakeTree(std::vector<TreeFace> faces) {
 Sealing MapCompiler::Seal(Tree &tree, SolidWarnings warnings) {
     Sealing sealing = FloodEntities(tree, map_, context_, warnings);
     if (sealing == Sealing::Empty)
-        throw Error("{}: no entity stands in the open, so there is no telling the inside from the outside; the map "
+        throw Error("{}: no entity is in open space, so the inside of the map cannot be told from the outside; the map "
                     "needs one, such as info_player_start, and not in a solid",
                     map_.name);
     const Entity &world = map_.World().pairs;
@@ -345,11 +345,12 @@ void MapCompiler::ReportAreaPortals(const Tree &tree) {
     for (const int number : idle) {
         const Brush &brush = world.brushes[std::size_t(number)];
         const Vec3d center = (Vec3d(brush.bounds.mins) + Vec3d(brush.bounds.maxs)) * 0.5;
-        context_.WarnAt("areaportal without effect", brush.settings.entity, brush.primitive,
-                        fmt::format("the areaportal at {:g} {:g} {:g} separates nothing: both of its sides are in one "
-                                    "area. Close the gap beside it, or the other way round it, with structural brushes "
-                                    "or one more areaportal",
-                                    center.x, center.y, center.z));
+        context_.WarnAt(
+            "areaportal without effect", brush.settings.entity, brush.primitive,
+            fmt::format("the areaportal at {:g} {:g} {:g} separates nothing: both of its sides are in one "
+                        "area. Close the gap next to it, or the other way around it, with structural brushes "
+                        "or one more areaportal",
+                        center.x, center.y, center.z));
     }
     result_.idleAreaPortals = int(idle.size());
 }

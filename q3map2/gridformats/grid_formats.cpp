@@ -23,35 +23,46 @@ std::vector<SettingGroup<ConvertGridOptions>> ConvertGridSettings() {
         o.remakesSparse = true;
         return o.sparse;
     };
-    return {{"Light grid formats",
-             "",
-             {{{.name = "-gridformats",
-                .values = "LIST",
-                .initial = "none; required",
-                .help = "The formats in which the map has its light grid afterwards",
-                .details = kGridFormatsDetails},
-               &ConvertGridOptions::formats},
-              {{.name = "-out",
-                .values = "FILE.bsp",
-                .initial = "the input",
-                .help = "The map to write; files that go beside a map go beside that one",
-                .details = "Needed if LIST has no form of the SH grid, since the map could not be converted again."},
-               &ConvertGridOptions::output},
-              {{.name = "-gridambientscale",
-                .values = "F",
-                .kind = SettingKind::Number,
-                .initial = "by game, usually 1",
-                .range = {.low = 0, .aboveLow = true},
-                .help = "Factor of the ambient part of the legacy grid and of raw files"},
-               Do<ConvertGridOptions>(scale)},
-              ErrorTargetSetting<ConvertGridOptions>(
-                  "Error that `sparse` may add by interpolation: RMS",
-                  "A sparse grid that the map has stays as it is, unless this option or `-shbudget` is "
-                  "given: they make it again of the uniform grid, whose cells it joins but does not split.",
-                  goal),
-              BudgetSetting<ConvertGridOptions>("Size of the grid of `sparse`, in place of an error target", "", goal),
-              {{.name = "-fixaas", .help = "Make bot files beside the map fit the written map"},
-               &ConvertGridOptions::fixBotFiles}}}};
+    return {
+        {"Light grid formats",
+         "",
+         {{{.name = "-gridformats",
+            .values = "LIST",
+            .initial = "none; required",
+            .help = "Chooses the formats in which the map has its light grid afterwards",
+            .details = kGridFormatsDetails,
+            .since = "0.2.0",
+            .example = "sh,legacy"},
+           &ConvertGridOptions::formats},
+          {{.name = "-out",
+            .values = "FILE.bsp",
+            .initial = "the input",
+            .help = "Names the map to write, next to which other files are written too",
+            .details = "It is required if LIST has no form of the SH grid, since the map could not be converted again.",
+            .since = "0.2.0",
+            .example = "maps/mymap_ioq3.bsp"},
+           &ConvertGridOptions::output},
+          {{.name = "-gridambientscale",
+            .values = "F",
+            .kind = SettingKind::Number,
+            .initial = "by game, usually 1",
+            .range = {.low = 0, .aboveLow = true},
+            .help = "Multiplies the ambient part of the legacy grid and of raw files",
+            .since = "0.1.0",
+            .example = "1.5"},
+           Do<ConvertGridOptions>(scale)},
+          ErrorTargetSetting<ConvertGridOptions>(
+              "Sets the RMS error that the format sparse may add by interpolation",
+              "Without this option and `-shbudget`, a sparse grid that the map has stays as it is. Either option makes "
+              "it again from the uniform grid, whose cells it joins but does not split.",
+              goal),
+          BudgetSetting<ConvertGridOptions>(
+              "Sets the size of the grid that the format sparse makes, instead of an error target", "", goal),
+          {{.name = "-fixaas",
+            .help = "Makes bot files next to the map fit the written map",
+            .details = "Writes the checksum of the written map into `x.aas`, `x_b0.aas` and `x_b1.aas`.",
+            .since = "0.2.0"},
+           &ConvertGridOptions::fixBotFiles}}}};
 }
 
 ConvertGridOptions ParseConvertGridOptions(Arguments &arguments, float gameAmbientFactor, Log &log) {
@@ -127,7 +138,7 @@ class GridConversion {
 
 namespace {
 
-/// As the established program writes them, for engines that leave no points out too.
+/// As NetRadiant's q3map2 writes them, for engines that leave no points out too.
 constexpr LegacyTarget kPlainReader{};
 /// ioquake3 shows 0.6 * (ambient << (2 - b)) + 32 * 2^-b, where 0.6 is r_ambientScale, 2 r_mapOverBrightBits and b its
 /// overbright bits. In bytes of the lump, which are shifted, the addition is 32 * 2^-b / 2^(2 - b) = 8.
@@ -216,7 +227,7 @@ const GridFormat &FindGridFormat(std::string_view word) {
     std::vector<std::string_view> words;
     for (const GridFormat &format : kGridFormats)
         words.push_back(format.word);
-    throw Error("-gridformats: \"{}\" is no format, expected words of {} separated by commas", word,
+    throw Error("-gridformats: \"{}\" is not a format, expected words of {} separated by commas", word,
                 fmt::join(words, ", "));
 }
 

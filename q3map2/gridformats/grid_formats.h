@@ -19,12 +19,11 @@ namespace q3 {
 
 /// Documentation of -gridformats: its words.
 inline constexpr std::string_view kGridFormatsDetails =
-    "LIST is of these words, separated by commas: `sh` and `shbspx`, the SH grid in lump 18 or in a BSPX lump; "
-    "`sparse`, the SH grid with cells of different sizes; "
-    "`legacy`, the legacy grid fitted to the SH grid, `legacy-ioq3` and `legacy-daemon`, the same for what these "
-    "engines make of it; `raw-ioq3` and `raw-rend2`, the fitted legacy grid and its floats in `maps/x/lightgrid.raw`; "
-    "`octree` and `grids`, the BSPX lumps LIGHTGRID_OCTREE and LIGHTGRIDS. [grid_formats.md](grid_formats.md) tells "
-    "which engine reads what.";
+    "LIST consists of words separated by commas. `sh` and `shbspx` are the SH grid in lump 18 or in a BSPX lump. "
+    "`sparse` is the SH grid with cells of different sizes. `legacy` is the legacy grid fitted to the SH grid, and "
+    "`legacy-ioq3` and `legacy-daemon` are the same for what these engines make of it. `raw-ioq3` and `raw-rend2` are "
+    "the fitted legacy grid and its floats in `maps/x/lightgrid.raw`. `octree` and `grids` are the BSPX lumps "
+    "LIGHTGRID_OCTREE and LIGHTGRIDS. [Grid formats](../engines/grid_formats.md) says which engine reads what.";
 
 /// Values of the options of -convertgrid.
 struct ConvertGridOptions {

@@ -22,7 +22,7 @@ constexpr float kSparseSamples = 0.5f;
 
 void PrintDering(const DeringStats &changed, Log &log) {
     log.Count(changed.points, "points rid of negative lobes");
-    log.Print("{:9.2f} of 255 is the largest change of displayed light\n", changed.largestChange);
+    log.Print("{:9.2f} levels: largest change of displayed light\n", changed.largestChange);
 }
 
 /// Bakes the sparse grid. from: inputs of the uniform grid. uniform: that grid, before deringing.
@@ -57,16 +57,16 @@ std::vector<Light> LightsForSH(const LightSetup &setup, StyledLights styles, Log
     if (styles == StyledLights::Keep) {
         if (const auto high = std::erase_if(lights, [](const Light &light) { return light.style > kLastStyle; });
             high > 0)
-            log.Warn("SH light of high styles", "{} of styles above {} left out of the SH grid, which has no more",
-                     Counted(high, "lights"), kLastStyle);
+            log.Warn("SH light of high styles",
+                     "{} of styles above {} left out of the SH grid, which has no higher ones", Counted(high, "lights"),
+                     kLastStyle);
         if (const auto styled = std::ranges::count_if(lights, IsStyled); styled > 0)
-            log.Count(styled, "lights of other styles than 0, named wherever they shine");
+            log.Count(styled, "lights of other styles than 0, named wherever they reach");
     } else if (const auto styled = std::erase_if(lights, IsStyled); styled > 0) {
         log.Count(styled, "lights of other styles than 0 left out: they change while the game runs");
         if (lights.empty())
-            log.Warn(
-                "SH light without lights",
-                "all lights have other styles than 0: the SH grid, which has light that never changes, stays dark");
+            log.Warn("SH light without lights",
+                     "no light has style 0: the SH grid stores only light that never changes and stays dark");
     }
     log.Count(lights.size(), "lights");
     log.Count(culled, "lights culled");
@@ -162,9 +162,8 @@ NamedGridSH BakeNamedGridSH(const LightSetup &setup, const IndirectLight *indire
     NamedGridSH grid = BakeNamedGrid(in, layout, lights, stats, named);
     PrintNamedStats(named, options.sparseGoal, log);
     for (const auto &[light, cells] : named.dropped)
-        log.Warn("styled light without a name",
-                 "the SH grid leaves out {} in {}: too many lights with styles shine there", light,
-                 Counted(cells, "cells"));
+        log.Warn("styled light without a name", "the SH grid leaves out {} in {}: too many lights with styles reach it",
+                 light, Counted(cells, "cells"));
     if (options.shError) {
         std::vector<Light> steady = lights;
         std::erase_if(steady, IsStyled);

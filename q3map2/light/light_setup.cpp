@@ -57,7 +57,7 @@ NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const L
         take(sources, [&](const Entity &entity) { return IsLight(entity) && !isNumbered(entity); });
     if (std::none_of(result.entities.begin(), result.entities.end(), IsLight))
         log.Warn("no light entities", "{}: no light entities, {}; surface, sun and sky lights still count", inputs.name,
-                 inputs.mapEntities ? "neither in the .map nor in the .bsp" : "there is no .map beside the .bsp");
+                 inputs.mapEntities ? "neither in the .map nor in the .bsp" : "there is no .map next to the .bsp");
     return result;
 }
 
@@ -101,7 +101,7 @@ std::vector<Light> CreateLights(const BspSpace &space, const std::vector<Entity>
     int group = -1;
     for (Light &light : lights)
         light.group = light.sample == 0 ? ++group : group;
-    // Lights are traced in reverse order of creation, as in the established program: -cheapgrid depends on it.
+    // Lights are traced in reverse order of creation, as in NetRadiant's q3map2: -cheapgrid depends on it.
     std::reverse(lights.begin(), lights.end());
     return lights;
 }
@@ -213,7 +213,7 @@ LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOpt
     props.shadows = {}; // the scene has a copy
     lights = CutCrossedLights(std::move(lights), space, scene);
     WarnOfHiddenLights(lights, space, options.noTrace ? nullptr : &scene, log);
-    log.Count(scene.TriangleCount(), "triangles that rays can meet");
+    log.Count(scene.TriangleCount(), "occluder triangles");
 }
 
 } // namespace q3

@@ -93,7 +93,7 @@ void SurfacePasses::Bounce() {
     const CpuTimer timer;
     AverageLuxels(in_, {}, PassData::Keep, surfaces_);
     bounces_.emplace(in_, surfaces_);
-    in_.log.Count(bounces_->Rays(), "rays to gather the light of bounces");
+    in_.log.Count(bounces_->Rays(), "radiosity rays");
     if (!bounces_->Solve(surfaces_))
         return in_.log.Print("No surface reflects light\n");
     in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());

@@ -24,33 +24,46 @@ constexpr int kLeastLevel = -1, kMostLevel = 10; ///< of -complevel; zlib has -1
 template <typename Options> SettingGroup<Options> PackingGroup() {
     return {"Packing",
             "",
-            {{{.name = "-dbg", .help = "Print what was collected: shaders, sounds, models, scripts, images"},
+            {{{.name = "-dbg",
+               .help = "Prints what was collected: shaders, sounds, models, scripts and images",
+               .since = "q3map2"},
               &Options::list},
              {{.name = "-png",
-               .help = "Take images in PNG too, before TGA and JPEG",
-               .details = "The engine of Quake III Arena does not read them; many later ones do."},
+               .help = "Takes images in PNG too, before TGA and JPEG",
+               .details = "The engine of Quake III Arena does not read PNG images, but many later ones do.",
+               .since = "q3map2"},
               &Options::png},
              {{.name = "-complevel",
                .values = "N",
                .range = {kLeastLevel, kMostLevel},
-               .help = "Compression: 0 none, 1 fast, 9 small, -1 as zlib chooses; 10 is 9"},
+               .help = "Sets the compression: 0 none, 1 fast, 9 small, -1 as zlib chooses",
+               .details = "The level 10 means the same as 9.",
+               .since = "q3map2",
+               .example = "6"},
               &Options::level},
              {{.name = "-outdir",
                .values = "DIR",
                .initial = "first base path",
-               .help = "Folder in which the package is written"},
+               .help = "Names the folder in which the package is written",
+               .since = "0.2.0",
+               .example = "/home/mapper/release"},
               &Options::folder},
              {{.name = "-basepak",
                .values = "MASK",
                .initial = "none",
-               .help = "Leave out what archives of that name hold, with ? and *; repeatable",
-               .details = "For archives that every player has: `-basepak 'pak?.pk3'`."},
+               .help = "Leaves out what archives of that name hold, which may contain ? and *",
+               .details = "It is for archives that every player has. It may be given several times.",
+               .since = "0.2.0",
+               .example = "'pak?.pk3'"},
               &Options::basePaks},
              {{.name = "-exclude",
                .values = "FILE",
-               .initial = "GAME.exclude beside the program",
-               .help = "One more file that lists what is left out; repeatable",
-               .details = "[package.md](package.md#leaving-files-out) describes it."},
+               .initial = "GAME.exclude next to the program",
+               .help = "Names a file that lists what is left out, in addition to the default one",
+               .details = "It may be given several times. The page [Releasing a "
+                          "map](../guide/releasing.md#leaving-files-out) describes the file.",
+               .since = "0.2.0",
+               .example = "mymap.exclude"},
               &Options::exclusions}}};
 }
 
@@ -63,7 +76,8 @@ std::vector<SettingGroup<PackOptions>> PackSettings() {
 std::vector<SettingGroup<RepackOptions>> RepackSettings() {
     SettingGroup<RepackOptions> group = PackingGroup<RepackOptions>();
     group.settings.push_back(
-        {{.name = "-analyze", .help = "Print what was collected, and write nothing"}, &RepackOptions::onlyList});
+        {{.name = "-analyze", .help = "Prints what was collected, and writes nothing", .since = "q3map2"},
+         &RepackOptions::onlyList});
     return {group};
 }
 

@@ -47,8 +47,8 @@ class ReportFile final : public LogObserver {
                    std::string_view initial) override;
     void OnWarning(std::string_view kind, std::string_view text, const LogMark *mark) override;
 
-    /// Writes the report; docs/report.md describes it. `error`: of a failed run, else empty. Errors: the file cannot be
-    /// written.
+    /// Writes the report; docs/reference/report.md describes it. `error`: of a failed run, else empty. Errors: the file
+    /// cannot be written.
     void Write(const std::filesystem::path &path, const std::vector<std::string> &words, std::string_view error);
 
   private:

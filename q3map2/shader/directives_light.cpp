@@ -138,14 +138,17 @@ constexpr std::array kSky = std::to_array<ShaderDirective>({
       .values = "R G B I DEGREES ELEVATION [DEVIANCE] [SAMPLES]",
       .kind = SettingKind::Number,
       .initial = "none",
-      .help = "Adds a sun: a surface that faces it gets I of 255, times the cosine of the angle to it",
-      .details = "The color is divided by its largest component. DEGREES are where the sun stands, counted from +X "
-                 "(0) to +Y (90); ELEVATION is its height above the horizon. SAMPLES (1, at most 4096) suns of "
-                 "I/SAMPLES each, within DEVIANCE degrees around the direction, make the edges of shadows soft. A sun "
-                 "shines through surfaces with its own shader; `-onesky` lets it through any sky. Several suns add "
-                 "up. It takes `q3map_lightStyle` and the second number of `q3map_lightmapFilterRadius` as the lines "
-                 "before it set them: lines after it do not count for it. `-sky` scales it, "
-                 "the key `_noshadersun` of the world turns it off."},
+      .help = "Adds a sun that gives the light I, in 8-bit levels, to a surface that faces it",
+      .details = "The light of other surfaces is I times the cosine of the angle to the sun. The color R G B is "
+                 "divided by its largest component. DEGREES is where the sun stands, counted from +X (0) to +Y (90). "
+                 "ELEVATION is its height above the horizon in degrees. SAMPLES suns with I/SAMPLES each, within "
+                 "DEVIANCE degrees around the direction, make the edges of shadows soft. The default of SAMPLES is 1, "
+                 "and at most 4096 count. Light of the sun passes surfaces that have this shader, or any sky under "
+                 "`-onesky`. Several suns add up. The sun takes `q3map_lightStyle` and the second number of "
+                 "`q3map_lightmapFilterRadius` from lines before it, but not from lines after it. The option `-sky` "
+                 "scales the light, and the key `_noshadersun` of the world turns it off. Also sets surfaceparm sky.",
+      .since = "q3map2",
+      .example = "1 0.95 0.85 120 45 60 3 16"},
      "light",
      Sun,
      RestOfLine::Directives},
@@ -154,7 +157,10 @@ constexpr std::array kSky = std::to_array<ShaderDirective>({
       .values = "R G B I DEGREES ELEVATION",
       .kind = SettingKind::Number,
       .initial = "none",
-      .help = "Adds a sun with sharp shadows, as q3map_sunExt does"},
+      .help = "Adds a sun with sharp shadows, whose values mean the same as those of q3map_sunExt",
+      .details = "Also sets surfaceparm sky.",
+      .since = "q3map2",
+      .example = "1 0.95 0.85 120 45 60"},
      "light",
      Sun,
      RestOfLine::Directives},
@@ -162,14 +168,16 @@ constexpr std::array kSky = std::to_array<ShaderDirective>({
       .values = "V N [MIN] [MAX] [SAMPLE]",
       .kind = SettingKind::Number,
       .initial = "none",
-      .help = "Adds light from the whole sky: 0.5 V to 0.63 V of 255 on an open floor, by N",
-      .details = "The light comes from 4(N − 1)² + 1 suns, where N is from 2 to 128; each has V · max(1/4, (MAX − "
-                 "MIN)/90) divided by their number. On a floor without anything around it that is 0.506 V for N = 2, "
-                 "0.540 V for 4, 0.589 V for 8 and 0.613 V for 16; a wall gets 0.18 V to 0.25 V. MIN (0) and MAX (90) "
-                 "limit the elevation, from −90 to 90 degrees. With SAMPLE 1 (the default) the colors are those of "
-                 "the six sky images of `skyParms`, with 0 the color of the shader. Rays cost time in proportion to "
-                 "the number of suns. `-sky` scales it. Filter radius and light style count from any line of the "
-                 "shader."},
+      .help = "Adds light from the whole sky, which gives an open floor 0.5 V to 0.63 V in 8-bit levels, by N",
+      .details = "The light comes from 4(N − 1)² + 1 suns, where N is from 2 to 128. Each sun has V · max(1/4, (MAX − "
+                 "MIN)/90) divided by their number. A floor without anything around it gets 0.506 V for N = 2, 0.540 V "
+                 "for 4, 0.589 V for 8 and 0.613 V for 16. A wall gets 0.18 V to 0.25 V. MIN and MAX limit the "
+                 "elevation of the suns, from −90 to 90 degrees, and default to 0 and 90. With SAMPLE 1, the default, "
+                 "the colors are those of the six sky images of `skyParms`, and with 0 that of the shader. The time "
+                 "for rays grows in proportion to the number of suns. The option `-sky` scales the light. The filter "
+                 "radius and the light style may be set on any line of the shader. Also sets surfaceparm sky.",
+      .since = "q3map2",
+      .example = "80 5"},
      "light",
      SkyLight},
     {{.name = "skyParms",
@@ -177,8 +185,12 @@ constexpr std::array kSky = std::to_array<ShaderDirective>({
       .kind = SettingKind::Text,
       .initial = "none",
       .help = "Names the six images of a sky, IMAGES_up and so on, whose colors q3map_skyLight takes",
-      .details = "All six must exist, `_lf _rt _ft _bk _up _dn`, or the sky light has the color of the shader, with a "
-                 "warning. IMAGES_up is the light image unless another is named. `-` and `full` name no images."},
+      .details =
+          "The six images end with `_lf`, `_rt`, `_ft`, `_bk`, `_up` and `_dn`. If one is missing, which is a warning, "
+          "sky light has the color of the shader. The image IMAGES_up is also the light image, unless another one is "
+          "named. The words `-` and `full` name no images. HEIGHT and INNER are for the engine only.",
+      .since = "q3map2",
+      .example = "env/mymap/dusk 512 -"},
      "light",
      SkyParms},
 });
@@ -188,30 +200,38 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
       .values = "N",
       .kind = SettingKind::Number,
       .initial = "0",
-      .help = "Lets surfaces emit light: 0.75 N of 255 on a receiver that sees nothing else",
-      .details = "A receiver gets 0.75 N F of the light color, where F is the form factor: the share of its "
-                 "hemisphere, weighted by the cosine, that the surface covers. Far from a surface of area A that is "
-                 "0.24 N A cos α cos β / d², with the angles α and β of both surfaces to the line between them. So "
-                 "surfaceLight 100 on a panel of 256 × 256 units gives 18 at 256 units in front of it. 0 and less "
-                 "emit nothing. A nodraw surface is not in the map and emits nothing. `-area` scales it."},
+      .help = "Makes surfaces emit light that gives 0.75 N, in 8-bit levels, to a receiver that sees nothing else",
+      .details = "A receiver gets 0.75 N F times the light color. F is the form factor, which is the fraction of the "
+                 "receiver's hemisphere that the surface covers, weighted by the cosine. Far from a surface of area A "
+                 "the light is 0.24 N A cos α cos β / d². The angles α and β are those of both surfaces to the line "
+                 "between them. So 100 on a panel of 256 × 256 units gives 18 at 256 units in front of it, and 2000 "
+                 "gives 359. A value of 0 or less emits nothing. A nodraw surface is not in the map, so it emits "
+                 "nothing. The option `-area` scales the light.",
+      .since = "q3map2",
+      .example = "2000"},
      "light",
      SetNumber<&ShaderInfo::surfaceLight>},
     {{.name = "q3map_lightRGB",
       .values = "R G B",
       .kind = SettingKind::Number,
       .initial = "mean of the light image",
-      .help = "Color of the light that the shader emits; divided by its largest component",
-      .details = "It is also the color of sky light without sampled images, of flares, and of what a shader without "
-                 "an image reflects."},
+      .help = "Sets the color of the light that the shader emits, which is divided by its largest component",
+      .details = "It is also the color of sky light without sampled images, of flares, and of what a shader without an "
+                 "image reflects.",
+      .since = "q3map2",
+      .example = "1 0.8 0.5"},
      "light",
      LightRgb},
     {{.name = "q3map_lightImage",
       .values = "IMAGE",
       .kind = SettingKind::Text,
       .initial = "that of the first stage or of editors",
-      .help = "Image whose mean is the color of emitted light, and whose texels filter and reflect light",
-      .details = "Without it: the image of the first stage, if no `qer_editorImage` or `implicitMap` stands before "
-                 "it; else the editor image, or the image with the shader's name."},
+      .help =
+          "Names the light image, whose mean is the color of emitted light and whose texels filter and reflect light",
+      .details = "Without this line it is the image of the first stage, if no `qer_editorImage` or `implicitMap` comes "
+                 "before the stage. Otherwise it is the editor image or the image with the shader's name.",
+      .since = "q3map2",
+      .example = "textures/mymap/panel_glow"},
      "light",
      LightImage},
     {{.name = "q3map_lightSubdivide",
@@ -220,8 +240,10 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
       .unit = "game units",
       .initial = "999",
       .help = "Cuts emitting surfaces into pieces of at most this length",
-      .details = "Smaller pieces are tested for visibility one by one, so shadows of large panels get smoother and "
-                 "the light stage takes longer."},
+      .details = "Each piece is tested for visibility, so small pieces make the shadows of large panels smoother and "
+                 "the light stage slower.",
+      .since = "q3map2",
+      .example = "128"},
      "light",
      LightSubdivide},
     {{.name = "q3map_backsplash",
@@ -229,8 +251,10 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
       .kind = SettingKind::Number,
       .initial = "5 23",
       .help = "Lights the wall around an emitting surface by a second, reversed light in front of it",
-      .details = "That light stands DISTANCE game units in front of the surface and has 7 · PERCENT/100 of its "
-                 "light. PERCENT 0 turns it off; skies have none. The default is that of `-backsplash`."},
+      .details = "That light is DISTANCE game units in front of the surface and has 7 · PERCENT/100 of its light. A "
+                 "PERCENT of 0 turns it off. Skies have none. The option `-backsplash` changes the default.",
+      .since = "q3map2",
+      .example = "0 0"},
      "light",
      Backsplash},
     {{.name = "q3map_lightStyle",
@@ -238,9 +262,11 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
       .kind = SettingKind::Integer,
       .initial = "0",
       .range = {0, 255},
-      .help = "Light style of the light that the shader emits, and of its flares",
-      .details = "0 and 255 are constant light. Suns take the style that lines before them set; sky light and "
-                 "emitting surfaces take it from any line."},
+      .help = "Sets the light style of the light that the shader emits, and of its flares",
+      .details = "The styles 0 and 255 are constant light. Suns take the style that lines before them set, while sky "
+                 "light and emitting surfaces take it from any line.",
+      .since = "q3map2",
+      .example = "2"},
      "both",
      LightStyle},
     {{.name = "q3map_bounceScale",
@@ -248,15 +274,21 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
       .values = "F",
       .kind = SettingKind::Number,
       .initial = "1",
-      .help = "Factor of the light that surfaces reflect under -bounce; 0 and less reflect nothing",
-      .details = "The light image is what is reflected, by `-bouncescale` and `-bouncecolorratio`."},
+      .help = "Multiplies the light that surfaces reflect under -bounce, where 0 and less reflect nothing",
+      .details = "Surfaces reflect the color of their light image, scaled by `-bouncescale` and mixed with gray by "
+                 "`-bouncecolorratio`.",
+      .since = "q3map2",
+      .example = "0.5"},
      "light",
      SetNumber<&ShaderInfo::bounceScale>},
     {{.name = "q3map_noFast",
-      .help = "Keeps the faint light of these surfaces, however far away, where -fast would leave it out"},
+      .help = "Keeps the faint light of these surfaces, however far away, where -fast would leave it out",
+      .since = "q3map2"},
      "light",
      SetFlag<&ShaderInfo::noFast>},
-    {{.name = "q3map_forceSunlight", .help = "Lets suns shine on vertices through everything; luxels are not changed"},
+    {{.name = "q3map_forceSunlight",
+      .help = "Lets the light of suns reach vertices through everything, but not luxels",
+      .since = "q3map2"},
      "light",
      SetFlag<&ShaderInfo::forceSunlight>},
     {{.name = "q3map_lightmapFilterRadius",
@@ -264,10 +296,12 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
       .kind = SettingKind::Number,
       .unit = "game units",
       .initial = "0 0",
-      .help = "Blurs light in lightmaps: OWN all light on these surfaces, OTHERS the light of this shader's sky",
-      .details = "OTHERS counts for the suns that stand below the line and for all `q3map_skyLight` of the shader. "
-                 "Between `q3map_sunExt` and `q3map_skyLight` it blurs the sky light and leaves the shadows of the sun "
-                 "sharp. Emitting surfaces (`q3map_surfaceLight`) are not blurred."},
+      .help = "Blurs lightmaps: OWN for all light on these surfaces, OTHERS for the light of this shader's sky",
+      .details = "OTHERS applies to suns on later lines and to every `q3map_skyLight` of the shader. Between "
+                 "`q3map_sunExt` and `q3map_skyLight`, this line blurs the sky light and leaves the shadows of the sun "
+                 "sharp. Light of emitting surfaces (`q3map_surfaceLight`) is not blurred by OTHERS.",
+      .since = "q3map2",
+      .example = "0 8"},
      "light",
      FilterRadius},
 });
@@ -276,13 +310,13 @@ constexpr std::array kEmission = std::to_array<ShaderDirective>({
 
 DirectiveGroup SkyDirectives() {
     return {"Sky and suns",
-            "Suns and sky light shine if a drawn surface of the map has the shader. `q3map_sun`, `q3map_sunExt` and "
-            "`q3map_skyLight` also set surfaceparm sky.",
+            "Suns and sky light need a drawn surface of the map that has the shader. The directives `q3map_sun`, "
+            "`q3map_sunExt` and `q3map_skyLight` also set surfaceparm sky.",
             kSky};
 }
 
 DirectiveGroup EmissionDirectives() {
-    return {"Emitted and reflected light", "", kEmission};
+    return {"Emitted and reflected light", "These directives set the light that surfaces emit and reflect.", kEmission};
 }
 
 void WarnOfLateLines(const ParsedShader &shader, Log &log) {

@@ -233,7 +233,7 @@ std::optional<ShaderLibrary::State::ImageBytes> ShaderLibrary::State::FindBytes(
 void ShaderLibrary::State::WarnIfOpenExr(const std::string &image) const {
     if (const std::string file = image + ".exr"; vfs.Exists(file))
         log.Warn("OpenEXR image",
-                 "{}: files of the game in this format are not opened; save it as .tga or .png beside it", file);
+                 "{}: game files in this format are not read; save the image as .tga or .png next to it", file);
 }
 
 /// Decodes the first existing file; null: none. Error: it is damaged.
@@ -249,7 +249,7 @@ std::shared_ptr<const Image> ShaderLibrary::State::FindImage(const std::string &
     if (EndsWithNoCase(found->name, ".crn"))
         log.Warn("colors of Crunch images",
                  "{}: of .crn files only the size is read, middle gray (128) stands for the colors; save the image as "
-                 ".tga or .png beside it",
+                 ".tga or .png next to it",
                  vfs.Location(found->name));
     return std::make_shared<const Image>(std::move(image));
 }

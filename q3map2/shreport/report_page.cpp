@@ -173,27 +173,40 @@ std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize
 
 std::vector<SettingGroup<SHReportOptions>> SHReportSettings() {
     constexpr SettingRange sizes{0, 16384}, places{1, 100000};
-    return {
-        {"Page",
-         "",
-         {{{.name = "-texturesize",
-            .values = "N",
-            .unit = "texels",
-            .range = sizes,
-            .help = "Longer side of a texture at most; 0: no textures"},
-           &SHReportOptions::textureSize},
-          {{.name = "-o", .values = "FILE", .initial = "x.html beside x.bsp", .help = "The page"},
-           &SHReportOptions::output}}},
-        {"Explanations",
-         "With `-explain`, a click on a surface tells why it is lit as it is: [explain.md](explain.md). All options "
-         "of `-light` may be given too; they should be those that the map was lit with.",
-         {{{.name = "-explain", .help = "Explain places all over the map, for clicks on their surfaces"},
-           &SHReportOptions::explain},
-          {{.name = "-places",
-            .values = "N",
-            .range = places,
-            .help = "Places that -explain explains, at most. They are spread evenly over the surfaces"},
-           &SHReportOptions::places}}}};
+    return {{"Page",
+             "",
+             {{{.name = "-texturesize",
+                .values = "N",
+                .unit = "texels",
+                .range = sizes,
+                .help = "Limits the longer side of textures to N, where 0 leaves all textures out",
+                .details = "Larger textures make the page a larger file.",
+                .since = "0.2.0",
+                .example = "256"},
+               &SHReportOptions::textureSize},
+              {{.name = "-o",
+                .values = "FILE",
+                .initial = "x.html next to x.bsp",
+                .help = "Names the page to write",
+                .since = "0.2.0",
+                .example = "mymap.html"},
+               &SHReportOptions::output}}},
+            {"Explanations",
+             "With `-explain`, a click on a surface of the page shows why it is lit as it is. The page [Why a place is "
+             "lit as it is](../guide/explain.md) describes it. All options of `-light` may be given too, and should be "
+             "those with which the map was lit.",
+             {{{.name = "-explain",
+                .help = "Explains places all over the map, for clicks on their surfaces",
+                .since = "0.2.0"},
+               &SHReportOptions::explain},
+              {{.name = "-places",
+                .values = "N",
+                .range = places,
+                .help = "Sets how many places -explain explains at most",
+                .details = "The places are spread evenly over the surfaces.",
+                .since = "0.2.0",
+                .example = "5000"},
+               &SHReportOptions::places}}}};
 }
 
 SHReportOptions ParseSHReportOptions(Arguments &arguments, Log &log) {

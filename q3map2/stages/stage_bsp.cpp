@@ -36,7 +36,7 @@ fs::path SourcePath(const std::string &file, const BspOptions &options, bool sta
                     "lights it, -vis computes what can be seen",
                     path.string(), source.filename().string());
     if (extension == ".bsp" && !hasSource && fs::exists(path))
-        throw Error("{} is a compiled map and has no map source beside it: {} does not exist", path.string(),
+        throw Error("{} is a compiled map without a map source next to it: {} does not exist", path.string(),
                     source.string());
     if (extension == ".reg" || (extension == ".ent" && options.onlyEntities))
         return path;

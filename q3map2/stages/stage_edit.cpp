@@ -106,8 +106,8 @@ int FixAasStage(const StageContext &context, Arguments arguments) {
     log.Section("FixAAS");
     const std::vector<BotFile> files = FindBotFiles(path);
     if (files.empty())
-        throw Error("{}: no bot file beside it; expected {}, or the same with _b0 or _b1 after the name", path.string(),
-                    WithExtension(path, ".aas").string());
+        throw Error("{}: no bot file next to it; expected {}, or the same with _b0 or _b1 after the name",
+                    path.string(), WithExtension(path, ".aas").string());
     FileGuard guard(context);
     guard.Needs(path);
     for (const BotFile &file : files) {

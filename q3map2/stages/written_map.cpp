@@ -95,11 +95,12 @@ void WarnOfPackedBotFile(const std::filesystem::path &bspPath, std::span<const s
                          const std::string &origin, Log &log) {
     try {
         if (ChecksumIn(botFile, origin) != MapChecksum(bspPath))
-            log.Warn("bot file",
-                     "{} is for another version of {}, and engines refuse it, so there will be no bots: copy it beside "
-                     "the map and run q3map2 -fixaas on the map or, if brushes have changed, make it again with a bot "
-                     "compiler",
-                     origin, bspPath.string());
+            log.Warn(
+                "bot file",
+                "{} is for another version of {}, and engines refuse it, so there will be no bots: copy it next to "
+                "the map and run q3map2 -fixaas on the map or, if brushes have changed, make it again with a bot "
+                "compiler",
+                origin, bspPath.string());
     } catch (const Error &error) {
         log.Warn("bot file", "{}", error.what());
     }
@@ -149,7 +150,7 @@ void WarnOfLightmapLimits(const std::filesystem::path &bspPath, const Bsp &bsp, 
         log.Warn("too many sets of light styles",
                  "{}: surfaces have {} different sets of light styles, engines of {} load no map with over {}: use "
                  "fewer styles, "
-                 "or let those that shine on the same surfaces share one",
+                 "or let lights that reach the same surfaces share one",
                  bspPath.string(), sets.size(), game.name, game.maxStyleSets);
     if (game.maxLightmaps > 0 && pages > game.maxLightmaps)
         log.Warn("too many lightmaps",

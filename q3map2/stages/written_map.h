@@ -49,7 +49,8 @@ void WarnOfPackedBotFile(const std::filesystem::path &bspPath, std::span<const s
                          const std::string &origin, Log &log);
 
 /// Bytes of hunk memory (com_hunkMegs) that an engine needs while it loads the file. It reads the whole file into the
-/// hunk and copies the lumps that it knows, which excludes BSPX lumps. docs/troubleshooting.md has the measurement.
+/// hunk and copies the lumps that it knows, which excludes BSPX lumps. docs/guide/troubleshooting.md has the
+/// measurement.
 std::uint64_t EngineMemoryFor(const Bsp &bsp, std::uint64_t fileBytes);
 
 /// Warns if the file that was just written has more lightmaps, or sets of light styles on surfaces, than engines of the

@@ -129,7 +129,7 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, Sol
         std::count_if(tree.nodes.begin(), tree.nodes.end(), [](const TreeNode &node) { return node.floodSteps != 0; });
     context.log.VerboseCount(flooded, "flooded leafs");
     if (!anyFlood) {
-        context.log.Verbose("no entity stands in the open: nothing can be filled\n");
+        context.log.Verbose("no entity is in open space: nothing can be filled\n");
         return Sealing::Empty;
     }
     const MapEntity &world = map.entities.front();

@@ -212,7 +212,7 @@ void TreeBuilder::Partition(const Pending &work, int planeNum, std::array<std::v
         else if (side == PolygonSide::Cross)
             SplitFace(number, plane, parts);
     }
-    // The order of the established program, which puts each face in front of a list: of faces with equal scores, the
+    // The order of NetRadiant's q3map2, which puts each face in front of a list: of faces with equal scores, the
     // first splits.
     for (auto &part : parts)
         std::reverse(part.begin(), part.end());

@@ -2,7 +2,7 @@
 # GPL-2.0-or-later. Runs the build lines of projects and checks that their files are what the lines ask for.
 """usage: build_lines.py PROGRAM SOURCE_FOLDER
 
-The lines are those of "Build lines of projects" in docs/moving.md and those of LINES. Each cd finds a fresh game folder
+The lines are those of "Build lines of projects" in docs/guide/from_q3map2.md and those of LINES. Each cd finds a fresh game folder
 with a small map. What a line asks for follows from its options; FAULTS says what is checked in each stage. Lines of games
 that the program does not know are left out.
 """
@@ -302,7 +302,7 @@ class Runner:
 
 def main():
     program, source = str(Path(sys.argv[1]).resolve()), Path(sys.argv[2])
-    page = (source / "docs/moving.md").read_text()
+    page = (source / "docs/guide/from_q3map2.md").read_text()
     section = page.split("\n## Build lines of projects\n")[1].split("\n## ")[0]
     with tempfile.TemporaryDirectory() as folder:
         runner = Runner(program, Path(folder))

@@ -19,12 +19,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-PAGES = ["README.md"] + [f"docs/{name}.md" for name in (
-    "first_bake", "lights", "relight", "final_build", "bots", "troubleshooting", "moving", "presets", "ship_sh", "package",
-    "tools_for_maps", "shader_directives", "grid_formats", "convert", "report", "vis", "lightmaps", "light_grid_sh", "bsp_stage", "ssbump", "hdr",
-    "directional", "explain")]
-# Pages that are for editors and other systems, if they are there: their options are checked.
-OTHER_PAGES = ["docs/editors.md", "docs/windows.md"]
+# Pages whose commands run: those for mappers and engine programmers, and how the stages work.
+RUN = ["README.md", "docs/guide/*.md", "docs/engines/*.md", "docs/reference/json.md", "docs/reference/report.md",
+       "docs/internals/bsp.md", "docs/internals/vis.md", "docs/internals/lightmaps.md", "docs/internals/sh_grid.md"]
+# Their commands are for editors and other systems: only their options are checked, as on all other pages.
+CHECKED = ["docs/guide/editors.md"]
 COMMAND = re.compile(r"^(?: {4,}|\t)?((?:build/bin/)?q3map2(?: .*)?)$")
 INLINE = re.compile(r"`((?:build/bin/)?q3map2 [^`]*)`")
 PATTERN_WORD = re.compile(r"^[A-Z][A-Z0-9_]*(\.[a-z0-9]+)?$")
@@ -96,22 +95,22 @@ class Reader:
                               timeout=SECONDS, env={**os.environ, "HOME": str(self.home)})
 
     def known_options(self):
-        """Options by stage, in lower case, from the generated page; those of all stages are under ''."""
-        options, stage = {}, None
-        for line in self.call(["-help", "markdown"], "/").stdout.splitlines():
-            if row := re.match(r"\| `\[?(-\w+)\]? ", line):
-                if stage is None:  # the table of stages
-                    options.setdefault(row.group(1), set())
-            heading = re.match(r"## (-\S+|Global options)?", line)
-            if heading:
-                stage = {None: None, "Global options": ""}.get(heading.group(1), heading.group(1))
-                if stage is not None:
-                    options.setdefault(stage, set())
-            elif stage is not None and line.startswith("| `-"):
-                names = re.findall(r"`(--?[^` ]+)", line.split(" | ")[0])
-                options[stage].update(name.lower() for name in names)
-                default = re.split(r" \| ", line)[1]
-                self.defaults.setdefault(stage, {}).update((name.lower(), default) for name in names)
+        """Options by stage, in lower case, from the reference pages; those of all stages are under ''."""
+        help_of = {name: self.call(["-help", f"{name}.md"], "/").stdout
+                   for name in ("command_line", "bsp", "vis", "light", "other_stages")}
+        options = {word: set() for word in re.findall(r"^\| \[(-\w+)\]\(", help_of["command_line"], re.MULTILINE)}
+        for name, text in help_of.items():
+            stage = {"command_line": "", "other_stages": None}.get(name, f"-{name}")
+            names = []
+            for line in text.splitlines():
+                if name == "other_stages" and (heading := re.match(r"## (-\S+)", line)):
+                    stage = heading.group(1)
+                elif re.match(r"`--?\w", line):
+                    names = [word.lower() for word in re.findall(r"`(--?[^` ]+)", line)]
+                    options.setdefault(stage, set()).update(names)
+                    self.defaults.setdefault(stage, {}).update((word, "") for word in names)
+                elif default := re.match(r"- Default: (.*)", line):
+                    self.defaults[stage].update((word, default.group(1)) for word in names)
         return options
 
     def prepare(self):
@@ -178,7 +177,7 @@ class Reader:
         except subprocess.TimeoutExpired:
             self.failures.append(f"{where}: {command}\n  takes over {SECONDS} s")
             return
-        if not done.returncode and where.startswith("moving.md"):
+        if not done.returncode and where.startswith("from_q3map2.md"):
             self.check_effect(where, command, words, done.stdout)
         if done.returncode or "WARNING: Unknown" in done.stdout:
             text = "\n  ".join(done.stdout.splitlines()[-12:])
@@ -220,13 +219,13 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         reader = Reader(str(program), Path(folder))
         total = 0
-        for name in PAGES + OTHER_PAGES:
-            if name in OTHER_PAGES and not (source / name).exists():
-                continue
-            ran, checked = reader.read(source / name, name in PAGES)
-            print(f"{name}: {ran} commands ran, {checked} checked")
+        run = {page for pattern in RUN for page in source.glob(pattern)} - {source / name for name in CHECKED}
+        for page in sorted({source / "README.md", source / "CONTRIBUTING.md", *source.glob("docs/**/*.md")}):
+            ran, checked = reader.read(page, page in run)
+            if ran or checked:
+                print(f"{page.relative_to(source)}: {ran} commands ran, {checked} checked")
             total += ran
-    if total < 40:
+    if total < 150:
         reader.failures.append(f"{total} commands found: the pages are not read as they are written")
     print("\n".join(reader.failures) or "no failures")
     return 1 if reader.failures else 0

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # GPL-2.0-or-later. Compiles the shaders of libs/directional and libs/shgrid.
-"""usage: compile_shaders.py GLSLANG LIBRARY LIBS PAGE
+"""usage: compile_shaders.py GLSLANG LIBRARY LIBS PAGE...
 
 GLSLANG: glslangValidator. LIBRARY: directional or shgrid. LIBS: the folder of the libraries. The GLSL and the HLSL of the
 library are compiled with a main function that calls them, for the oldest and newest versions that they are meant for. A
-function that stands in a file and is not called is a fault, and so is GLSL on PAGE, a page of documentation, that is not
-in the files. Exit status 77, for a skipped test, if GLSLANG is not there.
+function that stands in a file and is not called is a fault, and so is GLSL on a PAGE of documentation that is not in
+the files. Exit status 77, for a skipped test, if GLSLANG is not there.
 """
 
 import re
@@ -126,17 +126,18 @@ def uncalled(text, main):
     return [name for name in re.findall(r"^\w+ (\w+)\(", text, re.MULTILINE) if f"{name}(" not in main]
 
 
-def faults(glslang, name, folder, page):
+def faults(glslang, name, folder, pages):
     """What is wrong besides what the compiler says; whether all compiled."""
     library = LIBRARIES[name]
     glsl, hlsl = ("".join((folder / f"{part}.{kind}").read_text() for part in library.names) for kind in ("glsl", "hlsl"))
     found = []
     if library.each_is_called:
         found = [f"{function} is called by no test" for function in uncalled(glsl, library.glsl) + uncalled(hlsl, library.hlsl)]
-    quotes = re.findall(r"```glsl\n(.*?)```", page.read_text(), re.DOTALL)
-    if not quotes:
-        found.append(f"{page}: no GLSL")
-    found += [f"{page}: not in the files:\n{quote}" for quote in quotes if quote not in glsl]
+    for page in pages:
+        quotes = re.findall(r"```glsl\n(.*?)```", page.read_text(), re.DOTALL)
+        if not quotes:
+            found.append(f"{page}: no GLSL")
+        found += [f"{page}: not in the files:\n{quote}" for quote in quotes if quote not in glsl]
     good = True
     precision = "".join(f"precision highp {kind};\n" for kind in library.precise)
     for version in ("130\n", "330 core\n", "460 core\n", f"300 es\n{precision}"):
@@ -146,13 +147,13 @@ def faults(glslang, name, folder, page):
 
 
 def main():
-    if len(sys.argv) != 5 or sys.argv[2] not in LIBRARIES:
+    if len(sys.argv) < 5 or sys.argv[2] not in LIBRARIES:
         sys.exit(__doc__)
-    glslang, name, libs, page = sys.argv[1:]
+    glslang, name, libs, *pages = sys.argv[1:]
     if not Path(glslang).exists():
         print("skipped: glslangValidator (Debian: glslang-tools) is not installed")
         sys.exit(77)
-    found, good = faults(glslang, name, Path(libs) / name, Path(page))
+    found, good = faults(glslang, name, Path(libs) / name, [Path(page) for page in pages])
     for fault in found:
         print(fault)
     sys.exit(0 if good and not found else 1)

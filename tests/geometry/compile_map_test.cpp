@@ -14,7 +14,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Counts, bounds and indexes are those that the established q3map2 gives for this room with -meta.
+/// Counts, bounds and indexes are those that NetRadiant's q3map2 gives for this room with -meta.
 TEST_F(CompileTest, EmptyRoomHasTheKnownCounts) {
     const CompiledMap map = Compile(MapText(RoomText()));
     const Bsp &bsp = map.bsp;
@@ -112,7 +112,7 @@ TEST_F(CompileTest, NoEntityInTheOpenIsAnError) {
             Compile(text);
             FAIL() << "compiled";
         } catch (const Error &error) {
-            EXPECT_THAT(error.what(), HasSubstr("no entity stands in the open"));
+            EXPECT_THAT(error.what(), HasSubstr("no entity is in open space"));
         }
     EXPECT_THAT(out.text, HasSubstr("stands in solid"));
 }

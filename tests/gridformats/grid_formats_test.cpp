@@ -36,8 +36,8 @@ TEST(GridFormatWords, Lists) {
 }
 
 TEST(GridFormatWords, Faults) {
-    EXPECT_NE(ErrorOf("legacy,cubes").find("\"cubes\" is no format"), std::string::npos);
-    EXPECT_NE(ErrorOf("legacy,").find("\"\" is no format"), std::string::npos);
+    EXPECT_NE(ErrorOf("legacy,cubes").find("\"cubes\" is not a format"), std::string::npos);
+    EXPECT_NE(ErrorOf("legacy,").find("\"\" is not a format"), std::string::npos);
     EXPECT_NE(ErrorOf("sh,shbspx").find("sh and shbspx exclude each other"), std::string::npos);
     EXPECT_NE(ErrorOf("legacy,octree,legacy-daemon").find("exclude"), std::string::npos);
     EXPECT_NE(ErrorOf("raw-ioq3,raw-rend2").find("exclude"), std::string::npos);

@@ -161,8 +161,8 @@ TEST(Damage, Surfaces) {
 TEST(Damage, VisibilityAndAdvertisements) {
     ExpectErrors({{[](Bsp &b) { b.visibility.resize(7); }, "visibility: 7 bytes, expected 0 or at least 8"},
                   {[](Bsp &b) { b.visibility[3] = 0x80; }, "visibility: -2147483646 clusters"},
-                  {[](Bsp &b) { b.visibility[4] = 0; }, "visibility: 0 bytes a row, expected at least 1"},
-                  {[](Bsp &b) { b.visibility[7] = 0xff; }, "visibility: -16777208 bytes a row"},
+                  {[](Bsp &b) { b.visibility[4] = 0; }, "visibility: 0 bytes per row, expected at least 1"},
+                  {[](Bsp &b) { b.visibility[7] = 0xff; }, "visibility: -16777208 bytes per row"},
                   {[](Bsp &b) { b.visibility[0] = 3; }, "visibility: 3 rows of 8 bytes exceed the 24 bytes"},
                   {[](Bsp &b) { b.visibility[7] = 0x7f; }, "visibility: 2 rows of 2130706440 bytes exceed"},
                   {[](Bsp &b) {

@@ -60,7 +60,7 @@ TEST_F(TrapsTest, MistypedStagesDoNotReplaceTheMap) {
 
 TEST_F(TrapsTest, CompiledMapWithoutItsSourceIsNotCompiled) {
     std::filesystem::remove(Map(".map"));
-    ExpectError("-bsp -meta MAP", "no map source beside it");
+    ExpectError("-bsp -meta MAP", "without a map source next to it");
 }
 
 TEST_F(TrapsTest, MapSourcesCompileAsEver) {
@@ -135,15 +135,14 @@ TEST_F(TrapsTest, LargeSurfacesOfBuildLinesAreTaken) {
 TEST_F(TrapsTest, WordsWithoutEffectInMapsAndShadersSayWhatToWrite) {
     AddWorldKeys("\"_phong\" \"1\"\n\"_sunlight\" \"200\"\n");
     EXPECT_TRUE(RunWell("-bsp -meta " + Map(".map").string())
-                    .Printed("the key _phong \"1\" has no effect here; instead: "
-                             "The key _shadeangle"));
+                    .Printed("the key _phong \"1\" has no effect. "
+                             "Use the key _shadeangle"));
     std::string script = folder_.ReadBack("base/baseq3/scripts/demo.shader");
     const std::size_t at = script.find("\tq3map_lightRGB");
     folder_.Write("base/baseq3/scripts/demo.shader",
                   script.insert(at, "\tq3map_lightImage textures/none\n\tq3map_ssbumpImage textures/bumps.tga\n"));
     const Outcome light = RunWell("-light -bounce 1 -nogrid MAP");
-    EXPECT_TRUE(light.Printed("the key _sunlight \"200\" has no effect here; instead: A light_environment"))
-        << light.text;
+    EXPECT_TRUE(light.Printed("the key _sunlight \"200\" has no effect. Use a light_environment")) << light.text;
     EXPECT_TRUE(
         light.Printed("textures/demo/wall: q3map_ssbumpImage textures/bumps: no image of that name can be read"));
     EXPECT_TRUE(light.Printed("textures/demo/wall: q3map_lightImage textures/none: no image of that name can be read"));

@@ -139,7 +139,7 @@ TEST_F(RobustTest, AbsurdIntensitiesAndColorsAreNamed) {
 
 TEST_F(RobustTest, KeysOfOtherCompilersSayWhatToWriteInstead) {
     LitWith({{"mangle", "0 -90 0"}, {"delay", "2"}, {"wait", "2"}});
-    EXPECT_TRUE(Printed("entity 1 (light): the key mangle \"0 -90 0\" has no effect here; instead: A target"))
+    EXPECT_TRUE(Printed("entity 1 (light): the key mangle \"0 -90 0\" has no effect. Use a target"))
         << printed;
     EXPECT_FALSE(Printed("wait")) << "that one is read";
 }

@@ -119,7 +119,7 @@ std::vector<Mistake> Mistakes() {
         {"CloneOfNobody", With("", EntityText("\"classname\" \"func_door\"\n\"_clone\" \"x\"")),
          "Entity 3: test.map:61: it is a clone of x, but no entity has that _clonename"},
         {"Leak", MapText(RoomText(true)), "Entity 2: test.map:48: the light at 0 0 96 can be reached from outside"},
-        {"NothingInTheOpen", WorldText(RoomText()), "ERROR test.map: no entity stands in the open"},
+        {"NothingInTheOpen", WorldText(RoomText()), "ERROR test.map: no entity is in open space"},
         {"TooManySides", With("{\n" + Repeated(1025, [](int i) { return SideText(0, true, i, "test/wall"); }) + "}\n"),
          "ERROR Entity 0, Brush 6: test.map:1076: the brush has too many sides, expected at most 1024"},
         {"TooLongAShaderName", With(Boxed(at, 32, std::string(60, 'a'))), "ERROR Entity 0, Brush 6: test.map:52: "},

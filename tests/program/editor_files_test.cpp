@@ -51,7 +51,7 @@ TEST(EditorSteps, OfEveryPresetAreFoundSound) {
         presets.push_back(preset.name);
     const std::vector<EditorBuild> builds = EditorBuilds(presets);
     ASSERT_GE(builds.size(), 3 * presets.size() + 1);
-    const std::string page = ReadTextFile(std::filesystem::path(SOURCE) / "docs/editors.md");
+    const std::string page = ReadTextFile(std::filesystem::path(SOURCE) / "docs/guide/editors.md");
     for (const EditorBuild &build : builds) {
         EXPECT_THAT(page, HasSubstr("\n| " + build.label + " | "));
         for (const std::string &step : build.steps)

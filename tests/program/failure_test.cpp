@@ -273,7 +273,7 @@ TEST(FileGuardTest, FoldersOfOneDiskShareItsSpace) {
     EXPECT_THROW(guard.Writes(folder / "b/x.bsp", most), Error);
 }
 
-/// The measured rule of docs/troubleshooting.md: the file, and its lumps without BSPX once more.
+/// The measured rule of docs/guide/troubleshooting.md: the file, and its lumps without BSPX once more.
 TEST(EngineMemoryTest, AMapBeyondTheDefaultOfItsEnginesSaysWhatToDo) {
     const GameFolder folder;
     folder.Write("x.bsp", "");

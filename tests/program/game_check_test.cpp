@@ -37,14 +37,14 @@ TEST_F(GameCheckTest, BasePathThatIsNotThere) {
     const auto before = MapBytes();
     for (const char *stage : {"-light", "-bsp"})
         ExpectParts(ErrorOf(RunBare({"-fs_basepath", "/nope", stage})),
-                    {"no game files", "-fs_basepath /nope", "/nope/baseq3", (folder_ / (kHome + "/baseq3")).string(),
+                    {"no game files", "/nope is not a folder", "/nope/baseq3", (folder_ / (kHome + "/baseq3")).string(),
                      "-force"});
     EXPECT_EQ(MapBytes(), before);
 }
 
 TEST_F(GameCheckTest, BasePathThatIsNotThereBesideFilesOfTheHomeFolder) {
     folder_.Write(kHome + "/baseq3/scripts/home.shader", "");
-    ExpectParts(ErrorOf(RunBare({"-fs_basepath", "/nope", "-light"})), {"-fs_basepath /nope"});
+    ExpectParts(ErrorOf(RunBare({"-fs_basepath", "/nope", "-light"})), {"/nope is not a folder"});
 }
 
 TEST_F(GameCheckTest, FolderWithoutGameFiles) {

@@ -49,9 +49,8 @@ double MeanSeen(const std::vector<bspGridPoint_t> &points) {
 }
 
 bool SamePoints(const Bsp &a, const Bsp &b) {
-    return std::ranges::equal(a.gridPoints, b.gridPoints, [](const bspGridPoint_t &p, const bspGridPoint_t &q) {
-        return p == q;
-    });
+    return std::ranges::equal(a.gridPoints, b.gridPoints,
+                              [](const bspGridPoint_t &p, const bspGridPoint_t &q) { return p == q; });
 }
 
 TEST_F(GridFormatsTest, ALitMapHasTheGridsOfTheList) {
@@ -254,7 +253,7 @@ TEST_F(GridFormatsTest, RadianceAddsNoGridToThoseThatAreNamed) {
 TEST_F(GridFormatsTest, Errors) {
     ExpectError("-convertgrid -gridformats shbspx,octree MAP", "no SH light grid");
     ExpectError("-convertgrid MAP", "-convertgrid needs -gridformats LIST");
-    ExpectError("-convertgrid -gridformats sh,best MAP", "\"best\" is no format");
+    ExpectError("-convertgrid -gridformats sh,best MAP", "\"best\" is not a format");
     ExpectError("-light -gridformats sh -shbspx MAP", "sh and shbspx exclude each other");
     ExpectError("-light -gridformats octree -shpreview a.png MAP", "-shpreview needs sh, shbspx or sparse");
     ExpectError("-convertgrid -gridformats sh,octree -shbudget 1 MAP", "need sparse in -gridformats");

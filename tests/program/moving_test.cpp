@@ -1,7 +1,8 @@
-// GPL-2.0-or-later. Every word of the established program is known here, or docs/moving.md says why not.
+// GPL-2.0-or-later. Every option, key and directive of NetRadiant's q3map2 is known, or the guide says why not.
 #include "common/files/files.h"
 #include "common/text/text.h"
 #include "q3map2/cli/documentation.h"
+#include "q3map2/cli/reference_pages.h"
 #include "q3map2/shader/shader_library.h"
 #include "q3map2/stages/stages.h"
 #include "tests/support/game_folder.h"
@@ -79,10 +80,10 @@ class MovingTest : public testing::Test {
         for (const std::string &word : words)
             EXPECT_NE(known.contains(LowerCase(word)), missing.contains(word)) << section << ": " << word;
         for (const std::string &word : missing)
-            EXPECT_TRUE(words.contains(word)) << section << ": " << word << " is no word of the established program";
+            EXPECT_TRUE(words.contains(word)) << section << ": " << word << " is no word of NetRadiant's q3map2";
     }
 
-    const std::string page_ = ReadTextFile(std::filesystem::path(SOURCE) / "docs/moving.md");
+    const std::string page_ = ReadTextFile(std::filesystem::path(SOURCE) / "docs/guide/from_q3map2.md");
     const std::map<std::string, WordSet> words_ = EstablishedWords();
 };
 
@@ -147,7 +148,10 @@ TEST_F(MovingTest, EveryKeyIsKnownOrExcused) {
 /// Runs a shader with this line through the parser. Number of warnings about it.
 int WarningsOf(const std::string &line) {
     const GameFolder folder;
-    folder.Write("scripts/test.shader", "textures/test/wall\n{\n}\ntextures/test/s\n{\n\t" + line + "\n}\n");
+    // Other shaders that examples name come first.
+    folder.Write("scripts/test.shader",
+                 "textures/test/wall\n{\n}\ntextures/mymap/terrain_base\n{\n}\ntextures/test/s\n{\n\t" + line +
+                     "\n}\n");
     KeptLog out;
     VirtualFileSystem vfs(out.log);
     vfs.Mount(folder.Root(), "pk3");
@@ -159,14 +163,19 @@ int WarningsOf(const std::string &line) {
            out.log.WarningCount("shader directive");
 }
 
-TEST_F(MovingTest, EveryDirectiveIsReadWithoutAWarning) {
+TEST_F(MovingTest, EveryDirectiveAndExampleIsReadWithoutAWarning) {
     for (const std::string &line : EstablishedLines("directives.txt"))
         EXPECT_EQ(WarningsOf(line), 0) << line;
     const WordSet known = OptionNames(DirectiveSections());
     for (const std::string &line : EstablishedLines("directives.txt")) {
         const std::string name = LowerCase(line.substr(0, line.find(' ')));
-        EXPECT_TRUE(known.contains(name)) << name << " is not in docs/shader_directives.md";
+        EXPECT_TRUE(known.contains(name)) << name << " is not declared";
     }
+    for (const SettingSection &section : DirectiveSections())
+        for (const SettingEntry &entry : section.entries)
+            if (section.title != "Inside stages") {
+                EXPECT_EQ(WarningsOf(DirectiveExample(entry.info)), 0) << DirectiveExample(entry.info);
+            }
     EXPECT_EQ(WarningsOf("q3map_nosuchthing 1"), 1);
     EXPECT_EQ(WarningsOf("q3map_sun 1 1"), 1);
     EXPECT_EQ(WarningsOf("q3map_tcMod twist 2"), 1);

@@ -116,7 +116,7 @@ TEST_F(PackageProgramTest, ABotFileOfAnArchiveIsLookedAtToo) {
 }
 
 TEST_F(PackageProgramTest, FixAasEntersTheMap) {
-    ExpectError("-fixaas MAP", "no bot file beside it");
+    ExpectError("-fixaas MAP", "no bot file next to it");
     PutBotFile();
     EXPECT_TRUE(RunWell("-fixaas MAP").Printed("fits already"));
     RunWell("-light -onlygrid -gridsh 64 64 64 -sh MAP");

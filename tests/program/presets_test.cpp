@@ -77,7 +77,7 @@ TEST_F(PresetTest, SHSmallIsAFittedGridOfSixtyFour) {
 }
 
 TEST(PresetTable, IsInTheDocumentation) {
-    const std::string page = ReadTextFile(std::filesystem::path(SOURCE) / "docs/presets.md");
+    const std::string page = ReadTextFile(std::filesystem::path(SOURCE) / "docs/guide/releasing.md");
     for (const Preset &preset : Presets())
         for (const std::string_view options : {preset.bsp, preset.vis, preset.light, preset.gridSH}) {
             if (!options.empty()) {

@@ -1,12 +1,15 @@
 // GPL-2.0-or-later. Declared settings: generated files, help, and that every declared option is taken.
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/help.h"
+#include "q3map2/cli/reference_pages.h"
 #include "tests/support/run_program.h"
 
 #include "common/files/files.h"
 #include "common/text/text.h"
+#include "q3map2/bspfile/entity_key.h"
 #include "q3map2/report/version.h"
 #include "q3map2/stages/stages.h"
+#include "tests/support/kept_log.h"
 
 #include <gmock/gmock.h>
 
@@ -23,11 +26,11 @@ std::string FileText(const std::string &path) {
     return ReadTextFile(std::filesystem::path(SOURCE) / path);
 }
 
-/// To write them again: q3map2 -help markdown > docs/options.md, and so on.
+/// tools/scripts/generate writes them again.
 TEST(GeneratedFiles, AreUpToDate) {
-    EXPECT_EQ(FileText("docs/options.md"), MarkdownPage(Stages())) << "q3map2 -help markdown > docs/options.md";
-    EXPECT_EQ(FileText("docs/shader_directives.md"), DirectivesPage()) << "q3map2 -help shadermarkdown";
-    EXPECT_EQ(FileText("docs/q3map2.1"), ManualPage(Stages())) << "q3map2 -help man > docs/q3map2.1";
+    for (const ReferencePage &page : ReferencePages())
+        EXPECT_EQ(FileText(fmt::format("docs/reference/{}", page.file)), page.text(Stages())) << page.file;
+    EXPECT_EQ(FileText("docs/q3map2.1"), ManualPage(Stages()));
     EXPECT_EQ(FileText("tools/generated/completions/q3map2.bash"), BashCompletion(Stages()));
     EXPECT_EQ(FileText("tools/generated/completions/_q3map2"), ZshCompletion(Stages()));
     EXPECT_EQ(FileText("tools/generated/completions/q3map2.fish"), FishCompletion(Stages()));
@@ -48,7 +51,8 @@ template <typename Use> void ForOptions(const Use &use) {
 TEST(Declarations, AreComplete) {
     const auto check = [](const SettingEntry &entry) {
         EXPECT_FALSE(entry.info.help.empty()) << entry.info.name;
-        EXPECT_LT(entry.info.help.size(), 110u) << entry.info.name << ": one line";
+        EXPECT_FALSE(entry.info.since.empty()) << entry.info.name;
+        EXPECT_LT(entry.info.help.size(), 120u) << entry.info.name << ": one line";
         EXPECT_FALSE(entry.info.help.ends_with('.')) << entry.info.name;
         EXPECT_EQ(entry.info.values.empty(), entry.info.kind == SettingKind::Flag) << entry.info.name;
         if (entry.info.kind == SettingKind::Integer || entry.info.kind == SettingKind::Number) {
@@ -77,6 +81,54 @@ TEST(Declarations, HaveDefaultsThatTheOptionWouldAccept) {
     EXPECT_GT(numbers, 50);
 }
 
+/// What is wrong with the example of a setting, as an option of a command line is taken: nothing, or a message.
+std::string FaultOfExample(const SettingInfo &info, SettingKind kind) {
+    if (info.example.empty())
+        return info.MinValues() == 0 ? "" : "it has values, but no example";
+    std::istringstream line(fmt::format("{} {}", info.name, info.example));
+    std::vector<std::string> words;
+    for (std::string word; line >> word;)
+        words.push_back(word);
+    Arguments arguments(words);
+    KeptLog out;
+    try {
+        TakeOccurrence(info, kind, arguments, 0, out.log);
+    } catch (const Error &error) {
+        return error.what();
+    }
+    // Examples of options may go on with the option that they need.
+    if (!arguments.Empty() && !arguments.Rest().front().starts_with('-'))
+        return "left: " + arguments.Rest().front();
+    return out.text;
+}
+
+/// The same for a key, in an entity.
+std::string FaultOfKey(const SettingInfo &info) {
+    if (info.example.empty())
+        return info.values.empty() ? "" : "it has values, but no example";
+    Entity entity;
+    entity.Set(std::string(info.name), std::string(info.example));
+    KeptLog out;
+    WarnOfBadKeys(entity, 1, std::array{EntityKey{info}}, out.log);
+    return out.text;
+}
+
+TEST(Declarations, HaveExamplesThatTheParserTakes) {
+    int examples = 0;
+    const auto check = [&](const SettingEntry &entry) {
+        EXPECT_EQ(FaultOfExample(entry.info, entry.info.kind), "") << entry.info.name;
+        examples += !entry.info.example.empty();
+    };
+    ForOptions(check);
+    for (const SettingSection &section : EntitySections())
+        for (const SettingEntry &entry : section.entries)
+            EXPECT_EQ(FaultOfKey(entry.info), "") << entry.info.name;
+    for (const SettingSection &section : DirectiveSections())
+        for (const SettingEntry &entry : section.entries)
+            EXPECT_EQ(entry.info.values.empty(), entry.info.example.empty()) << entry.info.name;
+    EXPECT_GT(examples, 150);
+}
+
 TEST(Declarations, NameEveryOptionOnceAStage) {
     for (const Stage &stage : Stages()) {
         std::set<std::string> names;
@@ -100,11 +152,11 @@ TEST_F(ProgramTest, HelpListsTheStages) {
 TEST_F(ProgramTest, HelpExplainsOneOption) {
     const Outcome outcome = RunWell("-help -gridsh");
     EXPECT_TRUE(outcome.Printed("-gridsh X Y Z"));
-    EXPECT_TRUE(outcome.Printed("game units"));
+    EXPECT_TRUE(outcome.Printed("over 0 up to 1000000 game"));
     EXPECT_FALSE(outcome.Printed("-gridscalesh F"));
     EXPECT_TRUE(RunWell("-help _deviance").Printed("_jitter"));
     EXPECT_TRUE(RunWell("-help -contrast").Printed("from -1000000 to 1000000")) << "also the range of all settings";
-    EXPECT_TRUE(RunWell("-help q3map_surfacelight").Printed("0.75 N of 255"));
+    EXPECT_TRUE(RunWell("-help q3map_surfacelight").Printed("Since: q3map2"));
     EXPECT_TRUE(RunWell("-help shader").Printed("q3map_backShader SHADER"));
     EXPECT_TRUE(RunWell("-help vrad").Printed("-chop N"));
 }
@@ -158,7 +210,8 @@ TEST_F(ProgramTest, UnknownTopicIsAnErrorWithTheNearestName) {
 }
 
 TEST_F(ProgramTest, HelpWritesTheGeneratedFiles) {
-    EXPECT_EQ(RunWell("-help -markdown").text, MarkdownPage(Stages()));
+    for (const ReferencePage &page : ReferencePages())
+        EXPECT_EQ(RunWell(fmt::format("-help {}", page.file)).text, page.text(Stages())) << page.file;
     EXPECT_EQ(RunWell("-help man").text, ManualPage(Stages()));
     EXPECT_EQ(RunWell("-help bash").text, BashCompletion(Stages()));
 }

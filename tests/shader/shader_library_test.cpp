@@ -262,7 +262,7 @@ TEST_F(ShaderImages, OpenExrIsNeverOpened) {
     EXPECT_FALSE(Get("textures/packed").imageFound);
     EXPECT_EQ(Warnings("OpenEXR image"), 2);
     EXPECT_EQ(Warnings("damaged image"), 0);
-    EXPECT_THAT(out.text, HasSubstr("loose.exr: files of the game in this format are not opened; save it as"));
+    EXPECT_THAT(out.text, HasSubstr("loose.exr: game files in this format are not read; save the image as"));
     EXPECT_EQ(FindImageFormat("a.exr"), nullptr);
     options.imageSizes = true;
     Load();

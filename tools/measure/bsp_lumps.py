@@ -1,5 +1,5 @@
 # GPL-2.0-or-later. Checked access to the lumps of IBSP files, for the scripts of this folder.
-"""Reads what the scripts compare. The layout is in docs/bsp_format.md."""
+"""Reads what the scripts compare. The layout is in docs/reference/bsp_format.md."""
 
 import array
 import math

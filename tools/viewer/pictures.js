@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Draws the pictures of docs/viewer.md again, from the demo arena baked with both SH grids.
+// GPL-2.0-or-later. Draws the pictures of docs/guide/viewer.md again, from the demo arena baked with both SH grids.
 //
 // usage: node pictures.js DEMO.bsp REPORT.html
 // made with -meta -keeplights, -vis, -light -shbspx -shadaptive -bounce 8 -bouncegrid;
@@ -8,9 +8,10 @@ import { openFiles, texturesLoaded, withPage } from './tests/browser.js';
 
 const kOut = join(import.meta.dirname, '../../docs/pictures');
 
-/** Opens the map, applies settings, moves the viewer, and takes a picture with these sections of the panel open. */
-async function take(name, settings, place, open) {
-    await withPage({ viewport: { width: 1280, height: 800 } }, async (page) => {
+/** Opens the map, applies settings, moves the viewer, and takes a picture with these sections of the panel open.
+ * height: of the page; the panel should fit. */
+async function take(name, settings, place, open, height = 800) {
+    await withPage({ viewport: { width: 1280, height } }, async (page) => {
         await openFiles(page, [process.argv[2]]);
         await texturesLoaded(page);
         await page.evaluate(
@@ -32,13 +33,14 @@ async function take(name, settings, place, open) {
             [{ showPoints: true, ...settings }, place, open],
         );
         await page.waitForTimeout(500);
-        await page.screenshot({ path: join(kOut, name), type: 'jpeg', quality: 88 });
+        await page.screenshot({ path: join(kOut, name), type: 'jpeg', quality: 80 });
     });
 }
 
-const kBetweenLamps = { position: [-290, 0, 64], yaw: 0, pitch: -0.06 };
-const kFigures = { figure: 'both', radius: 400, size: 0.8, source: 'sparse' };
-await take('viewer.jpg', kFigures, kBetweenLamps, ['Light grid', 'Figure']);
+// Halfway between two columns of points, so that no sphere hides a figure.
+const kBetweenLamps = { position: [-284, 32, 76], yaw: 0, pitch: -0.14 };
+const kFigures = { figure: 'both', radius: 400, size: 0.6, source: 'sparse' };
+await take('viewer.jpg', kFigures, kBetweenLamps, ['Light grid', 'Figure'], 924);
 const kSlice = { where: 'slice', height: 64, thickness: 32, cut: true };
 const kCells = { source: 'sparse', color: 'level', radius: 1536, size: 2, ...kSlice };
 await take('viewer_cells.jpg', kCells, null, ['Light grid', 'Slice and errors']);
@@ -58,7 +60,7 @@ await withPage(
         await page.click('#toggle');
         await page.mouse.click(800, 560);
         await page.waitForTimeout(500);
-        await page.screenshot({ path: join(kOut, 'viewer_explain.jpg'), type: 'jpeg', quality: 88 });
+        await page.screenshot({ path: join(kOut, 'viewer_explain.jpg'), type: 'jpeg', quality: 80 });
     },
     process.argv[3],
 );

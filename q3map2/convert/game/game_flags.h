@@ -11,7 +11,7 @@
 
 namespace q3 {
 
-// ---- Surface and content bits of a BSP shader as named flags. See docs/json.md ----
+// ---- Surface and content bits of a BSP shader as named flags. See docs/reference/json.md ----
 
 enum class FlagKind { Surface, Content };
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A compiled map as a folder of JSON files, and back. See docs/json.md.
+// GPL-2.0-or-later. A compiled map as a folder of JSON files, and back. See docs/reference/json.md.
 #include "q3map2/convert/json/convert_json.h"
 
 #include "common/error.h"
@@ -54,7 +54,7 @@ class Unpacker {
     }
 
   private:
-    /// As the established program writes points of IBSP maps.
+    /// As NetRadiant's q3map2 writes points of IBSP maps.
     static std::vector<bspGridPoint_t> WithColorsInAllSlots(std::vector<bspGridPoint_t> points) {
         for (bspGridPoint_t &point : points) {
             point.ambient.fill(point.ambient[0]);

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. A compiled map as a folder of JSON files, and back. See docs/json.md.
+// GPL-2.0-or-later. A compiled map as a folder of JSON files, and back. See docs/reference/json.md.
 #pragma once
 
 #include "common/log.h"
@@ -50,7 +50,7 @@ struct PackJsonOptions {
     bool dropUnknownFlags = false; ///< with useFlagNames: unknown names are ignored
 };
 
-/// Reads what UnpackJson (or the established program's -json -unpack) wrote. Without kJsonFormat the map has the format
+/// Reads what UnpackJson (or NetRadiant's q3map2's -json -unpack) wrote. Without kJsonFormat the map has the format
 /// of `game`. The result is validated. Errors: Error
 /// with file, member and what was expected.
 Bsp PackJson(const std::filesystem::path &folder, const Game &game, const PackJsonOptions &options, Log &log);

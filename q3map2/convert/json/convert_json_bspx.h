@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. The BSPX lumps that have a JSON file each. See docs/json.md.
+// GPL-2.0-or-later. The BSPX lumps that have a JSON file each. See docs/reference/json.md.
 #pragma once
 
 #include "q3map2/bspfile/bspx_lumps.h"

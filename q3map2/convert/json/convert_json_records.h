@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. The members of every JSON record, in order, for reading and writing alike. See docs/json.md.
+// GPL-2.0-or-later. The members of every JSON record, in order, for reading and writing alike. See
+// docs/reference/json.md.
 #pragma once
 
 #include "q3map2/bspfile/bsp_records.h"

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Streamed JSON files in the layout that map tools exchange. See docs/json.md.
+// GPL-2.0-or-later. Streamed JSON files in the layout that map tools exchange. See docs/reference/json.md.
 #pragma once
 
 #include <array>

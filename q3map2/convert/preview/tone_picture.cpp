@@ -27,25 +27,34 @@ std::uint8_t SrgbByte(float linear) {
 } // namespace
 
 std::vector<SettingGroup<ToneMapOptions>> ToneMapSettings() {
-    return {
-        {"Picture",
-         "",
-         {{{.name = "-exposure",
-            .values = "EV",
-            .unit = "stops",
-            .range = {-kMostStops, kMostStops},
-            .help = "Light is doubled by each stop"},
-           &ToneMapOptions::exposure},
-          {{.name = "-operator",
-            .values = "filmic|clamp",
-            .kind = SettingKind::Choice,
-            .help = "How light above 1 is limited",
-            .details = "Both scale a color as a whole, by its largest channel, so hue and saturation stay. `filmic` "
-                       "compresses all light by a fit of the ACES curve: 1 becomes 0.8, 4 becomes 0.97. `clamp` "
-                       "leaves light up to 1 as it is, and no differences above."},
-           &ToneMapOptions::toneOperator},
-          {{.name = "-page", .values = "N", .range = {0, kMaxSetting}, .help = "Lightmap of a `.bsp`"},
-           &ToneMapOptions::page}}}};
+    return {{"Picture",
+             "",
+             {{{.name = "-exposure",
+                .values = "EV",
+                .unit = "stops",
+                .range = {-kMostStops, kMostStops},
+                .help = "Sets the exposure in stops, each of which doubles the light",
+                .since = "0.1.0",
+                .example = "-2"},
+               &ToneMapOptions::exposure},
+              {{.name = "-operator",
+                .values = "filmic|clamp",
+                .kind = SettingKind::Choice,
+                .help = "Chooses how light above 1 is limited",
+                .details =
+                    "Both operators scale a color as a whole, by its largest channel, so hue and saturation stay. The "
+                    "word `filmic` compresses all light by a fit of the ACES curve, where 1 becomes 0.8 and 4 becomes "
+                    "0.97. The word `clamp` leaves light up to 1 as it is, and shows no differences above.",
+                .since = "0.2.0",
+                .example = "clamp"},
+               &ToneMapOptions::toneOperator},
+              {{.name = "-page",
+                .values = "N",
+                .range = {0, kMaxSetting},
+                .help = "Chooses the lightmap of a .bsp",
+                .since = "0.2.0",
+                .example = "1"},
+               &ToneMapOptions::page}}}};
 }
 
 ToneMapOptions ParseToneMapOptions(Arguments &arguments, Log &log) {

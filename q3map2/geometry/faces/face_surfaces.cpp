@@ -100,7 +100,7 @@ float Snapped(float coordinate) {
     return float(std::floor(8.0 * double(coordinate) + 0.5) / 8);
 }
 
-/// Computed in float like the established program, so that coordinates at a whole number round as they do there.
+/// Computed in float like NetRadiant's q3map2, so that coordinates at a whole number round as they do there.
 std::array<float, 2> TextureCoordinates(const BrushSide &side, const Vec3f &p) {
     std::array<float, 2> st{};
     for (std::size_t i = 0; i < 2; ++i) {

@@ -268,7 +268,7 @@ void InsertVerts(DrawSurface &surface, const EdgeLines &lines, std::span<const E
     counts.verts += int(corners.size());
     const std::size_t start = FanStart(corners);
     ++(start == 0 ? counts.natural : start == corners.size() ? counts.impossible : counts.rotated);
-    // Rotates by one vertex, even if the start is another, as the established program does.
+    // Rotates by one vertex, even if the start is another, as NetRadiant's q3map2 does.
     if (start != 0)
         std::rotate(corners.begin(), corners.begin() + 1, corners.end());
     surface.verts.clear();

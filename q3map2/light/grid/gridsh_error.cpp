@@ -241,7 +241,7 @@ bool PrintReceivers(const GridSHError &error, Log &log) {
         return false;
     }
     log.Count(error.receivers, "receivers that a player can be in, 26 directions each");
-    log.Print("{:9.2f} of 255 is the error of displayed light (RMS)\n", error.rms);
+    log.Print("{:9.2f} levels: RMS error of displayed light (0 to 255)\n", error.rms);
     return true;
 }
 
@@ -299,19 +299,19 @@ void PrintGridSHError(const GridSHError &error, const Float3 &cell, const Float3
     log.Section("CheckGridSH");
     if (!PrintReceivers(error, log))
         return;
-    log.Print("{:9.2f} of 255: 95 % of it is under this; under {:.2f} with doubled cells\n", error.percentile95,
+    log.Print("{:9.2f} levels: 95th percentile of the error; {:.2f} with doubled cells\n", error.percentile95,
               error.doubled);
-    log.Print("{:9.2f} % of these receivers are dark and shown lit (leaks)\n", 100 * error.leak);
+    log.Print("{:9.2f} % of these receivers are dark but displayed as lit (leaks)\n", 100 * error.leak);
     const Float3 finer = CellOfHalfError(cell, error);
     double scale = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)
         scale *= double(legacyCell[axis] / finer[axis]);
     if (error.percentile95 < kInvisible)
-        log.Print("Hardly anybody can see that: smaller cells are of no use\n");
+        log.Print("This error is hardly visible: smaller cells are of no use\n");
     else if (finer == cell)
-        log.Print("These are the smallest cells that there are\n");
+        log.Print("Smaller cells are not possible\n");
     else
-        log.Print("95 % would be under half of that: -gridsh {} {} {} or -gridscalesh {:.3g}\n", finer[0], finer[1],
+        log.Print("-gridsh {} {} {} or -gridscalesh {:.3g} would halve the 95th percentile\n", finer[0], finer[1],
                   finer[2], std::cbrt(scale));
     log.Print("{:9.2f} CPU seconds for the check\n", error.cpuSeconds);
 }
@@ -320,8 +320,8 @@ void PrintSparseGridError(const GridSHError &error, Log &log) {
     log.Section("CheckSparseGridSH");
     if (!PrintReceivers(error, log))
         return;
-    log.Print("{:9.2f} of 255: 95 % of it is under this\n", error.percentile95);
-    log.Print("{:9.2f} % of these receivers are dark and shown lit (leaks)\n", 100 * error.leak);
+    log.Print("{:9.2f} levels: 95th percentile of the error\n", error.percentile95);
+    log.Print("{:9.2f} % of these receivers are dark but displayed as lit (leaks)\n", 100 * error.leak);
 }
 
 } // namespace q3

@@ -28,7 +28,7 @@ constexpr float kSolidMargin = 0.125f; ///< rays start this clear of solids. Gam
 /// Distance along each axis at which a position with kSolidMargin of clear space is searched. Game units.
 constexpr float kClearStep = 2.5f * kSolidMargin;
 constexpr int kNudges = 16; ///< steps from the point to half a cell away
-/// Lights kept per point: MAX_CONTRIBUTIONS - 1 of the established program.
+/// Lights kept per point: MAX_CONTRIBUTIONS - 1 of NetRadiant's q3map2.
 constexpr std::int32_t kMaxRecords = 32767;
 /// Lights fainter than this in all of a brick are represented by a few of them. Byte scale.
 constexpr float kFaintInBrick = 1.0f / 16;
@@ -262,7 +262,7 @@ int FirstOpenStep(const BspSpace &space, const Vec3f &base, const Vec3f &half) {
 }
 
 /// Finds where the point is lit from: its position or, if that is solid, the nearest open one up to half a cell away.
-/// The established program draws positions at random, ever farther away.
+/// NetRadiant's q3map2 draws positions at random, ever farther away.
 bool PlacePoint(const BspSpace &space, const Vec3f &half, Vec3f &position, int &cluster) {
     const Vec3f base = position;
     cluster = space.ClusterAt(base, 0);

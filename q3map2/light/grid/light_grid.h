@@ -9,7 +9,7 @@
 
 namespace q3 {
 
-/// Most points of a legacy grid: limit of the established program.
+/// Most points of a legacy grid: limit of NetRadiant's q3map2.
 inline constexpr std::int64_t kMaxLegacyPoints = kMaxGridPoints;
 
 /// Cell size of the legacy grid: worldspawn gridsize or 64 64 128, at least 8, enlarged until there are at most

@@ -266,15 +266,15 @@ void PrintNamedStats(const NamedStats &stats, const SparseGoal &goal, Log &log) 
     log.Count(stats.cells, "cells with open space");
     log.Count(stats.samples, "positions inside cells");
     log.Count(stats.points, "points");
-    log.Print("{:9.2f} names a point\n", double(stats.shares) / double(std::max<std::size_t>(1, stats.points)));
+    log.Print("{:9.2f} names per point\n", double(stats.shares) / double(std::max<std::size_t>(1, stats.points)));
     log.Print("{:9.2f} MB\n", double(stats.bytes) / 1e6);
     if (goal.budget && double(stats.bytes) > *goal.budget)
         log.Warn("SH grid budget", "the SH grid that names lights has {:.2f} MB, more than the {:g} of -shbudget",
                  double(stats.bytes) / 1e6, *goal.budget / 1e6);
     if (!stats.measured || stats.measured->receivers == 0)
         return;
-    log.Print("{:9.2f} of 255 is the error of displayed light, measured at {} random positions of players (RMS)\n",
-              stats.measured->rms, stats.measured->receivers);
+    log.Print("{:9.2f} levels: RMS error of displayed light at {} random player positions\n", stats.measured->rms,
+              stats.measured->receivers);
     constexpr double kUnmentioned = 1.1; // as of the sparse grid
     if (!goal.budget && stats.measured->rms > kUnmentioned * double(goal.error))
         log.Print("That is above the target of {:g}: {}\n", goal.error,

@@ -103,17 +103,14 @@ constexpr int kDefaultFit = 6, kMaxFit = 64;
 /// Rays of -areashadows without a number, and its maximum.
 constexpr int kDefaultAreaRays = 512, kMaxAreaRays = 4096;
 
-/// An option with a factor, which `multiply` applies to the options.
-template <typename Multiply>
-Setting<LightOptions> Factor(std::string_view name, std::string_view alias, std::string_view initial,
-                             std::string_view help, Multiply multiply) {
-    return {{.name = name,
-             .aliases = {alias},
-             .values = "F",
-             .kind = SettingKind::Number,
-             .initial = initial,
-             .help = help},
-            Do<LightOptions>([multiply](LightOptions &o, const Values &v) { multiply(o, float(v.numbers[0])); })};
+/// An option of q3map2 with a factor, which `multiply` applies to the options. `info` lacks what all factors share.
+template <typename Multiply> Setting<LightOptions> Factor(SettingInfo info, Multiply multiply) {
+    info.values = "F";
+    info.kind = SettingKind::Number;
+    info.since = "q3map2";
+    if (info.initial.empty())
+        info.initial = "1";
+    return {info, Do<LightOptions>([multiply](LightOptions &o, const Values &v) { multiply(o, float(v.numbers[0])); })};
 }
 
 Group GridSH() {
@@ -127,36 +124,54 @@ Group GridSH() {
     };
     return {
         "SH light grid",
-        "",
+        "The SH light grid is an irradiance volume. Each of its points is a light probe that holds nine coefficients "
+        "of spherical harmonics (SH), from which engines light models. [Releasing](../guide/releasing.md) compares "
+        "sizes and errors of grids.",
         {{{.name = "-sh",
-           .help = "Bake the SH light grid into lump 18 of a version 47 file",
-           .details = "Without it a relight drops an SH grid that the file had, with a warning. RBSP and FBSP files "
-                      "have it in a BSPX lump, as with `-shbspx`."},
+           .help = "Bakes the SH light grid and stores it in lump 18 of the .bsp, which becomes version 47",
+           .details = "Engines without support for the grid refuse files of version 47. RBSP and FBSP files keep their "
+                      "version and hold the grid in a BSPX lump, as with `-shbspx`. A run that bakes no SH grid drops "
+                      "one that the file had, with a warning.",
+           .since = "0.1.0"},
           &LightOptions::sh},
          {{.name = "-shbspx",
-           .help = "Bake it into a BSPX lump, so that unmodified engines load the file; includes -sh"},
+           .help = "Bakes the SH light grid into a BSPX lump, so that engines without support still load the map",
+           .details = "Implies `-sh`. The file keeps version 46, and [BSP format](bsp_format.md) describes the lump.",
+           .since = "0.1.0"},
           &LightOptions::shBspx},
          {{.name = "-shradiance",
-           .help = "Store radiance instead of irradiance, for engines that convolve themselves; includes -sh",
-           .details = "Where `-shadaptive`, or `sh`, `shbspx` or `sparse` in `-gridformats`, name the grids to "
-                      "store, it adds none."},
+           .help = "Stores radiance instead of irradiance, for engines that do the convolution themselves",
+           .details =
+               "Implies `-sh`, unless `-shadaptive` or a word of `-gridformats` (`sh`, `shbspx` or `sparse`) names the "
+               "grid to store. Writes the worldspawn key `_q3map2_sh` with the value `radiance`. Cannot be combined "
+               "with `-shlights`.",
+           .since = "0.1.0"},
           &LightOptions::shRadiance},
          {{.name = "-gridformats",
            .values = "LIST",
            .initial = "none",
-           .help = "Make other light grids of the SH grid, for other engines: LIST of formats",
-           .details = "As the stage `-convertgrid` does with a lit map, where the words are explained. The SH grid "
-                      "is baked but stays in the map only with `sh` or `shbspx` in LIST or with an option that "
-                      "includes `-sh`. A legacy grid made of it is not traced."},
+           .help = "Converts the baked SH grid to the light grid formats of other engines",
+           .details =
+               "LIST is one or more words with commas between them, as for "
+               "[-convertgrid](other_stages.md#-convertgrid), which explains them. The SH grid is baked in any case. "
+               "It stays in the map only if LIST has `sh` or `shbspx`, or if another option implies `-sh`. A legacy "
+               "grid that is made from the SH grid is not traced.",
+           .since = "0.2.0",
+           .example = "shbspx,legacy-ioq3"},
           &LightOptions::gridFormats},
          {{.name = "-shsmall",
-           .help = "A grid of about a quarter of the bytes: -gridsh 64 64 64 -shfit; includes -sh",
-           .details = "[ship_sh.md](ship_sh.md) compares sizes and errors. `-gridsh` and `-shfit N` override it."},
+           .help = "Bakes an SH grid of about a quarter of the size, with wider cells that are fitted to the light",
+           .details = "Stands for `-sh -gridsh 64 64 64 -shfit`. The options `-gridsh` and `-shfit N` override it. "
+                      "[Releasing](../guide/releasing.md) compares its size and its error with other grids.",
+           .since = "0.2.0"},
           Do<LightOptions>(small)},
          {{.name = "-gridscalesh",
            .values = "F",
            .range = {.low = 0, .aboveLow = true},
-           .help = "Points per axis relative to the legacy grid: 2 halves the cell of gridsize"},
+           .help = "Sets how many points the SH grid has per point of the legacy grid, along each axis",
+           .details = "The size of a cell is the worldspawn key `gridsize` divided by F. Has no effect with `-gridsh`.",
+           .since = "0.1.0",
+           .example = "1"},
           &LightOptions::gridScaleSH},
          {{.name = "-gridsh",
            .values = "X Y Z",
@@ -165,8 +180,11 @@ Group GridSH() {
            .initial = "gridsize divided by -gridscalesh",
            .range = {.low = 0, .aboveLow = true},
            .floor = double(kMinCell),
-           .help = "Size of a cell",
-           .details = "The smallest cell is 8; a smaller value becomes 8, with a warning."},
+           .help = "Sets the size of the cells of the SH grid",
+           .details = "A value below 8 becomes 8, with a warning. If the grid would pass 2 GiB, its cells grow by 8 "
+                      "units at a time until it does not, with a warning.",
+           .since = "0.1.0",
+           .example = "64 64 64"},
           Do<LightOptions>(cell)}}};
 }
 
@@ -177,40 +195,48 @@ Group SparseGridSH() {
     };
     return {
         "Sparse SH light grid",
-        "Cells down to 4 units where the light needs them, large ones elsewhere: "
-        "[light_grid_sh.md](light_grid_sh.md#the-sparse-grid).",
+        "A sparse grid has cells with edges down to 4 units near lights and shadow edges, and large cells elsewhere. "
+        "[The SH grid](../internals/sh_grid.md) explains how it is refined, and [Releasing](../guide/releasing.md) "
+        "when to use it.",
         {{{.name = "-shadaptive",
-           .help = "Bake the SH light as a sparse grid into a BSPX lump, which unmodified engines ignore",
-           .details = "Beside it, `-sh` or `-shbspx` store the uniform grid too. Without it a relight drops a "
-                      "sparse grid that the file had, with a warning."},
+           .help = "Bakes the SH light as a sparse grid into a BSPX lump, which other engines ignore",
+           .details = "Add `-sh` or `-shbspx` to store the uniform grid too. A run that bakes no sparse grid drops one "
+                      "that the file had, with a warning.",
+           .since = "0.2.0"},
           &LightOptions::shAdaptive},
          {{.name = "-shlights",
-           .help = "Bake the SH light as a grid that names its strongest lights, into a BSPX lump",
-           .details = "Points hold which share of each named light arrives there, and SH coefficients of all other "
-                      "light; engines work named lights out at the place of the model: "
-                      "[light_grid_sh.md](light_grid_sh.md#a-grid-that-names-lights). Cells are those of `-gridsh`. "
-                      "With `-shadaptive` cells are split and joined instead, as `-sherrortarget` or `-shbudget` "
-                      "say, from first cells of twice that edge, and there is no other sparse grid; without those "
-                      "two, splitting ends where it would take longer than the uniform grid. Lights with a style are "
-                      "named wherever they shine, so engines can switch them. Excludes `-shradiance`."},
+           .help = "Bakes the SH light as a grid that names its strongest lights, into a BSPX lump",
+           .details =
+               "Each point stores the visible fraction of each named light, and SH coefficients of all other light. "
+               "Engines compute the named lights at the position of the model, see "
+               "[Named lights](../engines/named_lights.md). Cells have the size of `-gridsh`. With `-shadaptive`, they "
+               "begin at twice that edge, and are split and joined to meet `-sherrortarget` or `-shbudget`. No other "
+               "sparse grid is stored then. Without a target and a budget, splitting ends where it would take longer "
+               "than the uniform grid. Lights with a style are named wherever they arrive, so that engines can switch "
+               "them. Cannot be combined with `-shradiance`.",
+           .since = "0.2.0"},
           &LightOptions::shLights},
          {{.name = "-shnames",
            .values = "N",
            .kind = SettingKind::Integer,
            .unit = "lights",
            .range = {1, 16},
-           .help = "Most lights without a style that a cell names, of -shlights"},
+           .help = "Sets how many lights without a style a cell of -shlights names at most",
+           .details = "Lights with a style are named in addition. Has no effect without `-shlights`.",
+           .since = "0.2.0",
+           .example = "8"},
           &LightOptions::shNames},
          ErrorTargetSetting<LightOptions>(
-             "Error that the sparse grid may have on a screen at random positions of players: RMS; includes "
-             "-shadaptive",
-             "It is measured and printed. Cells are split while it is above this, smaller cells reduce it, and the "
-             "grid has "
-             "at most half of the bytes of the uniform one, or 0.08 MB: "
-             "[accuracy.md](accuracy.md#error-against-bytes).",
+             "Sets the error on screen that the sparse grid may have at positions of players",
+             "Implies `-shadaptive`. The error is the root mean square (RMS) of displayed light at 2000 random "
+             "positions that players can reach, which is measured and printed. Cells are split while the error is "
+             "above the target and smaller cells reduce it. The grid has at most half of the bytes of the uniform "
+             "grid, or 0.08 MB if that is more. With `-shlights`, the limit is a tenth instead of a half. "
+             "[Results](../internals/results.md) has errors and sizes of real maps.",
              goal),
-         BudgetSetting<LightOptions>("Size of the sparse grid, in place of an error target; includes -shadaptive",
-                                     "The least error that fits.", goal)}};
+         BudgetSetting<LightOptions>("Sets the size of the sparse grid, instead of an error target",
+                                     "Implies `-shadaptive`. The grid with the least error that fits is stored.",
+                                     goal)}};
 }
 
 Group QualityOfGridSH() {
@@ -221,42 +247,60 @@ Group QualityOfGridSH() {
         "SH light grid: quality",
         "",
         {{{.name = "-shdering",
-           .help = "Remove negative lobes, the dark side that a strong light leaves",
+           .help = "Removes negative lobes, which are the dark sides opposite to strong lights",
            .details =
-               "Where a channel of a point is below zero in some direction, its bands 1 and 2 are scaled by the least "
-               "window that leaves no negative value (Sloan 2008); the mean and all other points stay. Interpolated "
-               "values are then nowhere negative either; a sparse grid rounds its values, so a little is left. Needs "
-               "`-sh`, `-shbspx`, `-shradiance` or `-shadaptive`."},
+               "If a channel of a point is below zero in some direction, its bands 1 and 2 are scaled by the weakest "
+               "window that leaves no negative value (Sloan 2008). The mean of the point and all other points stay as "
+               "they are. Interpolated values are then not negative either, except for rounding in a sparse grid. "
+               "Needs `-sh` or `-shadaptive`, or an option that implies one of them.",
+           .since = "0.1.0"},
           &LightOptions::shDering},
          {{.name = "-sherror",
-           .help = "Compare the grid with exact light and print its error, after baking",
-           .details = "At 2000 random positions that a player can reach: the error of displayed light, the share of "
-                      "light leaks, and, of the uniform grid, the cell size that would halve the error. Needs `-sh`, "
-                      "`-shbspx`, `-shradiance` or `-shadaptive`."},
+           .help = "Compares the finished SH grid with exact light and prints its error",
+           .details =
+               "Light is traced at 2000 random positions that players can reach. The error of displayed light and the "
+               "fraction of positions with light leaks are printed. For the uniform grid, the cell size that would "
+               "halve the error is printed too. Needs `-sh`, `-shadaptive` or `-shlights`, or an option that implies "
+               "one of them.",
+           .since = "0.1.0"},
           &LightOptions::shError},
          {{.name = "-shfit",
            .values = "[N]",
            .kind = SettingKind::Integer,
-           .unit = "samples a cell",
+           .unit = "samples per cell",
            .initial = "off; 6 without N",
            .range = {1, kMaxFit},
-           .help = "Fit the points to N light samples in each cell by least squares: slower, more exact",
-           .details = "Samples are taken where players can be, more of them beside lamps. Takes about N times as long; "
-                      "[accuracy.md](accuracy.md) says what it gains. Needs `-sh`, `-shbspx` or `-shradiance`, and "
-                      "excludes `-noshfill`."},
+           .help = "Fits the points of the SH grid to N light samples in each cell, by least squares",
+           .details =
+               "The grid is more accurate between its points, and takes about N times as long. Samples are taken where "
+               "players can be, and more of them close to lights. [Results](../internals/results.md) shows what it "
+               "gains. Needs `-sh` or `-shadaptive`, or an option that implies one of them. Cannot be combined with "
+               "`-noshfill`.",
+           .since = "0.1.0",
+           .example = "8 -sh"},
           Do<LightOptions>(fit)},
-         {{.name = "-noshfill", .help = "Fill points inside walls from their neighbors, without fitting them"},
+         {{.name = "-noshfill",
+           .help = "Fills grid points inside walls from their neighbors, without fitting them to the light in front",
+           .details = "Cannot be combined with `-shfit`.",
+           .since = "0.1.0"},
           Off(&LightOptions::shFill)},
          {{.name = "-shsamples",
            .values = "F",
-           .initial = "1; 1/16 with -fast",
+           .initial = "1, or 1/16 with -fast or -fastgrid",
            .range = {1.0 / 64, 64},
-           .help = "Factor for the number of rays and samples"},
+           .help = "Multiplies the number of rays and samples of the SH grid",
+           .details = "More rays hardly reduce the error. Smaller cells and `-shfit` do.",
+           .since = "0.1.0",
+           .example = "0.25"},
           &LightOptions::givenSHSamples},
          {{.name = "-shpreview",
            .values = "FILE.png",
            .initial = "none",
-           .help = "Draw both light grids to a picture; needs -sh"},
+           .help = "Draws a plan of the map and spheres that both light grids light to a picture",
+           .details = "Needs `-sh`, `-shadaptive` or `-shlights`, or an option that implies one of them. "
+                      "The stage [-shpreview](other_stages.md#-shpreview) draws the same of a lit map.",
+           .since = "0.1.0",
+           .example = "preview.png -sh"},
           &LightOptions::previewFile}}};
 }
 
@@ -266,31 +310,41 @@ Group AmbientCubes() {
         o.cubesFromSH = v.words[0] == "sh";
     };
     return {"Ambient cubes",
-            "Light on surfaces that face the six axes, at up to 16 places in each leaf of the tree: "
-            "[ambient_cubes.md](ambient_cubes.md).",
+            "Ambient cubes hold the light on surfaces that face the six axes, at several places in each leaf of the "
+            "BSP tree. [Other grid formats](../engines/grid_formats.md) compares them with the SH grid.",
             {{{.name = "-ambientcubes",
-               .help = "Bake ambient cubes into a BSPX lump, which unmodified engines ignore",
-               .details = "Without it a relight drops those that the file had, with a warning."},
+               .help = "Bakes ambient cubes into a BSPX lump, which other engines ignore",
+               .details = "A run that bakes no ambient cubes drops those that the file had, with a warning.",
+               .since = "0.2.0"},
               &LightOptions::ambientCubes},
              {{.name = "-ambientcubesfrom",
                .values = "light|sh",
                .kind = SettingKind::Choice,
                .initial = "light",
-               .help = "Trace the light of cubes, or take it from the SH grid; includes -ambientcubes",
-               .details = "`sh` costs next to nothing, has the errors of the grid, and needs `-sh`."},
+               .help = "Chooses whether the light of ambient cubes is traced or taken from the SH grid",
+               .details = "Implies `-ambientcubes`. The value `sh` costs next to nothing and has the errors of the SH "
+                          "grid. It needs `-sh` or `-shadaptive`, or an option that implies one of them.",
+               .since = "0.2.0",
+               .example = "sh -sh"},
               Do<LightOptions>(from)},
              {{.name = "-cubesperleaf",
                .values = "N",
                .kind = SettingKind::Integer,
+               .unit = "cubes",
                .range = {1, 32},
-               .help = "Keep at most N cubes of a leaf",
-               .details = "Engines blend all of them at every model; more than 16 hardly make the blend better."},
+               .help = "Sets how many ambient cubes a leaf keeps at most",
+               .details = "Engines blend all cubes of a leaf at every model. More than 16 hardly improve the blend.",
+               .since = "0.2.0",
+               .example = "8"},
               &LightOptions::cubesPerLeaf},
              {{.name = "-cubetolerance",
                .values = "F",
-               .unit = "255ths on a screen of gamma 2.2",
+               .unit = "8-bit levels",
                .range = {.low = 0, .high = 255},
-               .help = "Leave out cubes that the others of their leaf reproduce within this"},
+               .help = "Leaves out ambient cubes that the others of their leaf reproduce within this error",
+               .details = "The error is that on a screen of gamma 2.2. At 0 only duplicates are left out.",
+               .since = "0.2.0",
+               .example = "1"},
               &LightOptions::cubeTolerance}}};
 }
 
@@ -309,24 +363,38 @@ Group Skips() {
     };
     return {
         "Accelerations to switch off",
-        "Light that cannot matter is not computed. These switches compute it all the same, to measure what is "
-        "lost.",
-        {{{.name = "-noskip", .help = "Trace every light at every point: all of the following"},
+        "The light stage leaves out light that cannot matter. These options compute it all the same, to measure what "
+        "is lost and how much time is saved.",
+        {{{.name = "-noskip",
+           .help = "Traces every light at every point",
+           .details = "Stands for all of the following options.",
+           .since = "0.1.0"},
           Do<LightOptions>(none)},
-         {{.name = "-noskipreach", .help = "Trace lights that are out of reach or face away too"},
+         {{.name = "-noskipreach", .help = "Also traces lights that are out of reach or face away", .since = "0.1.0"},
           skip(&SkipOptions::reach)},
-         {{.name = "-noskippvs", .help = "Trace lights that visibility data hides too"}, skip(&SkipOptions::pvs)},
+         {{.name = "-noskippvs", .help = "Also traces lights that visibility data hides", .since = "0.1.0"},
+          skip(&SkipOptions::pvs)},
          {{.name = "-noskipfaint",
-           .help = "Trace all faint lights instead of a random few",
-           .details = "Of both grids, and of surface lights in lightmaps."},
+           .help = "Traces all faint lights instead of a few that represent them",
+           .details = "Concerns both grids, and surface lights in lightmaps.",
+           .since = "0.1.0"},
           skip(&SkipOptions::faint)},
-         {{.name = "-noskipmoments", .help = "Integrate far surface lights exactly too (both grids)"},
+         {{.name = "-noskipmoments",
+           .help = "Integrates far surface lights exactly instead of approximating them by points",
+           .details = "Concerns both grids.",
+           .since = "0.1.0"},
           skip(&SkipOptions::moments)},
-         {{.name = "-noskipprobes", .help = "Cast several rays to faint surface lights too"},
+         {{.name = "-noskipprobes",
+           .help = "Casts several rays to faint surface lights instead of one",
+           .since = "0.1.0"},
           skip(&SkipOptions::probes)},
-         {{.name = "-noskipsmooth", .help = "Trace weak light at every point of the SH grid, also where it is smooth"},
+         {{.name = "-noskipsmooth",
+           .help = "Traces weak light at every point of the SH grid, even where it is smooth",
+           .since = "0.2.0"},
           skip(&SkipOptions::smooth)},
-         {{.name = "-noskipcoarse", .help = "With -fast or -fastgrid: cast rays to dim lights at every point"},
+         {{.name = "-noskipcoarse",
+           .help = "Casts rays to dim lights at every point, with -fast or -fastgrid",
+           .since = "0.1.0"},
           skip(&SkipOptions::coarse)}}};
 }
 
@@ -337,41 +405,83 @@ Group Intensities() {
     };
     return {
         "Light intensities",
-        "Each factor multiplies, and multiplies again when it is repeated.",
+        "These options are factors. An option that is repeated multiplies again.",
         {Factor(
-             "-scale", "", "1", "Factor of all lights",
+             {.name = "-scale", .help = "Multiplies the light of all lights", .since = "0.1.0", .example = "1.5"},
              [](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f, o.areaScale *= f, o.skyScale *= f; }),
-         Factor("-point", "-pointscale", "1 (times 7500)", "Factor of point lights and spotlights",
+         Factor({.name = "-point",
+                 .aliases = {"-pointscale"},
+                 .help = "Multiplies the light of point lights and spotlights",
+                 .details = "F multiplies a built-in factor of 7500.",
+                 .since = "0.1.0",
+                 .example = "1.5"},
                 [](LightOptions &o, float f) { o.pointScale *= f, o.spotScale *= f; }),
-         Factor("-spherical", "-sphericalscale", "1 (times 7500)", "Factor of point lights only",
+         Factor({.name = "-spherical",
+                 .aliases = {"-sphericalscale"},
+                 .help = "Multiplies the light of point lights, but not that of spotlights",
+                 .details = "F multiplies a built-in factor of 7500.",
+                 .since = "0.1.0",
+                 .example = "1.5"},
                 [](LightOptions &o, float f) { o.pointScale *= f; }),
-         Factor("-spot", "-spotscale", "1 (times 7500)", "Factor of spotlights only",
+         Factor({.name = "-spot",
+                 .aliases = {"-spotscale"},
+                 .help = "Multiplies the light of spotlights",
+                 .details = "F multiplies a built-in factor of 7500.",
+                 .since = "0.1.0",
+                 .example = "2"},
                 [](LightOptions &o, float f) { o.spotScale *= f; }),
-         Factor("-area", "-areascale", "1 (times 0.25)", "Factor of surface lights (q3map_surfaceLight)",
+         Factor({.name = "-area",
+                 .aliases = {"-areascale"},
+                 .help = "Multiplies the light of surface lights (q3map_surfaceLight)",
+                 .details = "F multiplies a built-in factor of 0.25.",
+                 .since = "0.1.0",
+                 .example = "1.5"},
                 [](LightOptions &o, float f) { o.areaScale *= f; }),
-         Factor("-sky", "-skyscale", "1", "Factor of suns and sky light",
+         Factor({.name = "-sky",
+                 .aliases = {"-skyscale"},
+                 .help = "Multiplies the light of suns and skies",
+                 .since = "0.1.0",
+                 .example = "0.8"},
                 [](LightOptions &o, float f) { o.skyScale *= f; }),
-         Factor("-gridscale", "", "by game, usually 1",
-                "Factor of both light grids; a product of 0 or less counts as 1",
-                [](LightOptions &o, float f) { o.gridScale *= f; }),
-         Factor("-gridambientscale", "", "by game, usually 1", "Factor of the ambient part of the legacy grid",
+         Factor(
+             {.name = "-gridscale",
+              .initial = "by game, usually 1",
+              .help = "Multiplies the light of all light grids",
+              .details = "Concerns the legacy grid, the SH grid and ambient cubes. A product of 0 or less counts as 1.",
+              .since = "0.1.0",
+              .example = "1.2"},
+             [](LightOptions &o, float f) { o.gridScale *= f; }),
+         Factor({.name = "-gridambientscale",
+                 .initial = "by game, usually 1",
+                 .help = "Multiplies the ambient part of the legacy grid",
+                 .since = "0.1.0",
+                 .example = "0.5"},
                 [](LightOptions &o, float f) { o.gridAmbientScale *= f; }),
          {{.name = "-backsplash",
            .values = "F DIST",
            .kind = SettingKind::Number,
            .initial = "1 23",
-           .help = "Light that surface lights throw back on their own wall: factor, distance in game units",
-           .details = "The factor is of the default 5 %. A distance under −900 keeps the default. A shader's "
-                      "`q3map_backsplash` wins."},
+           .help = "Sets how much light surface lights throw back on their own wall, and from what distance",
+           .details = "F multiplies the default fraction of 5 %. DIST is the distance in game units, and a value below "
+                      "-900 keeps the default. The shader directive `q3map_backsplash` overrides both.",
+           .since = "q3map2",
+           .example = "2 16"},
           Do<LightOptions>(backsplash)},
-         Factor("-backsplasharea", "", "1", "Factor as the first of -backsplash, which leaves the distance as it is",
+         Factor({.name = "-backsplasharea",
+                 .help = "Multiplies the light that surface lights throw back on their own wall",
+                 .details = "Is the factor of `-backsplash` without its distance.",
+                 .since = "0.2.0",
+                 .example = "2"},
                 [](LightOptions &o, float f) { o.shader.backsplashScale *= f; }),
          {{.name = "-lights",
            .values = "FILE.rad",
            .initial = "none",
-           .help = "Read one more file of texlights, between lights.rad and that of the map",
-           .details = "A path, or else a name among the game's files. Such files say what light the textures of "
-                      "Source emit: [from_source.md](from_source.md#texlights)."},
+           .help = "Reads one more file of texlights, after lights.rad and before that of the map",
+           .details = "FILE.rad is a path, or else a name among the files of the game. Such files say how much light "
+                      "the materials of Source emit, see [Coming from Source](../guide/from_source_engine.md). Can be "
+                      "repeated.",
+           .since = "VRAD",
+           .example = "extra.rad"},
           &LightOptions::texLightFiles}}};
 }
 
@@ -392,7 +502,10 @@ Group Falloff() {
                .initial = "1",
                .range = {.high = 1},
                .outside = OutOfRange::Clamp,
-               .help = "Legacy grid: share of light from the main direction that stays directed"},
+               .help = "Sets the fraction of light from the main direction that the legacy grid stores as directed",
+               .details = "Also lowers the fraction of `-gridambientdirectionality` to F if it is larger.",
+               .since = "q3map2",
+               .example = "0.5"},
               Do<LightOptions>(directed)},
              {{.name = "-gridambientdirectionality",
                .values = "F",
@@ -400,20 +513,29 @@ Group Falloff() {
                .initial = "0",
                .range = {.low = -1},
                .outside = OutOfRange::Clamp,
-               .help = "Legacy grid: the same share of light from the opposite side"},
+               .help = "Sets the fraction of light from the opposite side that the legacy grid stores as directed",
+               .details = "Also raises the fraction of `-griddirectionality` to F if it is smaller.",
+               .since = "q3map2",
+               .example = "0.25"},
               Do<LightOptions>(ambient)},
              {{.name = "-extradist",
                .values = "F",
                .unit = "game units",
                .range = {.low = 0},
-               .help = "Soften point lights and spotlights nearby: distance d becomes √(d² + F²)",
-               .details = "The key `_extradist` of a light wins."},
+               .help = "Softens point lights and spotlights close to them, as if they were farther away",
+               .details = "The distance d becomes √(d² + F²). The key `_extradist` of a light overrides it.",
+               .since = "q3map2",
+               .example = "50"},
               &LightOptions::extraDist},
              {{.name = "-wolf",
                .initial = "by game",
-               .help = "Lights without spawnflags fall off linearly, as in the Wolfenstein games"},
+               .help = "Makes lights without spawnflags fall off linearly, as in the Wolfenstein games",
+               .since = "q3map2"},
               &LightOptions::wolfLighting},
-             {{.name = "-q3", .initial = "by game", .help = "Lights without spawnflags fall off with the square"},
+             {{.name = "-q3",
+               .initial = "by game",
+               .help = "Makes lights without spawnflags fall off with the square of the distance",
+               .since = "q3map2"},
               Off(&LightOptions::wolfLighting)}}};
 }
 
@@ -428,41 +550,58 @@ Group Tone() {
             return o.tone.*field;
         };
     };
-    return {"Tone of lightmaps, vertices and the legacy grid",
-            "The SH grid is linear and unclamped and takes none of these; the worldspawn key `_q3map2_tone` tells "
-            "engines, which apply them. The order is: scale, contrast, gamma, "
-            "exposure, saturation, brightness and compensate, `_maxlight` (the color keeps its hue), sRGB, cut to a "
-            "byte.",
-            {{{.name = "-contrast",
-               .values = "F",
-               .kind = SettingKind::Number,
-               .initial = "0",
-               .range = {-255, 255},
-               .help = "Contrast around the middle gray 128"},
-              Do<LightOptions>(contrast)},
-             {{.name = "-gamma",
-               .values = "F",
-               .initial = "by game, usually 1",
-               .range = {.low = 0, .aboveLow = true},
-               .outside = OutOfRange::UseDefault,
-               .outsideValue = 1,
-               .help = "Gamma: the exponent is 1/F, so more than 1 brightens dark areas"},
-              tone(&ToneOptions::gamma)},
-             {{.name = "-exposure",
-               .values = "F",
-               .initial = "by game, usually 0 = off",
-               .help = "Soft limit of bright light: 255 (1 − e^(−c / F)) of the largest channel"},
-              tone(&ToneOptions::exposure)},
-             {{.name = "-saturation", .values = "F", .help = "Color saturation; 0 is gray, more than 1 is vivid"},
-              tone(&ToneOptions::saturation)},
-             {{.name = "-compensate",
-               .values = "F",
-               .initial = "by game, usually 1",
-               .range = {.low = 0, .aboveLow = true},
-               .outside = OutOfRange::UseDefault,
-               .outsideValue = 1,
-               .help = "Divisor of stored light, for engines that multiply it again"},
-              tone(&ToneOptions::compensate)}}};
+    return {
+        "Tone of lightmaps, vertices and the legacy grid",
+        "These options change how light becomes 8-bit levels. The SH grid stays linear and unlimited. Engines apply "
+        "the tone to it by the worldspawn key `_q3map2_tone`, which the light stage writes, see "
+        "[Tone](../engines/tone.md). The steps are applied in this order: scale, contrast, gamma, exposure, "
+        "saturation, brightness and compensation, `_maxlight` (which keeps the hue), sRGB, and truncation to 8 bits.",
+        {{{.name = "-contrast",
+           .values = "F",
+           .kind = SettingKind::Number,
+           .initial = "0",
+           .range = {-255, 255},
+           .help = "Sets the contrast around the middle gray of 128",
+           .details = "The distance from 128 is multiplied by 259 (F + 255) / (255 (259 - F)).",
+           .since = "q3map2",
+           .example = "20"},
+          Do<LightOptions>(contrast)},
+         {{.name = "-gamma",
+           .values = "F",
+           .initial = "by game, usually 1",
+           .range = {.low = 0, .aboveLow = true},
+           .outside = OutOfRange::UseDefault,
+           .outsideValue = 1,
+           .help = "Sets the gamma of stored light, where more than 1 brightens dark areas",
+           .details = "The exponent is 1/F.",
+           .since = "q3map2",
+           .example = "1.5"},
+          tone(&ToneOptions::gamma)},
+         {{.name = "-exposure",
+           .values = "F",
+           .initial = "by game, usually 0",
+           .help = "Limits bright light softly instead of cutting it off",
+           .details = "If c is the largest channel of a color, it becomes 255 (1 − e^(−c / F)), and the others keep "
+                      "their ratio to it. A value of 0 turns it off.",
+           .since = "q3map2",
+           .example = "200"},
+          tone(&ToneOptions::exposure)},
+         {{.name = "-saturation",
+           .values = "F",
+           .help = "Sets the color saturation, where 0 is gray and more than 1 is more vivid",
+           .since = "q3map2",
+           .example = "1.2"},
+          tone(&ToneOptions::saturation)},
+         {{.name = "-compensate",
+           .values = "F",
+           .initial = "by game, usually 1",
+           .range = {.low = 0, .aboveLow = true},
+           .outside = OutOfRange::UseDefault,
+           .outsideValue = 1,
+           .help = "Divides stored light by F, for engines that multiply it again",
+           .since = "q3map2",
+           .example = "4"},
+          tone(&ToneOptions::compensate)}}};
 }
 
 Group ColorSpaces() {
@@ -475,49 +614,74 @@ Group ColorSpaces() {
     const auto encode = [](Apply apply, Transfer transfer) {
         return Do<LightOptions>([=](LightOptions &o, const Values &) { apply(o, transfer == Transfer::SRgb); });
     };
-    return {
-        "Color spaces",
-        "",
-        {{{.name = "-sRGBlight",
-           .initial = "by game, usually off",
-           .help = "Store light in sRGB",
-           .details = "The falloff tolerance becomes 0.077."},
-          encode(kStoredLight, Transfer::SRgb)},
-         {{.name = "-nosRGBlight", .help = "Store light linearly"}, encode(kStoredLight, Transfer::Linear)},
-         {{.name = "-sRGBcolor",
-           .initial = "by game, usually off",
-           .help = "Colors of entities, suns and q3map_lightRGB are sRGB",
-           .details = "Concerns both grids too."},
-          encode(kGivenColors, Transfer::SRgb)},
-         {{.name = "-nosRGBcolor", .help = "These colors are linear"}, encode(kGivenColors, Transfer::Linear)},
-         {{.name = "-sRGBtex",
-           .initial = "by game, usually off",
-           .help = "Colors of images are sRGB where they tint bounced light"},
-          encode(kTextures, Transfer::SRgb)},
-         {{.name = "-nosRGBtex", .help = "These colors are linear"}, encode(kTextures, Transfer::Linear)},
-         {{.name = "-sRGB", .help = "-sRGBlight, -sRGBcolor and -sRGBtex"}, encode(kAll, Transfer::SRgb)},
-         {{.name = "-nosRGB", .help = "-nosRGBlight, -nosRGBcolor and -nosRGBtex"}, encode(kAll, Transfer::Linear)}}};
+    return {"Color spaces",
+            "These options override the color spaces that `-game` selects.",
+            {{{.name = "-sRGBlight",
+               .initial = "by game, usually off",
+               .help = "Stores light in sRGB",
+               .details = "Also lowers the falloff tolerance, at which lights end, from one 8-bit level to 0.077.",
+               .since = "q3map2"},
+              encode(kStoredLight, Transfer::SRgb)},
+             {{.name = "-nosRGBlight", .help = "Stores light linearly", .since = "q3map2"},
+              encode(kStoredLight, Transfer::Linear)},
+             {{.name = "-sRGBcolor",
+               .initial = "by game, usually off",
+               .help = "Takes the colors of entities, suns and q3map_lightRGB as sRGB",
+               .details = "Concerns the light grids too.",
+               .since = "q3map2"},
+              encode(kGivenColors, Transfer::SRgb)},
+             {{.name = "-nosRGBcolor",
+               .help = "Takes the colors of entities, suns and q3map_lightRGB as linear",
+               .since = "q3map2"},
+              encode(kGivenColors, Transfer::Linear)},
+             {{.name = "-sRGBtex",
+               .initial = "by game, usually off",
+               .help = "Takes images as sRGB where they tint bounced light",
+               .since = "q3map2"},
+              encode(kTextures, Transfer::SRgb)},
+             {{.name = "-nosRGBtex", .help = "Takes images as linear where they tint bounced light", .since = "q3map2"},
+              encode(kTextures, Transfer::Linear)},
+             {{.name = "-sRGB", .help = "Stands for -sRGBlight, -sRGBcolor and -sRGBtex", .since = "q3map2"},
+              encode(kAll, Transfer::SRgb)},
+             {{.name = "-nosRGB", .help = "Stands for -nosRGBlight, -nosRGBcolor and -nosRGBtex", .since = "q3map2"},
+              encode(kAll, Transfer::Linear)}}};
 }
 
 Group Speed() {
-    return {"Speed and quality",
-            "",
-            {{{.name = "-fast",
-               .help = "Quick draft: lights end where they get faint, and the SH grid takes few samples",
-               .details =
-                   "Area lights give nothing where they would give at most 1 of 255; for a part of a light that solids "
-                   "cut, this tolerance is in proportion to its area. SH grid: `-shsamples` of 1/16. Bounced light "
-                   "ends in the same way, on surfaces."},
-              &LightOptions::fast},
-             {{.name = "-fastgrid", .help = "-fast for both light grids only"}, &LightOptions::fastGrid},
-             {{.name = "-faster",
-               .help = "-fast, and area lights count as points",
-               .details = "Not for the SH grid. In the legacy grid they then shine to all sides."},
-              &LightOptions::faster},
-             {{.name = "-cheap", .help = "Add no more light to vertices and legacy grid points that are white already"},
-              &LightOptions::cheap},
-             {{.name = "-cheapgrid", .help = "-cheap for the legacy grid only"}, &LightOptions::cheapGrid},
-             {{.name = "-nogrid", .help = "Leave the legacy light grid as it is"}, &LightOptions::noGrid}}};
+    return {
+        "Speed and quality",
+        "",
+        {{{.name = "-fast",
+           .help = "Makes a quick draft, with fewer rays and with lights that end where they get faint",
+           .details =
+               "Implies `-fastgrid`. Surface lights give nothing where they would give at most one 8-bit level. For "
+               "a surface light that solids cover in part, this tolerance is proportional to the area of the open "
+               "part. Bounced light ends in the same way on surfaces, and `-bouncerays` is 24 by default.",
+           .since = "q3map2"},
+          &LightOptions::fast},
+         {{.name = "-fastgrid",
+           .help = "Makes a quick draft of the light grids only",
+           .details = "Lights end in the legacy grid where they get faint. The SH grid takes fewer rays and samples, "
+                      "as with `-shsamples` 1/16.",
+           .since = "q3map2"},
+          &LightOptions::fastGrid},
+         {{.name = "-faster",
+           .help = "Makes an even quicker draft than -fast, by treating surface lights as points",
+           .details = "Implies `-fast`, and turns off `-areashadows`. The SH grid keeps exact surface lights. In the "
+                      "legacy grid, surface lights then emit to all sides.",
+           .since = "q3map2"},
+          &LightOptions::faster},
+         {{.name = "-cheap",
+           .help = "Adds no more light to vertices and legacy grid points that are white already",
+           .details = "Implies `-cheapgrid`.",
+           .since = "q3map2"},
+          &LightOptions::cheap},
+         {{.name = "-cheapgrid",
+           .help = "Adds no more light to legacy grid points that are white already",
+           .since = "q3map2"},
+          &LightOptions::cheapGrid},
+         {{.name = "-nogrid", .help = "Leaves the legacy light grid as it is", .since = "q3map2"},
+          &LightOptions::noGrid}}};
 }
 
 Group Rays() {
@@ -531,8 +695,10 @@ Group Rays() {
         "Lights and shadows",
         "",
         {{{.name = "-notrace",
-           .help = "No shadows",
-           .details = "Suns shine everywhere. Floodlight, dirt and bounces still look around."},
+           .help = "Lights the map without shadows",
+           .details =
+               "Suns then light everything that faces them. Floodlight, dirt and bounced light are traced as usual.",
+           .since = "q3map2"},
           &LightOptions::noTrace},
          {{.name = "-areashadows",
            .values = "[N]",
@@ -540,106 +706,140 @@ Group Rays() {
            .unit = "rays",
            .initial = "off; 512 without N",
            .range = {1, kMaxAreaRays},
-           .help = "Soft shadows of area lights on surfaces, by at most N rays from each luxel to each light",
-           .details = "A lamp that is partly hidden gives a surface the light of the part that is seen, instead of all "
-                      "or nothing by one ray to its middle. Most rays go to penumbrae, where N bounds the noise. Suns "
-                      "with a deviance, skies, and lights with `_samples` take all of their samples only where some "
-                      "are hidden; 2 to 63 samples become 64. Concerns lightmaps, vertices and static props, and what "
-                      "they reflect; the SH grid always does so. `-samples` leaves such lights alone, since their "
-                      "shadows have no hard edges. `-faster` turns it off. [lightmaps.md](lightmaps.md#soft-shadows)"},
+           .help = "Gives surface lights soft shadows, with at most N rays from each luxel to each light",
+           .details =
+               "A luxel that sees a part of a surface light gets the light of that part, instead of all or nothing "
+               "by one ray to its middle. Most rays go to penumbrae, where N limits the noise. Suns with a deviance, "
+               "skies, and lights with `_samples` take all of their samples only where some of them are hidden, and "
+               "2 to 63 samples become 64. Concerns lightmaps, vertices and static props, and the light that they "
+               "reflect. The SH grid always has soft shadows. Shadows of these lights are not refined by `-samples`, "
+               "because they have no hard edges. Turned off by `-faster`. [Lighting](../guide/lighting.md) shows the "
+               "difference.",
+           .since = "0.2.0",
+           .example = "64"},
           Do<LightOptions>(areaShadows)},
-         {{.name = "-nosurf", .help = "Shadows of structural brushes only"}, &LightOptions::structuralShadowsOnly},
+         {{.name = "-nosurf", .help = "Makes only structural brushes cast shadows", .since = "q3map2"},
+          &LightOptions::structuralShadowsOnly},
          {{.name = "-patchshadows",
            .initial = "by game, usually off",
-           .help = "Curved surfaces cast shadows",
-           .details = "Not in the legacy grid."},
+           .help = "Makes curved surfaces cast shadows",
+           .details = "Has no effect on the legacy grid.",
+           .since = "q3map2"},
           &LightOptions::patchShadows},
-         {{.name = "-sunonly", .help = "Only suns and sky light shine"}, &LightOptions::sunOnly},
-         {{.name = "-onesky", .help = "Suns shine through every sky, not only through that of their shader"},
+         {{.name = "-sunonly", .help = "Lights the map with suns and sky light only", .since = "q3map2"},
+          &LightOptions::sunOnly},
+         {{.name = "-onesky",
+           .help = "Lets suns reach surfaces through every sky, not only through the sky of their shader",
+           .since = "q3map2"},
           &LightOptions::oneSky},
          {{.name = "-style",
            .aliases = {"-styles"},
            .initial = "by game, usually on",
-           .help = "Light styles (flickering and switchable lights) count",
-           .details = "In lightmaps styled light needs a stage of its own, see "
-                      "[lightmaps.md](lightmaps.md); vertices and grids cannot store it."},
+           .help = "Keeps light styles, which are flickering and switchable lights",
+           .details =
+               "In lightmaps, each style needs a shader stage, which the light stage generates. Vertices, the "
+               "legacy grid and the SH grid hold style 0 only, except that RBSP and FBSP files hold other styles "
+               "at vertices and in the legacy grid too. Lights with a style can be named by `-shlights`.",
+           .since = "q3map2"},
           Off(&LightOptions::noStyles)},
-         {{.name = "-nostyle", .aliases = {"-nostyles"}, .help = "Light styles do not count"}, &LightOptions::noStyles},
+         {{.name = "-nostyle",
+           .aliases = {"-nostyles"},
+           .help = "Bakes lights with a style as constant lights",
+           .since = "q3map2"},
+          &LightOptions::noStyles},
          {{.name = "-switchable",
-           .help = "Lights with a targetname get light styles of their own, which the game can switch",
-           .details = "As with the worldspawn key `_switchable`: "
-                      "[from_source.md](from_source.md#switchable-and-animated-lights)."},
+           .help = "Gives lights with a targetname light styles of their own, which the game can switch",
+           .details = "Has the same effect as the worldspawn key `_switchable`. Writes keys `_switchN` to worldspawn, "
+                      "see [Coming from Source](../guide/from_source_engine.md).",
+           .since = "0.2.0"},
           &LightOptions::switchable},
          {{.name = "-floodlight",
-           .help = "Add soft light wherever there is open space around",
-           .details = "With the values of the worldspawn key `_floodlight`, or the color 0.94 0.94 1, distance "
-                      "1024 and intensity 128."},
+           .help = "Adds soft light wherever there is open space around",
+           .details = "Takes its values from the worldspawn key `_floodlight`, which turns it on by itself. Without "
+                      "the key, the color is 0.94 0.94 1, the distance 1024 and the intensity 128.",
+           .since = "q3map2"},
           &LightOptions::floodlight},
-         {{.name = "-lowquality", .help = "Floodlight with 32 rays a hemisphere instead of 64"},
+         {{.name = "-lowquality",
+           .help = "Traces floodlight with 32 rays per hemisphere instead of 64",
+           .since = "q3map2"},
           &LightOptions::lowQuality},
          {{.name = "-custinfoparms",
-           .help = "Read more surfaceparms from custinfoparms.txt, beside the shader scripts"},
+           .help = "Reads more surfaceparms from custinfoparms.txt in the folder of the shader scripts",
+           .since = "q3map2"},
           customInfoParms}}};
 }
 
 Group StaticProps() {
     return {"Static props",
-            "Models that stay entities: [static_props.md](static_props.md).",
+            "Static props are models that stay entities in the `.bsp`. [Static props](../guide/static_props.md) "
+            "explains them.",
             {{{.name = "-staticproplighting",
-               .help = "Light the vertices of static props, into the BSPX lump STATIC_PROP_LIGHT",
-               .details = "Lit props also cast shadows, those of their boxes without `-staticproppolys`."},
+               .help = "Lights static props at their vertices and stores that in the BSPX lump STATIC_PROP_LIGHT",
+               .details = "Lit props also cast shadows, which are those of their boxes without `-staticproppolys`.",
+               .since = "VRAD"},
               &LightOptions::staticPropLighting},
-             {{.name = "-staticproppolys", .help = "Static props cast the shadows of their triangles"},
+             {{.name = "-staticproppolys",
+               .help = "Makes static props cast the shadows of their triangles",
+               .since = "VRAD"},
               &LightOptions::staticPropPolys},
              {{.name = "-textureshadows",
-               .help = "Such triangles with masked textures let light through; needs -staticproppolys"},
+               .help = "Lets light through the masked textures of static props",
+               .details = "Needs `-staticproppolys`.",
+               .since = "VRAD"},
               &LightOptions::textureShadows},
              {{.name = "-staticpropfiles",
-               .help = "Write the light of static props to files beside the map too; needs -staticproplighting"},
+               .help = "Also writes the light of static props to files next to the map",
+               .details = "Needs `-staticproplighting`.",
+               .since = "0.2.0"},
               &LightOptions::staticPropFiles}}};
 }
 
 Group BotFiles() {
-    return {
-        "Bot file",
-        "",
-        {{{.name = "-fixaas",
-           .help = "Make bot files beside the map fit the lit map",
-           .details = "They name the map by a checksum of all bytes, so engines refuse them once it is lit. Without "
-                      "this a warning tells so. See the stage of that name."},
-          &LightOptions::fixBotFiles}}};
+    return {"Bot file",
+            "",
+            {{{.name = "-fixaas",
+               .help = "Makes the bot files next to the map valid for the lit map",
+               .details = "Bot files hold a checksum of all bytes of the map, so engines refuse them once the map is "
+                          "lit. Without this option, a warning says so. The stage "
+                          "[-fixaas](other_stages.md#-fixaas) does the same for a finished map.",
+               .since = "0.2.0"},
+              &LightOptions::fixBotFiles}}};
 }
 
 Group Explanations() {
     const auto point = [](LightOptions &o, const Values &v) {
         o.explain.push_back({float(v.numbers[0]), float(v.numbers[1]), float(v.numbers[2])});
     };
-    return {
-        "Explanations",
-        "Why a place is lit as it is: [explain.md](explain.md). Nothing is baked and no file changes.",
-        {{{.name = "-explain",
-           .values = "X Y Z",
-           .kind = SettingKind::Number,
-           .unit = "game units",
-           .initial = "none",
-           .help = "Say which lights reach this point of a lit map, and what is in the way of the others",
-           .details = "Give the options that the map was lit with. Also printed: the points of both light grids around "
-                      "the point, where they take their light from, and the nearest luxel. More points if it is "
-                      "repeated."},
-          Do<LightOptions>(point)}}};
+    return {"Explanations",
+            "This option prints why a place is lit as it is, see [Explanations](../guide/explain.md). Nothing is baked "
+            "and no file changes.",
+            {{{.name = "-explain",
+               .values = "X Y Z",
+               .kind = SettingKind::Number,
+               .unit = "game units",
+               .initial = "none",
+               .help = "Prints which lights reach a point of a lit map, and what blocks the others",
+               .details = "Give the same options that the map was lit with. The nearest luxel is printed too, and the "
+                          "points of both light grids around the position, with where they take their light from. "
+                          "Repeat the option for more positions.",
+               .since = "0.2.0",
+               .example = "0 0 64"},
+              Do<LightOptions>(point)}}};
 }
 
 Group Ignored() {
     const auto nothing = [](std::string_view name, std::string_view help) {
-        return WithoutEffect(&LightOptions::withoutEffect, name, help);
+        Setting<LightOptions> setting = WithoutEffect(&LightOptions::withoutEffect, name, help);
+        setting.info.since = "q3map2";
+        return setting;
     };
     return {"Accepted without effect",
-            "Options of the original q3map2 that choose what is always so here. A warning names them.",
+            "These options of q3map2 select what this program always does. A warning names them.",
             {nothing("-lomem", "Memory is always saved"),
-             nothing("-fastallocate", "Lightmaps are always packed quickly; see -slowallocate"),
-             nothing("-fastbounce", "Bounced light has no lamps that could end early; see -fast"),
+             nothing("-fastallocate", "Lightmaps are packed quickly unless -slowallocate is given"),
+             nothing("-fastbounce", "Bounced light is not made of area lights that could end early; use -fast"),
              nothing("-nobouncestore", "The .bsp is always written once, after the last bounce"),
-             nothing("-dump", "Bounced light has no lamps that could be written to a .map")}};
+             nothing("-dump", "Bounced light is not made of area lights that could be written to a .map")}};
 }
 
 } // namespace

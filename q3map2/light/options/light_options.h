@@ -25,13 +25,15 @@ struct SparseGoal {
 template <typename Options, typename GoalOf>
 Setting<Options> ErrorTargetSetting(std::string_view help, std::string_view details, GoalOf goal) {
     return {{.name = "-sherrortarget",
-             .values = "BYTES",
+             .values = "LEVELS",
              .kind = SettingKind::Number,
-             .unit = "255ths",
+             .unit = "8-bit levels",
              .initial = "1.5",
              .range = {0.05, 64},
              .help = help,
-             .details = details},
+             .details = details,
+             .since = "0.2.0",
+             .example = "3"},
             Do<Options>([goal](Options &o, const SettingValues &v) { goal(o).error = float(v.numbers[0]); })};
 }
 
@@ -45,7 +47,9 @@ Setting<Options> BudgetSetting(std::string_view help, std::string_view details, 
              .initial = "none",
              .range = {0.01, 2000},
              .help = help,
-             .details = details},
+             .details = details,
+             .since = "0.2.0",
+             .example = "2"},
             Do<Options>([goal](Options &o, const SettingValues &v) { goal(o).budget = v.numbers[0] * 1e6; })};
 }
 

@@ -10,8 +10,8 @@
 
 namespace q3 {
 
-/// The established program's chain from light on the byte scale to bytes: scale, contrast, gamma, exposure, saturation,
-/// compensation, hue-preserving limit, sRGB, truncation; for many colors. Keeps a reference.
+/// The chain of NetRadiant's q3map2 from light on the byte scale to bytes: scale, contrast, gamma, exposure,
+/// saturation, compensation, hue-preserving limit, sRGB, truncation; for many colors. Keeps a reference.
 class ToneMapper {
   public:
     /// A scale or brightness of 0 or less counts as 1.

@@ -16,7 +16,7 @@ namespace q3 {
 
 /// Which surfaces block rays from grid points.
 enum class ShadowRules {
-    LegacyGrid, ///< as the established program: surfaces (and skies) nearer than a radius and all patches are ignored
+    LegacyGrid, ///< as NetRadiant's q3map2: surfaces (and skies) nearer than a radius and all patches are ignored
     Exact       ///< everything that casts shadows does
 };
 
@@ -54,7 +54,7 @@ class LightScene {
     };
     enum class BlockerKind {
         Solids,       ///< hull of all solid leafs, also behind skies
-        LegacySolids, ///< without leafs that are not solid to the established program: LegacySolidLeafs
+        LegacySolids, ///< without leafs that are not solid to NetRadiant's q3map2: LegacySolidLeafs
         Casters, ///< solids, and shadow casters for group 1 (whatever the group asked for) without see-through ones
         Surfaces ///< shadow casters; see-through ones at opaque texels; for group 1 none on faces of LegacySolids
     };

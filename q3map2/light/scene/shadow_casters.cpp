@@ -165,7 +165,7 @@ namespace {
 
 /// Skies stand this far in front of their brushes, so that rays meet them before the solid behind. Game units.
 constexpr float kSkyLift = 1.0f / 16;
-/// In the established program a solid leaf longer than kLostLeafSize on an axis stops being solid if at least
+/// In NetRadiant's q3map2 a solid leaf longer than kLostLeafSize on an axis stops being solid if at least
 /// kLostLeafTriangles triangles reach into it.
 constexpr int kLostLeafSize = 32, kLostLeafTriangles = 5;
 

@@ -113,7 +113,7 @@ void AddProps(const PropShadows &props, int firstSurface, int receiveShadows, Ge
 void AddSolids(const Bsp &bsp, std::vector<bool> solidLeafs, Triangles &triangles);
 /// Sets kBlockerSolids and kBlockerSurfaces.
 void AddBlockers(const Bsp &bsp, const SurfaceTable &table, const LightOptions &options, TrianglesByKind &triangles);
-/// Solid leafs as the established program sees them: large leafs that several surfaces reach into do not count. Only
+/// Solid leafs as NetRadiant's q3map2 sees them: large leafs that several surfaces reach into do not count. Only
 /// surfaces that reach in by more than epsilon (game units) count.
 std::vector<bool> LegacySolidLeafs(const Bsp &bsp, const TrianglesByKind &triangles, double epsilon);
 /// Epsilons of kLegacySolids and kBlockerSolids, fitted to the output of that program: no single value reproduces both.

@@ -148,13 +148,13 @@ std::optional<Attenuation> FiftyPercentCurve(double fifty, double zero, bool har
 bool SetCurve(const Entity &entity, bool byQuad, Light &light, Log &log) {
     const bool fifty = keys::kFiftyPercent.Number(entity) != 0, polynomial = !fifty && HasPolynomial(entity);
     const bool ends = !fifty && !polynomial && keys::kEndRadius.Number(entity) != 0;
-    const std::string_view beside = "beside other keys for falloff";
+    const std::string_view together = "together with other keys of falloff";
     WarnUnused(entity, keys::kZeroPercent, fifty, "without _fifty_percent_distance", log);
     WarnUnused(entity, keys::kHardFalloff, fifty, "without _fifty_percent_distance", log);
     for (const EntityKey *key : {&keys::kConstantAttn, &keys::kLinearAttn, &keys::kQuadraticAttn})
-        WarnUnused(entity, *key, polynomial, "beside _fifty_percent_distance", log);
-    WarnUnused(entity, keys::kEndRadius, ends, beside, log);
-    WarnUnused(entity, keys::kDelay, !fifty && !polynomial && !ends, beside, log);
+        WarnUnused(entity, *key, polynomial, "together with _fifty_percent_distance", log);
+    WarnUnused(entity, keys::kEndRadius, ends, together, log);
+    WarnUnused(entity, keys::kDelay, !fifty && !polynomial && !ends, together, log);
     constexpr double kSquare = kReferenceDistance * kReferenceDistance;
     if (fifty)
         SetFiftyPercent(entity, light);

@@ -32,7 +32,7 @@ inline constexpr float kConeSlack = 1;
 ///     Polynomial:    a photons / (c + l e + q e^2) S((end - d') / (end - fadeFrom)), e = min(d', flatFrom)
 ///
 /// S is the quintic smoothstep, x^3 (6 x^2 - 15 x + 10) for x clamped to 0..1: its first and second derivatives are 0
-/// at both ends. The angle does not scale the fade of linear lights, as in the established program: maps rely on it.
+/// at both ends. The angle does not scale the fade of linear lights, as in NetRadiant's q3map2: maps rely on it.
 class Falloff {
   public:
     explicit Falloff(const Light &light)

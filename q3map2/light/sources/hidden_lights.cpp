@@ -228,7 +228,7 @@ void AddUncrossed(const Light &light, int cuts, CrossingSurfaces &surfaces, cons
 } // namespace
 
 int NudgeIntoOpen(Vec3f &origin, const BspSpace &space) {
-    static constexpr float kSteps[4] = {0, 0, 2, -2}; // as the established program; the order decides where it ends
+    static constexpr float kSteps[4] = {0, 0, 2, -2}; // as NetRadiant's q3map2; the order decides where it ends
     int cluster = space.ClusterAt(origin, kLightMargin);
     if (cluster >= 0)
         return cluster;

@@ -30,7 +30,7 @@ constexpr int kSunDiscSamples = 32;
 constexpr std::uint64_t kSeedJitter = 0x4C69676874ull; ///< "Light" in ASCII
 /// A spotlight without a distance to its target counts as this far from it. Game units.
 constexpr float kNoTargetDistance = 64;
-/// A cone at its target is this much wider than its key radius, as in the established program. Game units.
+/// A cone at its target is this much wider than its key radius, as in NetRadiant's q3map2. Game units.
 constexpr float kConeMargin = 16;
 
 Vec3f DecodeColor(const Vec3f &c, bool sRgb) {
@@ -131,7 +131,7 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     if (!result.byQuad)
         light.photons = Intensity(entity, log);
     else if (keys::kColor.Given(entity))
-        log.Warn("key of a light without effect", "{}: _color has no effect beside the color in _light",
+        log.Warn("key of a light without effect", "{}: _color has no effect, since _light has a color",
                  LightLabel(entity));
     if (!IsFinite(light.color) || MaxAbsComponent(light.color) > kMaxIntensity) {
         log.Warn("light color", "{}: _color {} is out of range, white is used", LightLabel(entity),
@@ -272,7 +272,8 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
                  target);
     if (target.empty() && keys::kSun.Number(entity) != 0)
         log.Warn("light target",
-                 "{}: _sun has no effect without a target, so this is no sun; give it a target that it shines toward, "
+                 "{}: _sun has no effect without a target, so this light is not a sun; give it a target in the "
+                 "direction of its light, "
                  "or use a light_environment",
                  LightLabel(entity));
     const Vec3f targetOrigin = aimedAt ? keys::kOrigin.Vector(*aimedAt).value_or(Vec3f{}) : Vec3f{};

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Everything that shines, in the photometric model of the established program, and how far it
+// GPL-2.0-or-later. Everything that emits light, in the lighting model of NetRadiant's q3map2, and how far it
 // reaches.
 #include "q3map2/light/sources/light_sources.h"
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Everything that shines, in the photometric model of the established program, and how far it
+// GPL-2.0-or-later. Everything that emits light, in the lighting model of NetRadiant's q3map2, and how far it
 // reaches.
 #pragma once
 
@@ -177,7 +177,7 @@ class LightsByCluster {
 
 /// How SetupEnvelopes bounds the lights of a pass.
 enum class LightPass {
-    LegacyGrid, ///< as the established program: entity lights, under -fast all, end at their tolerance; one cluster per
+    LegacyGrid, ///< as NetRadiant's q3map2: entity lights, under -fast all, end at their tolerance; one cluster per
                 ///< light
     GridSH,     ///< no tolerance; all clusters that an area light touches
     Surfaces ///< lightmaps and vertices: point lights and spots, under -fast all, end at their tolerance; one cluster

@@ -109,7 +109,7 @@ Vec3f SampleSky(const std::vector<SkyProbe> &probes, const Vec3f &direction, flo
     return weight > 0 ? Vec3f(sum / weight) : Vec3f{};
 }
 
-/// Directions of a q3map_skyLight, as the established program places them: on rings of equal elevation `step` degrees
+/// Directions of a q3map_skyLight, as NetRadiant's q3map2 places them: on rings of equal elevation `step` degrees
 /// apart, half a step inside the horizons, each ring turned a little against the last; and a pole where the horizon is
 /// one, whose next ring is 1.5 steps away.
 std::vector<Vec3f> SkyDirections(const SkyLightDirective &sky) {
@@ -188,7 +188,7 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
                                        Log &log) {
     if (sky.value <= 0 || sky.iterations < 2 || sky.horizonMin > sky.horizonMax)
         return {};
-    // Light grows with the height of the band of sky that shines, as in the established program: `value` for 90
+    // Light grows with the height of the band of sky that shines, as in NetRadiant's q3map2: `value` for 90
     // degrees.
     constexpr float kLeastBand = 0.25f;
     const std::vector<Vec3f> directions = SkyDirections(sky);

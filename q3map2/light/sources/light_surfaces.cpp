@@ -189,7 +189,7 @@ void ApplyTexLights(const TexLights &lights, SurfaceTable &table, Log &log) {
             log.Print("{}: {} counts, not q3map_surfaceLight {:g}\n", shader.name, light->where, shader.surfaceLight);
     }
     if (!lit.empty())
-        log.Count(lit.size(), "shaders made to shine by .rad files");
+        log.Count(lit.size(), "shaders that .rad files make emissive");
 }
 
 // ---- Lights that shaders make of surfaces ----
@@ -201,12 +201,12 @@ constexpr float kOnCut = 0.125f;                      ///< corners this near to 
 constexpr double kMinArea = 1, kMaxArea = 20'000'000; ///< of a piece that emits. Square game units
 /// A quad stays whole if its fourth corner is this near to the plane of the others. Game units.
 constexpr float kFlatQuad = 0.1f;
-/// Radiosity of an emitter of q3map_surfaceLight 1 if LightOptions::areaScale is 1, as in the established program. Byte
+/// Radiosity of an emitter of q3map_surfaceLight 1 if LightOptions::areaScale is 1, as in NetRadiant's q3map2. Byte
 /// scale.
 constexpr float kRadiosityOfOne = 3;
 /// The same with the default of areaScale, 1/4.
 constexpr float kDefaultRadiosityOfOne = 0.75f;
-/// Factor of backsplashFraction in the light of a backsplash, as in the established program.
+/// Factor of backsplashFraction in the light of a backsplash, as in NetRadiant's q3map2.
 constexpr float kBacksplashScale = 7;
 /// Larger values of q3map_surfaceLight count as this: products of them could overflow float.
 constexpr float kMaxSurfaceLight = 1e9f;

@@ -366,16 +366,16 @@ void PrintSparseStats(const SparseStats &stats, const SparseGoal &goal, Log &log
     double error = stats.expectedError;
     if (stats.measured && stats.measured->receivers > 0) {
         error = stats.measured->rms;
-        log.Print("{:9.2f} of 255 is the error of displayed light, measured at {} random positions of players (RMS)\n",
-                  error, stats.measured->receivers);
+        log.Print("{:9.2f} levels: RMS error of displayed light at {} random player positions\n", error,
+                  stats.measured->receivers);
     } else
-        log.Print("{:9.2f} of 255 is the expected error of interpolation\n", error);
+        log.Print("{:9.2f} levels: expected error of interpolation\n", error);
     if (stats.nearLightSamples > 0)
-        log.Print("{:9.2f} of 255 is the error at {} positions near lights\n", stats.nearLightError,
+        log.Print("{:9.2f} levels: RMS error at {} positions near lights\n", stats.nearLightError,
                   stats.nearLightSamples);
     constexpr double kUnmentioned = 1.1; // as many targets are not mentioned: the price of leafs is found in steps
     if (!goal.budget && error > kUnmentioned * double(goal.error))
-        log.Print("That is above the {:g} that was asked for: {}\n", goal.error, WhyNotFiner(stats.stop));
+        log.Print("That is above the target of {:g}: {}\n", goal.error, WhyNotFiner(stats.stop));
     if (goal.budget && stats.stop == RefinementStop::NoMeasuredGain)
         log.Print("It is smaller than -shbudget allows: more cells would hardly reduce the error\n");
     if (goal.budget && double(stats.bytes) > *goal.budget)

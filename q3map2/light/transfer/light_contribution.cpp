@@ -80,7 +80,7 @@ void SetFromFormFactors(const Light &light, const Lanes &heights, const Lanes &f
     });
 }
 
-/// An area light by the established program's formula: the form factor of a receiver that faces the light's center.
+/// An area light by the formula of NetRadiant's q3map2: the form factor of a receiver that faces the light's center.
 void SetLegacyAreaLight(const Light &light, const ReceiverBatch &receivers, ProbeIncidentLight &incident) {
     Lanes heights, formFactors;
     Lanes3 pushed;

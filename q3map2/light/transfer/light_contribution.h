@@ -58,7 +58,7 @@ struct LightSettings {
 /// Sets incident[i] to the light of `light`, times `weight`, at batches[i]: falloff, cones, form factors, sides,
 /// visibility by PVS and by ray. Where nothing arrives, no receiver is live.
 ///
-/// LegacyGrid follows the established program: one ray toward the light's center, form factor toward it. GridSH is
+/// LegacyGrid follows NetRadiant's q3map2: one ray toward the light's center, form factor toward it. GridSH is
 /// exact: an area light's projection in closed form, its visibility by sampling where it is partly hidden; far area
 /// lights are approximated with an error under 1/256 of a byte, and the faintest judged by one ray. With skip.coarse,
 /// if a few receivers of a batch agree on the visibility of a dim light, the rest use it too. Safe from several

@@ -29,7 +29,7 @@ struct ContributionCounts : RayCounts {
     }
 };
 
-/// Form factors of area lights are taken from at least this far in front of their plane, as in the established program.
+/// Form factors of area lights are taken from at least this far in front of their plane, as in NetRadiant's q3map2.
 /// Game units.
 inline constexpr float kAreaPush = 8;
 /// One-sided area lights do not light receivers farther than this behind their plane. Game units.

@@ -10,7 +10,7 @@ namespace q3 {
 
 namespace {
 
-/// Blur of 3 x 3 luxels over mapped ones with dirt above 0, in place and row by row as in the established program: a
+/// Blur of 3 x 3 luxels over mapped ones with dirt above 0, in place and row by row as in NetRadiant's q3map2: a
 /// luxel averages values that are already blurred above and to the left of it.
 void SmoothDirt(RawLightmap &raw) {
     const auto width = std::size_t(raw.SuperWidth()), height = std::size_t(raw.SuperHeight()), row = width + 2;

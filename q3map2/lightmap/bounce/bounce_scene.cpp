@@ -14,7 +14,7 @@ namespace q3 {
 
 namespace {
 
-/// Radiosity of a white wall that receives light 1, at LightmapOptions::bounceScale 1. The established program turns a
+/// Radiosity of a white wall that receives light 1, at LightmapOptions::bounceScale 1. NetRadiant's q3map2 turns a
 /// wall of luxel value 255 into an area light of 187.5, and an area light gives 3 times its value at form factor 1.
 constexpr float kLegacyRadiosity = 187.5f * 3 / 255;
 /// The same with -reflectivity linear: 1 / 0.25, since a white wall reflects all light at the default bounceScale of

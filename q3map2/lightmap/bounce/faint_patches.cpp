@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Under -fast: surfaces cut into patches as by the established program, and which of them are too
+// GPL-2.0-or-later. Under -fast: surfaces cut into patches as by NetRadiant's q3map2, and which of them are too
 // faint to light a receiver.
 #include "q3map2/lightmap/bounce/faint_patches.h"
 
@@ -19,7 +19,7 @@ constexpr float kPatchSize = 256, kMinPatchSize = 64;
 /// Light varies much if (max - min) * max is above this in a channel; 1 is white.
 constexpr float kLightVaries = 0.75f;
 constexpr float kOnCut = 0.125f; ///< corners this near to a cut count as on it. Game units
-/// Patches with an area outside this range emit no light, as in the established program. Square game units.
+/// Patches with an area outside this range emit no light, as in NetRadiant's q3map2. Square game units.
 constexpr double kMinArea = 1, kMaxArea = 20'000'000;
 /// Polygons with a larger coordinate are skipped as damaged: no map is so large. Game units.
 constexpr float kMaxCoordinate = 262144;
@@ -31,7 +31,7 @@ constexpr float kFlatQuad = 0.1f;
 constexpr int kMaxWeight = 5, kMaxSamples = 150;
 /// For form factors, receivers nearer to the plane of a patch than this are moved to this height over it. Game units.
 constexpr float kMinHeight = 8;
-/// The established program compares a form factor with the tolerance that is not clipped at the receiver's horizon: the
+/// NetRadiant's q3map2 compares a form factor with the tolerance that is not clipped at the receiver's horizon: the
 /// part of the patch behind the receiver counts negative, so that less light near the patch's plane counts. This does
 /// too. Up to kMinHeight off the patch's plane, ContributionFraction is the unclipped / the clipped form factor; from
 /// there it rises linearly to 1 at kClipHeight. Game units.

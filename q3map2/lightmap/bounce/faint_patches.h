@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Under -fast: surfaces cut into patches as by the established program, and which of them are too
+// GPL-2.0-or-later. Under -fast: surfaces cut into patches as by NetRadiant's q3map2, and which of them are too
 // faint to light a receiver.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace q3 {
 
-/// Surfaces subdivided into patches as in the established program, which turns them into area lights in a bounce. Under
+/// Surfaces subdivided into patches as in NetRadiant's q3map2, which turns them into area lights in a bounce. Under
 /// -fast that program skips a patch at receivers where it would give at most the tolerance even if its texture and the
 /// light on it were white: 255 * rho * form factor <= tolerance, rho = BounceScale. Const after construction; safe from
 /// several threads.

@@ -142,7 +142,7 @@ Emission Bounces::AllBounces(const RadiositySolver &solver, Emission first) cons
     const RadiosityLimits limits{.bounces = in_.lightmap.bounces, .seconds = in_.lightmap.bounceTime};
     RadiositySolution solution = solver.Solve(std::move(first), limits);
     if (solution.timedOut)
-        in_.log.Warn("time for bounces", "-bouncetime {:g} is over after {}; up to {:.2f} bytes of light are left out",
+        in_.log.Warn("time for bounces", "-bouncetime {:g} is over after {}; up to {:.2f} levels of light are left out",
                      limits.seconds, Counted(solution.steps + 1, "bounces"), solution.stillToCome);
     return std::move(solution.total);
 }

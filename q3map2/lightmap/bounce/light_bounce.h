@@ -42,7 +42,7 @@ void ClaimSlots(std::vector<BouncedStyle<Light>> &found, Styles &styles, std::ve
 /// Bounced light in two stages. The solver finds the radiosity of all emitters, style by style: in bounce k,
 /// B_k = rho E_k, and E_(k+1) is the irradiance due to B_k. A final gathering of the sum over bounces then lights
 /// luxels, vertices and grid points, so they agree; shadow rays sample the brightest emitters (BrightEmitters).
-/// rho of a white texture is 187.5 * 3 / 255 * 0.25 = 0.55 at -bouncescale 1, as in the established program, or 1 with
+/// rho of a white texture is 187.5 * 3 / 255 * 0.25 = 0.55 at -bouncescale 1, as in NetRadiant's q3map2, or 1 with
 /// -reflectivity linear; at most 0.99.
 class Bounces {
   public:

@@ -243,8 +243,8 @@ RadiositySolution RadiositySolver::Solve(Emission first, const RadiosityLimits &
         }
         // The rest of a geometric series: peak (decay + decay^2 + ...).
         solution.stillToCome = state.Peak() * decay / std::max(1 - decay, 1e-3f);
-        in_.log.Print("{:9.2f} bytes of light at most in bounce {}{}, {:.2f} still to come\n", Peak(state.light),
-                      solution.steps + 1, shotAll ? "" : " (brightest surfaces)", solution.stillToCome);
+        in_.log.Print("bounce {}{}: max {:.1f}, remaining {:.1f} (0-255)\n", solution.steps + 1,
+                      shotAll ? "" : " (brightest surfaces)", Peak(state.light), solution.stillToCome);
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
         solution.timedOut = limits.seconds > 0 && elapsed.count() > limits.seconds;
         const bool little = solution.stillToCome < leastLight;

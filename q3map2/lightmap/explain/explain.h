@@ -60,7 +60,7 @@ class Explainer {
 /// least one if a surface has one.
 std::vector<PlaceInFront> PlacesInFrontOfSurfaces(const Explainer &explainer, std::size_t count);
 
-/// The explanations of all `places` as JSON, for the viewer (docs/viewer.md): the reports, and the ends of the
+/// The explanations of all `places` as JSON, for the viewer (docs/guide/viewer.md): the reports, and the ends of the
 /// rays to the strongest lights. map: path of the .bsp in the package; options: of the light run, to be shown. Prints
 /// progress.
 std::string ExplanationsJson(const Explainer &explainer, std::span<const PlaceInFront> places, std::string_view map,

@@ -136,7 +136,7 @@ std::string ReasonOf(const LightAccount &light) {
     case LightFate::OutsideCone:
         return "outside of its cone";
     case LightFate::BehindEmitter:
-        return "behind the surface that shines";
+        return "behind the emissive surface";
     case LightFate::FacesAway:
         return "the surface faces away from it";
     case LightFate::TooFaint:

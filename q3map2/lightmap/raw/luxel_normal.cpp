@@ -38,7 +38,7 @@ Vec3f NormalMap::Perturbed(const SurfaceVertex &v) const {
             sum += kRnmBasis[i] * float(texel[i]);
         perturbed = s_ * sum.x + t_ * sum.y + v.normal * sum.z;
     } else {
-        // The established program decodes byte 127 as 0, so components are -127 / 127.5 to 128 / 127.5.
+        // NetRadiant's q3map2 decodes byte 127 as 0, so components are -127 / 127.5 to 128 / 127.5.
         const auto component = [](std::uint8_t byte) { return (float(byte) - 127) / 127.5f; };
         perturbed = v.normal + s_ * component(texel[0]) + t_ * component(texel[1]) + v.normal * component(texel[2]);
     }

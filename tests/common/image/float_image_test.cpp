@@ -252,7 +252,7 @@ TEST(ExrTest, Malformed) {
     const ExrFile two{.channels = {{"G", ExrFloat, 1}, {"R", ExrFloat, 1}}};
     EXPECT_THAT(Failure(DecodeExr, PlainExr(two)), HasSubstr("EXR without a channel B"));
     const ExrFile coarse{.channels = {{"B", ExrFloat, 2}, {"G", ExrFloat, 1}, {"R", ExrFloat, 1}}};
-    EXPECT_THAT(Failure(DecodeExr, PlainExr(coarse)), HasSubstr("channel B has a sample for 2 x 2 texels"));
+    EXPECT_THAT(Failure(DecodeExr, PlainExr(coarse)), HasSubstr("channel B has one sample per 2 x 2 texels"));
     for (const int side : {17000, 16384, 1 << 30}) {
         const ExrFile large{.channels = {{"B", ExrFloat, 1}, {"G", ExrFloat, 1}, {"R", ExrFloat, 1}},
                             .claimedSide = side};

@@ -205,7 +205,7 @@ static void TestScale(void) {
         CHECK(fabsf(directed[channel] - 255 * color[channel]) < 1e-3f);
         CHECK(fabsf(dir[channel] - toward[channel]) < 1e-6f);
     }
-    R_SHGridLight(&lighting, away, rgb); /* 0.0625 = 0.09375 - 0.5 + 0.46875: docs/engine_integration.md */
+    R_SHGridLight(&lighting, away, rgb); /* 0.0625 = 0.09375 - 0.5 + 0.46875: docs/engines/conformance.md */
     CHECK(fabsf(rgb[0] - 255 * (0.1f + 0.0625f * 0.4f)) < 1e-3f);
     R_FreeSHGrid();
     /* With an overbright shift of 2 light is above 255, and is scaled down keeping its hue. */

@@ -201,11 +201,11 @@ TEST_F(GridSHErrorTest, IsPrintedOnRequest) {
     Lit(scene, "-sh -sherror");
     EXPECT_TRUE(Printed("--- CheckGridSH ---"));
     EXPECT_TRUE(Printed("2000 receivers that a player can be in"));
-    EXPECT_TRUE(Printed("95 % would be under half of that: -gridsh "));
+    EXPECT_TRUE(Printed("would halve the 95th percentile"));
     Lit(scene, "-sh -sherror -gridsh 8 8 8");
-    EXPECT_TRUE(Printed("These are the smallest cells"));
+    EXPECT_TRUE(Printed("Smaller cells are not possible"));
     Lit(Ambient("60"), "-sh -sherror");
-    EXPECT_TRUE(Printed("Hardly anybody can see that"));
+    EXPECT_TRUE(Printed("This error is hardly visible"));
 }
 
 TEST_F(GridSHErrorTest, NothingIsSaidWhereNobodyFits) {

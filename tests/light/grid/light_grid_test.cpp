@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Legacy light grids of the established program: the same maps and options must give the same bytes.
+// GPL-2.0-or-later. Legacy light grids of NetRadiant's q3map2: the same maps and options must give the same bytes.
 #include "common/files/files.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/lightmap/light_stage.h"
@@ -21,7 +21,7 @@ namespace {
 const std::filesystem::path kVectors = TEST_DATA "/vectors";
 
 /// No file has -bouncegrid, whose bounced light differs in this version on purpose, nor -lowquality, which turns
-/// floodlight off in the established program and makes it coarser in this one.
+/// floodlight off in NetRadiant's q3map2 and makes it coarser in this one.
 std::vector<std::string> VectorNames() {
     std::vector<std::string> names;
     for (const auto &entry : std::filesystem::directory_iterator(kVectors / "grid"))

@@ -78,7 +78,7 @@ TEST_F(CurvesTest, FiftyPercentKeysSetTheCurveAndLeaveTheBrightness) {
                                    {"_zero_percent_distance", "50"},
                                    {"_linear_attn", "1"}});
     EXPECT_EQ(Falloff(smaller).At(300), Falloff(light).At(300));
-    EXPECT_TRUE(Said("_linear_attn has no effect beside _fifty_percent_distance"));
+    EXPECT_TRUE(Said("_linear_attn has no effect together with _fifty_percent_distance"));
 }
 
 TEST_F(CurvesTest, HardFalloffFadesSmoothlyToNothing) {
@@ -385,7 +385,7 @@ TEST_F(CurvesTest, SpawnflagsOfSourceDoNotChangeTheLight) {
     EXPECT_FALSE(linear.angleAttenuation);
     EXPECT_EQ(linear.curve, FalloffCurve::Linear);
     LightOf({{"_light", "255 255 255 100"}, {"_color", "1 0 0"}});
-    EXPECT_TRUE(Said("_color has no effect beside the color in _light"));
+    EXPECT_TRUE(Said("_color has no effect, since _light has a color"));
 }
 
 TEST_F(CurvesTest, KeysForHdrLightAloneAreNamed) {

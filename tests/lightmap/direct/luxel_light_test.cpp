@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Light on luxels: against the established program, closed forms and slow code.
+// GPL-2.0-or-later. Light on luxels: against NetRadiant's q3map2, closed forms and slow code.
 #include "common/files/files.h"
 #include "q3map2/light/batch/form_factor.h"
 #include "q3map2/light/options/light_tone.h"
@@ -360,7 +360,7 @@ TEST(FormFactors, OfADiscAboveItsCenterIsItsClosedForm) {
     }
 }
 
-/// A map of the established program's test vectors.
+/// A map of the test vectors of NetRadiant's q3map2.
 class LuxelVectorTest : public testing::TestWithParam<LuxelVector> {};
 
 TEST_P(LuxelVectorTest, GivesTheSameBytes) {

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Luxels of small maps as the established program lights them.
+// GPL-2.0-or-later. Luxels of small maps as NetRadiant's q3map2 lights them.
 #pragma once
 
 #include <array>

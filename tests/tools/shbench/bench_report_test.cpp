@@ -113,7 +113,7 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     const BenchResult result = RunBench(*map, Library(), settings, *FindGame("quake3"), JobPool(1), silent);
     const BenchReport &report = result.report;
     ASSERT_EQ(report.lines.size(), 5u);
-    const BenchLine *fine = report.Line("default"), *coarse = report.Line("coarse"), *plain = report.Line("plain"),
+    const BenchLine *fine = report.Line("default"), *coarse = report.Line("coarse"), *plain = report.Line("naive baseline"),
                     *legacy = report.Line("legacy grid"), *cubes = report.Line("ambient cubes");
     ASSERT_TRUE(fine && coarse && plain && legacy && cubes);
     EXPECT_EQ(report.rawRates.size(), 6u);
@@ -130,6 +130,7 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     EXPECT_GE(cubes->cost.bytes, 16 + 28 * cubes->cost.points);
     EXPECT_EQ(fine->cost.points, plain->cost.points);
     EXPECT_EQ(fine->cost.bytes, 40 + 108 * fine->cost.points);
+    EXPECT_EQ(legacy->cost.bytes, 8 * legacy->cost.points);
     EXPECT_LE(plain->cost.rays, std::uint64_t(plain->cost.litPoints));
     EXPECT_GT(fine->cost.rays, 0u);
     EXPECT_THAT(result.worst, testing::HasSubstr("worst positions of default"));
@@ -144,7 +145,7 @@ TEST_F(RunTest, MeasuresEverySettingOfASmallRoom) {
     EXPECT_EQ(json["settings"][0]["rays"], fine->cost.rays);
     EXPECT_DOUBLE_EQ(json["settings"][1]["timesFloor"], coarse->errors.rmse / report.floor);
     const std::string table = TableText(report);
-    for (const char *text : {"share of raw", "x floor", "x plain", "coarse", "legacy grid", "ambient cubes"})
+    for (const char *text : {"of Embree", "x limit", "x naive", "coarse", "legacy grid", "ambient cubes"})
         EXPECT_THAT(table, testing::HasSubstr(text));
 }
 
@@ -200,7 +201,7 @@ TEST(SizeChart, JoinsFamiliesBySize) {
                     Line("fast", "-fast", BakedFormat::GridSH, 8'000'000, 3),
                     Line("coarse", "-gridscalesh 1", BakedFormat::GridSH, 1'000'000, 4),
                     Line("adaptive", "-sherrortarget 1", BakedFormat::SparseGridSH, 500'000, 1),
-                    Line("plain", "one ray per light and point", BakedFormat::GridSH, 8'000'000, 9),
+                    Line("naive baseline", "one ray per light and point", BakedFormat::GridSH, 8'000'000, 9),
                     Line("legacy grid", "no -sh", BakedFormat::LegacyGrid, 70'000, 9),
                     Line("cubes", "-ambientcubes", BakedFormat::AmbientCubes, 70'000, 9)};
     const Chart chart = SizeChart(report);

@@ -13,6 +13,9 @@ namespace q3::bench {
 
 namespace {
 
+/// Of the legacy grid in IBSP files: ambient and directed color, and the direction in two bytes.
+constexpr std::size_t kIbspGridPointBytes = 8;
+
 /// Heading of the pass in the log.
 std::string_view PassOf(BakedFormat format, const LightOptions &options) {
     switch (format) {
@@ -41,7 +44,7 @@ std::int64_t LumpBytes(BakedFormat format, const Bsp &bsp) {
     case BakedFormat::NamedGridSH:
         return std::int64_t(EncodeNamedGrid(*bsp.namedGridSH).size());
     case BakedFormat::LegacyGrid:
-        return std::int64_t(bsp.gridPoints.size() * sizeof(bspGridPoint_t));
+        return std::int64_t(bsp.gridPoints.size() * kIbspGridPointBytes);
     case BakedFormat::AmbientCubes:
         break;
     }

@@ -203,7 +203,7 @@ BenchResult RunBench(const BenchMap &map, ShaderLibrary &library, const BenchSet
     const bspGridSHHeader_t layout = DefaultLayout(map);
     auto contenders = Contenders(map, library, settings, game, layout, jobs);
     CheckListed(contenders, settings);
-    progress.Print("truth\n");
+    progress.Print("reference\n");
     const Truth truth = CachedTruth(map, settings.truth, jobs, settings.cache, report.truthFromCache);
     report.positions = truth.points.size();
     report.truthNoise = truth.noise, report.truthRays = truth.rays, report.truthCpuSeconds = truth.cpuSeconds;

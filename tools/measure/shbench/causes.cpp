@@ -18,7 +18,7 @@ constexpr double kLeftOutShare = 0.05;                      ///< of the grid err
 constexpr double kManyRaysAbove = 1, kSomeRaysAbove = 0.25; ///< area lights above this get more rays, bytes
 constexpr int kManyRays = 16, kSomeRays = 4;
 
-constexpr std::array<std::string_view, kCauses> kNames = {"floor", "shadow edge between points", "near light", "wall",
+constexpr std::array<std::string_view, kCauses> kNames = {"L2 limit", "shadow edge between points", "near light", "wall",
                                                           "interpolation"};
 
 /// Change of the nine SH coefficients, 1.0 = byte 255.

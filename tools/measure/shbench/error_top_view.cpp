@@ -180,12 +180,12 @@ TopViewFrame FrameOf(const Boundsf &area) {
 
 ErrorTopView MakeErrorTopView(const BenchMap &map, const TopViewInputs &in, const JobPool &jobs) {
     ErrorTopView view;
-    view.title = fmt::format("{}: where the {} errs", map.inputs.name, in.grid);
-    view.subtitle = fmt::format("{}; {} positions; RMSE {:.2f}, floor {:.2f}, grid error {:.2f} bytes of 255",
+    view.title = fmt::format("{}: error of the {} by position", map.inputs.name, in.grid);
+    view.subtitle = fmt::format("{}; {} positions; RMSE {:.2f}, L2 truncation limit {:.2f}, grid error {:.2f} levels",
                                 in.setting, in.truth.points.size(), RmsOver(in.errors, &PositionErrors::shown),
                                 RmsOver(in.errors, &PositionErrors::floor), RmsOver(in.errors, &PositionErrors::grid));
-    view.errorName = in.by == WorstBy::Reference ? "displayed error of a position, RMS in bytes"
-                                                 : "grid error of a position, RMS in bytes";
+    view.errorName = in.by == WorstBy::Reference ? "displayed error of a position, RMS in 8-bit levels"
+                                                 : "grid error of a position, RMS in 8-bit levels";
     for (std::size_t i = 0; i < in.truth.points.size(); ++i)
         view.dots.push_back({in.truth.points[i].position, ErrorOf(in.errors[i], in.by)});
     for (const WorstPosition &place : in.worst)

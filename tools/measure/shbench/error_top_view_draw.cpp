@@ -52,7 +52,7 @@ class TopViewPainter {
         drawing_.Use(kFaded);
         drawing_.Text(kTextLeft, 60, 0, drawing_.Fitting(view_.subtitle, kViewWidth - 2 * kTextLeft));
         drawing_.Text(kTextLeft, 80, 0,
-                      "floor: error of the exact L2 projection, the best that can be stored; grid error: "
+                      "L2 truncation limit: error of the exact L2 projection, the best that can be stored; grid error: "
                       "difference from it");
         cairo_save(canvas_);
         cairo_rectangle(canvas_, frame_.x, frame_.y, frame_.width, frame_.height);
@@ -300,7 +300,7 @@ double TopViewPainter::DrawList(double y) {
 
 void TopViewPainter::DrawShares(double y) {
     drawing_.Use(kFaded);
-    drawing_.Text(kSideLeft, y + 11, 0, "share of the squared grid error, all positions", kSmall);
+    drawing_.Text(kSideLeft, y + 11, 0, "fraction of the squared grid error, all positions", kSmall);
     y += 11 + kLineHeight;
     const double bar = kSideLeft + 186, percent = kSideRight;
     for (std::size_t i = 0; i < kCauses; ++i) {

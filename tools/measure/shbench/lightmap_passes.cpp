@@ -33,7 +33,8 @@ class PassClock {
         line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
         std::uint64_t count = 0;
         const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), count);
-        if (error == std::errc() && std::string_view(end, line.data() + line.size()).starts_with(" rays"))
+        const std::string_view counted(end, line.data() + line.size());
+        if (error == std::errc() && (counted.starts_with(" rays") || counted.starts_with(" radiosity rays")))
             passes_.back().rays += count;
     }
     std::vector<LightmapPass> End() {
@@ -104,7 +105,7 @@ std::vector<LightmapPass> LightmapPasses(const BenchMap &map, const LightmapSett
 }
 
 std::string LightmapPassTable(const std::vector<LightmapPass> &passes, double rawPerSecond) {
-    std::vector<std::vector<std::string>> rows = {{"pass", "CPU s", "M rays", "M rays/s", "share of raw"}};
+    std::vector<std::vector<std::string>> rows = {{"pass", "CPU s", "M rays", "M rays/s", "of Embree"}};
     const auto add = [&](const LightmapPass &pass) {
         const bool traces = pass.rays > 0;
         rows.push_back({pass.name, fmt::format("{:.3f}", pass.cpuSeconds),

@@ -142,18 +142,18 @@ std::string AlignedTable(const std::vector<std::vector<std::string>> &rows) {
 std::string TableText(const BenchReport &report) {
     std::string text = fmt::format("{}: {} positions, {} lights, {} of them area lights\n", report.map,
                                    report.positions, report.lights, report.areaLights);
-    text += fmt::format("truth: {:.1f} M rays, {:.1f} CPU s{}, standard error {:.4f} byte\n",
+    text += fmt::format("reference: {:.1f} M rays, {:.1f} CPU s{}, standard error {:.4f} levels\n",
                         double(report.truthRays) / 1e6, report.truthCpuSeconds,
                         report.truthFromCache ? " (from the cache)" : "", report.truthNoise);
-    text += fmt::format("floor: {:.3f} byte, displayed RMSE of the exact L2 projection\n", report.floor);
+    text += fmt::format("L2 truncation limit: {:.3f} levels, displayed RMSE of the exact L2 projection\n", report.floor);
     if (const auto [least, most] = std::minmax_element(report.rawRates.begin(), report.rawRates.end());
         !report.rawRates.empty())
         text += fmt::format("raw: {:.2f} to {:.2f} M rays per CPU s, measured {} times\n", *least / 1e6, *most / 1e6,
                             report.rawRates.size());
     text += fmt::format("bakes: {} threads, least CPU time of {}\n\n", report.threads, report.repeats);
     std::vector<std::vector<std::string>> rows = {{"setting", "CPU s", "set-up", "x default", "M rays", "M rays/s",
-                                                   "share of raw", "points", "MB", "RMSE", "95 %", "99 %", "x floor",
-                                                   "grid error", "x plain", "leak %", "rel RMSE"}};
+                                                   "of Embree", "points", "MB", "RMSE", "95 %", "99 %", "x limit",
+                                                   "grid error", "x naive", "leak %", "rel RMSE"}};
     for (const BenchLine &line : report.lines)
         rows.push_back(Cells(report, line));
     return text + AlignedTable(rows);
@@ -186,24 +186,24 @@ Chart ErrorChart(const BenchReport &report) {
     chart.subtitle = fmt::format("{} positions, 26 normals; {} lights, {} of them area lights", report.positions,
                                  report.lights, report.areaLights);
     chart.x = {"CPU seconds (logarithmic)", AxisScale::Logarithmic};
-    chart.y = {"displayed RMSE, bytes of 255", AxisScale::Linear};
-    ChartSeries settings{"settings", {}, false}, plain{"one ray per light", {}, false};
+    chart.y = {"displayed RMSE, 8-bit levels", AxisScale::Linear};
+    ChartSeries settings{"settings", {}, false}, plain{"naive baseline", {}, false};
     for (const BenchLine &line : report.lines)
         if (IsSHGrid(line))
             (line.name == kPlainName ? plain : settings)
                 .points.push_back({line.cost.cpuSeconds, line.errors.rmse, line.name});
     chart.series = {settings, plain};
     chart.level = report.floor;
-    chart.levelLabel = fmt::format("floor {:.2f}: the exact L2 projection", report.floor);
+    chart.levelLabel = fmt::format("L2 truncation limit {:.2f}", report.floor);
     return chart;
 }
 
 Chart SizeChart(const BenchReport &report) {
     Chart chart;
     chart.title = fmt::format("{}: error of the SH grid against its size", report.map);
-    chart.subtitle = fmt::format("{} positions, 26 normals; floor {:.2f}", report.positions, report.floor);
+    chart.subtitle = fmt::format("{} positions, 26 normals; L2 truncation limit {:.2f}", report.positions, report.floor);
     chart.x = {"megabytes (logarithmic)", AxisScale::Logarithmic};
-    chart.y = {"grid error, bytes of 255 (logarithmic)", AxisScale::Logarithmic};
+    chart.y = {"grid error, 8-bit levels (logarithmic)", AxisScale::Logarithmic};
     std::vector<ChartSeries> families;
     for (const BenchLine &line : report.lines) {
         // The L2 projection is no measure of grids that name lights.
@@ -237,8 +237,8 @@ std::string WorstText(const Truth &truth, const std::vector<WorstPosition> &wors
         return fmt::format("{:.{}f} {:.{}f} {:.{}f}", double(v.x) * scale, digits, double(v.y) * scale, digits,
                            double(v.z) * scale, digits);
     };
-    std::vector<std::vector<std::string>> rows = {{"no.", "position", "RMS", "floor", "grid", "largest", "normal",
-                                                   "truth", "shown", "projection (bytes)", "cause"}};
+    std::vector<std::vector<std::string>> rows = {{"no.", "position", "RMS", "limit", "grid", "largest", "normal",
+                                                   "reference", "shown", "projection (levels)", "cause"}};
     for (const WorstPosition &place : worst) {
         const TruthPoint &point = truth.points[place.point];
         const PositionErrors &error = errors[place.point];

@@ -61,7 +61,7 @@ std::string WorstText(const Truth &truth, const std::vector<WorstPosition> &wors
                       std::string_view setting);
 
 /// Names of the lines that others are compared with.
-inline constexpr std::string_view kDefaultName = "default", kPlainName = "plain", kLegacyName = "legacy grid",
+inline constexpr std::string_view kDefaultName = "default", kPlainName = "naive baseline", kLegacyName = "legacy grid",
                                   kCubesName = "ambient cubes";
 
 } // namespace q3::bench

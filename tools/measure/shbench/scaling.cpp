@@ -188,7 +188,7 @@ Chart ScalingChart(const std::vector<ScalingStep> &steps, const std::string &siz
     if (!chart.series.empty()) {
         const auto &points = chart.series.front().points;
         const ChartPoint &middle = points[points.size() / 2];
-        chart.slopeOne = {middle.x, middle.y, "slope 1"};
+        chart.slopeOne = {middle.x, middle.y, "proportional growth"};
     }
     return chart;
 }

@@ -22,7 +22,7 @@ namespace q3::bench {
 namespace {
 
 constexpr std::string_view kUsage =
-    R"(usage: shbench [options] maps/x.bsp       error of the SH light grid against time and size, see docs/shbench.md
+    R"(usage: shbench [options] maps/x.bsp       error of the SH grid against time and size: docs/internals/shbench.md
        shbench --scale-lights [options]     time against the number of lights, in a hall made for it
        shbench --scale-cells [options] maps/x.bsp   time against the number of points
        shbench --lightmaps [options] maps/x.bsp     time and rays of lightmaps, pass by pass
@@ -32,7 +32,7 @@ constexpr std::string_view kUsage =
   --positions N, --seed N                   of the reference (2000, 1)
   --repeat N                                bakes in turn so often, quotes the least CPU time (1)
   --raw, --no-raw                           measures bare Embree, or does not (it does)
-  --no-baselines                            neither the plain method nor the legacy grid
+  --no-baselines                            neither the naive baseline nor the legacy grid
   --cache FOLDER, --no-cache                of the reference (the user's cache folder, q3map2-sh/shbench)
   --worst N, --worst-of NAME                lists the worst positions of a setting (default), and why
   --worst-by reference|projection           worst against the light there (usual), or against its exact projection

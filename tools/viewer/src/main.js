@@ -163,7 +163,7 @@ function start() {
     connectPad(element('pad'), viewer.walk, () => viewer.invalidate());
     connectDrops(opener);
     connectChooser(opener);
-    window.viewer = { viewer, opener, panel }; // for tests; docs/viewer.md says what they use
+    window.viewer = { viewer, opener, panel }; // for tests; tools/viewer/README.md says what they use
     openEmbedded(opener);
 }
 

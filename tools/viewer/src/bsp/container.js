@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. The lumps of IBSP 46 and 47, of RBSP and FBSP, and those of a BSPX directory. See docs/bsp_format.md.
+// GPL-2.0-or-later. The lumps of IBSP 46 and 47, of RBSP and FBSP, and those of a BSPX directory. See
+// docs/reference/bsp_format.md.
 import { expect, textAt, viewOf } from './bytes.js';
 
 export const Lump = {

@@ -1,4 +1,5 @@
-// GPL-2.0-or-later. L2 spherical harmonics, and the tone of lightmaps. See docs/engine_integration.md.
+// GPL-2.0-or-later. L2 spherical harmonics, and the tone of lightmaps. See docs/engines/quick_start.md and
+// docs/engines/tone.md.
 
 /** Nine basis functions at a unit normal, in map axes. */
 export function shBasis(x, y, z) {

@@ -68,7 +68,7 @@ function parseFormat(text, what, format) {
 
 /**
  * Errors of both grids at positions, in displayed bytes.
- * @param {string} text JSON, see docs/viewer.md
+ * @param {string} text JSON, see docs/guide/viewer.md
  * @returns name of the map, unit, count, and Float32Arrays: positions (three values each), sh, legacy (null if a
  *     position has none)
  */
@@ -94,7 +94,7 @@ export function parseErrors(text) {
 
 /**
  * Explanations of places, from `-shreport -explain`.
- * @param {string} text JSON, see docs/viewer.md
+ * @param {string} text JSON, see docs/guide/viewer.md
  * @returns {{map: string, options: string, places: Place[]}} options: of the light run that is explained
  *
  * @typedef {object} Place

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Small maps and lumps as bytes, written from docs/bsp_format.md alone.
+// GPL-2.0-or-later. Small maps and lumps as bytes, written from docs/reference/bsp_format.md alone.
 
 /** Joins parts: numbers are 32-bit words as [type, value], others bytes. */
 export function bytesOf(...parts) {
