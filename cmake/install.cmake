@@ -48,17 +48,21 @@ install(FILES libs/shgrid/shgrid.h libs/shgrid/shgrid.glsl libs/shgrid/shgrid.hl
               libs/shgrid/shgrid_atlas.glsl libs/shgrid/shgrid_atlas.hlsl libs/ambientcubes/ambient_cubes.h libs/staticprops/staticprops.h
               libs/hdrlight/hdrlight.h libs/bspx/bspx.h libs/directional/directional.h libs/directional/directional.glsl
               libs/directional/directional.hlsl DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES CHANGELOG.md LICENSE DESTINATION ${doc})
+install(FILES LICENSE DESTINATION ${doc})
 if(Q3MAP2_MANUAL)
   install(DIRECTORY ${Q3MAP2_MANUAL}/ DESTINATION ${doc}/manual)
-  # The README links to pages of the manual: docs/guide/x.md is manual/docs/guide/x.html.
-  file(READ README.md readme)
-  string(REGEX REPLACE "\\]\\(docs/([a-z0-9_/]*|README)[.]md" "](manual/docs/\\1.html" readme "${readme}")
-  string(REGEX REPLACE "\\]\\(docs/pictures/([^)/]*/)?([^)/]*)\\)" "](manual/_images/\\2)" readme "${readme}")
-  file(WRITE ${CMAKE_BINARY_DIR}/generated/README.md "${readme}")
-  install(FILES ${CMAKE_BINARY_DIR}/generated/README.md DESTINATION ${doc})
+  # Links to pages lead to the manual: docs/guide/x.md is manual/docs/guide/x.html. Of links to sources, the text stays.
+  foreach(page README.md CHANGELOG.md)
+    file(READ ${page} text)
+    string(REGEX REPLACE "\\]\\(((docs/[a-z0-9_/]*|docs/README|CONTRIBUTING|tools/[a-z0-9_/]*/README))[.]md"
+           "](manual/\\1.html" text "${text}")
+    string(REGEX REPLACE "\\]\\(docs/pictures/([^)/]*/)?([^)/]*)\\)" "](manual/_images/\\2)" text "${text}")
+    string(REGEX REPLACE "\\[([^][]*)\\]\\((libs|tools)/[^)]*\\)" "\\1" text "${text}")
+    file(WRITE ${CMAKE_BINARY_DIR}/generated/${page} "${text}")
+    install(FILES ${CMAKE_BINARY_DIR}/generated/${page} DESTINATION ${doc})
+  endforeach()
 else()
-  install(FILES README.md DESTINATION ${doc})
+  install(FILES README.md CHANGELOG.md DESTINATION ${doc})
   install(DIRECTORY docs/ DESTINATION ${doc}/docs PATTERN "*.1" EXCLUDE)
 endif()
 install(DIRECTORY tools/generated/editors/netradiant tools/generated/editors/gtkradiant tools/generated/editors/trenchbroom

@@ -55,16 +55,16 @@ struct SettingInfo {
     std::string_view name{};                   ///< with its dash, if it is an option
     std::array<std::string_view, 4> aliases{}; ///< unused entries are empty and last
     std::string_view values{};                 ///< names of the values: "N", "X Y Z", "W [H]" with H optional, "0|1"
-    SettingKind kind = SettingKind::Flag;      ///< for options, follows from the field if it is a number or text
+    SettingKind kind = SettingKind::Flag;      ///< may be left out for options whose field is a number or text
     std::string_view unit{};                   ///< "game units", "degrees"
-    std::string_view initial{};                ///< the default in words; for options, empty: that of the field
+    std::string_view initial{};                ///< the default in words; empty for options: the value of the field
     SettingRange range{};
     std::string_view limitReason{}; ///< why the range ends where it does, for the error, if it may surprise
     OutOfRange outside = OutOfRange::Refuse;
     double outsideValue = 0;     ///< for OutOfRange::UseDefault
     double floor = -kMaxSetting; ///< numbers in range but below this become this, with a warning
     bool withoutEffect = false;  ///< accepted for compatibility; not listed among the settings of a run
-    bool firstOnly = false;      ///< repetitions are left for another table of settings
+    bool firstOnly = false;      ///< only the first occurrence is taken; another table takes the others
     std::string_view help{};     ///< one line, a sentence without its full stop
     std::string_view details{};  ///< more for the documentation page
     std::string_view since{};    ///< who introduced it: a version of this program, "q3map2" (NetRadiant's), "VRAD" ...

@@ -13,7 +13,7 @@ vec3 ShgridSum(vec3 sh[9], vec3 n)
     return light;
 }
 
-// Light on a surface with that normal, from the nine coefficients of shgrid_sample: shgrid_evaluate.
+// Light on a surface with normal n, from the nine coefficients of shgrid_sample. Does the same as shgrid_evaluate.
 vec3 ShgridLight(vec3 sh[9], vec3 n)
 {
     return max(ShgridSum(sh, n), vec3(0.0));

@@ -12,7 +12,7 @@ float3 ShgridSum(float3 sh[9], float3 n)
     return light;
 }
 
-// Light on a surface with that normal, from the nine coefficients of shgrid_sample: shgrid_evaluate.
+// Light on a surface with normal n, from the nine coefficients of shgrid_sample. Does the same as shgrid_evaluate.
 float3 ShgridLight(float3 sh[9], float3 n)
 {
     return max(ShgridSum(sh, n), float3(0.0, 0.0, 0.0));

@@ -212,8 +212,8 @@ Group General() {
            .help = "Prints an overview, or what there is about a stage, an option, a key or a directive",
            .details = "TOPIC is the name of a stage, an option, a key of entities or a directive of shaders. It "
                       "may also be `keys` (all keys), `shader` (all directives), `vrad` (options of VRAD), `game` "
-                      "(the known games) or `all`. The topics `markdown`, `shadermarkdown`, `man`, `bash`, `zsh` "
-                      "and `fish` print the reference pages, the manual page and shell completions.",
+                      "(the known games) or `all`. The topics `light.md` and so on, `man`, `bash`, `zsh` and "
+                      "`fish` print pages of the reference, the manual page and shell completions.",
            .since = "q3map2",
            .example = "samples"},
           Do<GlobalOptions>(help)},

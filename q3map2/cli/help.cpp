@@ -388,7 +388,7 @@ std::string DirectivesText() {
 }
 
 std::string KeysText() {
-    std::string text;
+    std::string text = Wrapped(kKeyRules, 0, 0) + "\n";
     for (const SettingSection &section : EntitySections())
         text += SectionText(section);
     return text;
@@ -399,9 +399,9 @@ std::string Overview(StageList stages) {
     for (const Stage &stage : stages)
         text += fmt::format("  {}\n      {}\n", stage.usage, stage.help);
     text += "\nq3map2 -help light lists the options of the stage -light, and so on for each stage.\n"
-            "q3map2 -help samples explains the option -samples, and so on for each option, key and directive.\n"
+            "q3map2 -help samples explains the option -samples; options, keys and directives have such an entry.\n"
             "q3map2 -help keys lists the keys of entities, q3map2 -help shader the directives of shaders.\n"
-            "q3map2 -help all prints everything.\n";
+            "q3map2 -help all prints all lists.\n";
     return text + GlobalText();
 }
 

@@ -50,11 +50,12 @@ bool HasWord(const std::vector<std::string> &words, std::string_view option) {
     return std::ranges::any_of(words, [&](const std::string &word) { return EqualNoCase(word, option); });
 }
 
-/// Whether the line asks for an SH grid and leaves the size of its cells to the preset.
+/// Whether the line asks for an SH grid and leaves the size of its cells to the preset. Grids that name lights cannot be
+/// fitted, so they keep their own cells.
 bool TakesGridSH(const std::vector<std::string> &words) {
-    constexpr std::string_view kGridOptions[] = {"-sh",         "-shbspx",   "-shradiance",
-                                                 "-shadaptive", "-shbudget", "-gridformats"};
-    return !HasWord(words, "-shsmall") &&
+    constexpr std::string_view kGridOptions[] = {"-sh",       "-shbspx",        "-shradiance", "-shadaptive",
+                                                 "-shbudget", "-sherrortarget", "-gridformats"};
+    return !HasWord(words, "-shsmall") && !HasWord(words, "-shlights") &&
            std::ranges::any_of(kGridOptions, [&](std::string_view option) { return HasWord(words, option); });
 }
 

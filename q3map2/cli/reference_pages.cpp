@@ -5,6 +5,8 @@
 #include "q3map2/cli/documentation.h"
 #include "q3map2/report/version.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -28,7 +30,7 @@ constexpr std::string_view kOptionRules =
     "time and memory it took.";
 
 constexpr std::string_view kSinceRules =
-    "\"Since\" names the program that introduced an entry; entries of NetRadiant's q3map2 work in both programs.";
+    "\"Since\" names the program that introduced an entry; NetRadiant's q3map2 has the entries of q3map2 too.";
 
 bool IsNumber(const SettingEntry &entry) {
     return entry.info.kind == SettingKind::Integer || entry.info.kind == SettingKind::Number;
@@ -101,7 +103,9 @@ std::string SinceText(const SettingInfo &info) {
 std::string WithoutMarkup(std::string_view text) {
     std::string result;
     for (std::size_t i = 0; i < text.size(); ++i) {
-        if (text[i] == '`' || (text[i] == '[' && text.find("](", i) != std::string_view::npos))
+        const std::size_t close = text[i] == '[' ? text.find(']', i) : std::string_view::npos;
+        const bool beginsLink = close != std::string_view::npos && text.substr(close).starts_with("](");
+        if (text[i] == '`' || beginsLink)
             continue;
         if (text.substr(i).starts_with("](")) {
             i = std::min(text.find(')', i), text.size() - 1);
@@ -170,10 +174,10 @@ std::string Cell(std::string_view text) {
 /// An entry with its heading, which is its anchor: names, purpose, details, facts. `example` is shown as code.
 std::string Entry(const SettingEntry &entry, std::string_view heading, std::string_view example) {
     const SettingInfo &info = entry.info;
-    std::string names;
-    for (const std::string &usage : Usages(info))
-        names += fmt::format("{}`{}`", names.empty() ? "" : ", ", usage);
-    std::string text = fmt::format("\n{} {}\n\n{}\n\n{}.\n", heading, info.name, names, SentencePerLine(info.help));
+    std::string text = fmt::format("\n{} {}\n\n", heading, info.name);
+    if (const std::vector<std::string> usages = Usages(info); usages.size() > 1 || usages.front() != info.name)
+        text += fmt::format("`{}`\n\n", fmt::join(usages, "`, `"));
+    text += SentencePerLine(info.help) + ".\n";
     if (!info.details.empty())
         text += SentencePerLine(info.details) + "\n";
     text += "\n";
@@ -308,9 +312,12 @@ namespace {
 std::string Roff(std::string_view text) {
     std::string result;
     for (const char c : WithoutMarkup(text)) {
-        if (c == '\\' || c == '-')
-            result += '\\';
-        result += c;
+        if (c == '\\')
+            result += "\\e";
+        else if (c == '-')
+            result += "\\-";
+        else
+            result += c;
     }
     return result.starts_with('.') || result.starts_with('\'') ? "\\&" + result : result;
 }
@@ -321,10 +328,8 @@ template <typename Example> std::string RoffSection(const SettingSection &sectio
     if (!section.intro.empty())
         text += Roff(section.intro) + "\n";
     for (const SettingEntry &entry : section.entries) {
-        text += fmt::format(".TP\n.B {}", Roff(entry.info.name));
-        if (!entry.info.values.empty())
-            text += fmt::format(" {}", Roff(entry.info.values));
-        text += fmt::format("\n{}.\n", Roff(FullHelp(entry, ShownRanges::Declared)));
+        text += fmt::format(".TP\n.B {}\n{}.\n", Roff(fmt::format("{}", fmt::join(Usages(entry.info), ", "))),
+                            Roff(FullHelp(entry, ShownRanges::Declared)));
         if (!entry.info.details.empty())
             text += Roff(entry.info.details) + "\n";
         text += fmt::format("Since: {}.\n", Roff(SinceText(entry.info)));

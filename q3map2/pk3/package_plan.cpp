@@ -30,7 +30,9 @@ template <typename Options> SettingGroup<Options> PackingGroup() {
               &Options::list},
              {{.name = "-png",
                .help = "Takes images in PNG too, before TGA and JPEG",
-               .details = "The engine of Quake III Arena does not read PNG images, but many later ones do.",
+               .details = "Without this option PNG images are left out. The engine of Quake III Arena does not read "
+                          "them, but many "
+                          "later ones do.",
                .since = "q3map2"},
               &Options::png},
              {{.name = "-complevel",

@@ -105,8 +105,10 @@ class Reader:
             for line in text.splitlines():
                 if name == "other_stages" and (heading := re.match(r"## (-\S+)", line)):
                     stage = heading.group(1)
-                elif re.match(r"`--?\w", line):
-                    names = [word.lower() for word in re.findall(r"`(--?[^` ]+)", line)]
+                elif entry := re.match(r"#{3,4} (-\S+)|((?:`-[^`]+`(?:, )?)+)$", line):
+                    # An entry: its heading, and then its usage with all names.
+                    names = [entry.group(1)] if entry.group(1) else re.findall(r"`(--?[^` ]+)", line)
+                    names = [word.lower() for word in names]
                     options.setdefault(stage, set()).update(names)
                     self.defaults.setdefault(stage, {}).update((word, "") for word in names)
                 elif default := re.match(r"- Default: (.*)", line):
@@ -219,6 +221,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         reader = Reader(str(program), Path(folder))
         total = 0
+        for pattern in RUN + CHECKED:
+            if not any(source.glob(pattern)):
+                sys.exit(f"no page is called {pattern}")
         run = {page for pattern in RUN for page in source.glob(pattern)} - {source / name for name in CHECKED}
         for page in sorted({source / "README.md", source / "CONTRIBUTING.md", *source.glob("docs/**/*.md")}):
             ran, checked = reader.read(page, page in run)

@@ -24,7 +24,7 @@ HABITS = {
     r"\bin place of\b": "instead of",
     r"\bbut for\b": "except",
     r"\bin the mean\b": "on average",
-    r"(?<!here )\b(?:is|are|was|were) no (?!more|less|\w+er\b)": "is not a, or there is no",
+    r"(?<!here )\b(?:is|are|was|were) no (?!more|less|longer|shorter|better|worse|fewer|larger|smaller|brighter|darker|slower|faster|lower|higher|wider|nearer|closer)": "is not a, or there is no",
     r"\b[Ee]stablished program|\b(?:[Oo]lder|[Oo]riginal|[Ss]tock) (?:program|compiler|q3map2)": "NetRadiant's q3map2",
     r"\bof 255\b": "levels",
     r"\bshin(?:e|es|ing)\b": "emit",
@@ -40,7 +40,7 @@ HABITS = {
     r"\d (?:[a-z-]+ )?(?:bytes|rays|samples|lights|levels|coefficients|texels|numbers|records) an? "
     r"(?:point|luxel|light|map|cell|texel|surface|leaf|face|pixel|node|vertex)\b": "per",
 }
-SENTENCES = re.compile(r"[\w)\]*]\. [A-Z\[]")
+SENTENCES = re.compile(r"[\w)\]*`]\. [A-Z\[`]")
 # Former names of pages: each says where the page went.
 MOVED = re.compile(r"This page moved to ")
 
@@ -143,7 +143,8 @@ def main():
         pages.check_links(page, text)
         if not MOVED.match(text):
             pages.check_style(page, text)
-    pages.check_links(source / "CHANGELOG.md", (source / "CHANGELOG.md").read_text())
+    for page in [source / "CHANGELOG.md", *sorted((source / "libs").glob("*/README.md"))]:
+        pages.check_links(page, page.read_text())
     sources = [path for folder in ("common", "q3map2") for suffix in ("*.cpp", "*.h")
                for path in sorted((source / folder).rglob(suffix))]
     for path in sources:

@@ -3,8 +3,8 @@
 """usage: compile_shaders.py GLSLANG LIBRARY LIBS PAGE...
 
 GLSLANG: glslangValidator. LIBRARY: directional or shgrid. LIBS: the folder of the libraries. The GLSL and the HLSL of the
-library are compiled with a main function that calls them, for the oldest and newest versions that they are meant for. A
-function that stands in a file and is not called is a fault, and so is GLSL on a PAGE of documentation that is not in
+library are compiled with a main function that calls them, GLSL for the oldest and newest versions that it is meant for.
+A function of libs/directional that is not called is a fault, and so is GLSL on a PAGE of documentation that is not in
 the files. Exit status 77, for a skipped test, if GLSLANG is not there.
 """
 

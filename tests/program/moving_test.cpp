@@ -110,7 +110,7 @@ TEST_F(MovingTest, EveryOptionIsKnownOrExcused) {
             continue;
         }
         ASSERT_NE(stage, stages.end()) << section;
-        ExpectKnownOrExcused(section, words, OptionNames(stage->settings ? stage->settings() : GlobalSections()));
+        ExpectKnownOrExcused(section, words, OptionNames(SectionsOf(*stage)));
     }
 }
 

@@ -76,6 +76,11 @@ TEST_F(PresetTest, SHSmallIsAFittedGridOfSixtyFour) {
     EXPECT_EQ(LumpOf(small, 18), LumpOf(MapBytes(), 18));
 }
 
+TEST_F(PresetTest, GridsThatNameLightsAreNotFitted) {
+    EXPECT_FALSE(RunWell("-light -preset final -shlights -shadaptive MAP").Printed("-shfit"));
+    EXPECT_TRUE(RunWell("-light -preset final -sherrortarget 3 MAP").Printed("-gridsh 64 64 64 -shfit"));
+}
+
 TEST(PresetTable, IsInTheDocumentation) {
     const std::string page = ReadTextFile(std::filesystem::path(SOURCE) / "docs/guide/releasing.md");
     for (const Preset &preset : Presets())

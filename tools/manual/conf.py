@@ -26,8 +26,8 @@ html_show_sphinx = False
 html_show_search_summary = False
 html_scaled_image_link = False
 highlight_language = "none"
-# HLSL and some C snippets are not whole programs.
-suppress_warnings = ["misc.highlighting_failure", "myst.header", "toc.not_readable"]
+# Some snippets of C and shaders are not whole programs.
+suppress_warnings = ["misc.highlighting_failure"]
 
 # Parts of the manual in the order of the sidebar, with the pages that come first.
 PARTS = {

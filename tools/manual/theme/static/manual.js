@@ -31,7 +31,6 @@ function keep(theme) {
 show(kept());
 
 document.addEventListener('DOMContentLoaded', () => {
-    show(kept());
     document.getElementById('theme').addEventListener('click', () => {
         const theme = kThemes[(kThemes.indexOf(document.documentElement.dataset.theme) + 1) % kThemes.length];
         show(theme);
