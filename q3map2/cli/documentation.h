@@ -40,6 +40,13 @@ std::vector<SettingSection> DirectiveSections();
 /// The settings of a stage, by sections; none for stages without.
 std::vector<SettingSection> SectionsOf(const Stage &stage);
 
+/// Calls use(info) for every setting of the sections.
+template <typename Use> void ForEntries(const std::vector<SettingSection> &sections, const Use &use) {
+    for (const SettingSection &section : sections)
+        for (const SettingEntry &entry : section.entries)
+            use(entry.info);
+}
+
 // ---- q3map2 -editorfiles ----
 
 /// The stage: checks the commands of the menus (editors/editor_files.h) and writes the files into the folder that

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. q3map2 -help, and completion of the command line in shells.
+// GPL-2.0-or-later. q3map2 -help.
 #pragma once
 
 #include "q3map2/cli/program.h"
@@ -8,11 +8,6 @@
 #include <string_view>
 
 namespace q3 {
-
-/// tools/generated/completions/q3map2.bash, _q3map2 and q3map2.fish.
-std::string BashCompletion(StageList stages);
-std::string ZshCompletion(StageList stages);
-std::string FishCompletion(StageList stages);
 
 /// What -help TOPIC prints: a stage, an option or a key by its name, "game", "keys", "all", or a generated file
 /// (reference_pages.h). Without a topic an overview. Errors: an unknown topic.

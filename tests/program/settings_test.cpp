@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Declared settings: generated files, help, and that every declared option is taken.
+#include "q3map2/cli/completion.h"
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/help.h"
 #include "q3map2/cli/reference_pages.h"
