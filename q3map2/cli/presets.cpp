@@ -50,8 +50,8 @@ bool HasWord(const std::vector<std::string> &words, std::string_view option) {
     return std::ranges::any_of(words, [&](const std::string &word) { return EqualNoCase(word, option); });
 }
 
-/// Whether the line asks for an SH grid and leaves the size of its cells to the preset. Grids that name lights cannot be
-/// fitted, so they keep their own cells.
+/// Whether the line asks for an SH grid and leaves the size of its cells to the preset. Grids that name lights cannot
+/// be fitted, so they keep their own cells.
 bool TakesGridSH(const std::vector<std::string> &words) {
     constexpr std::string_view kGridOptions[] = {"-sh",       "-shbspx",        "-shradiance", "-shadaptive",
                                                  "-shbudget", "-sherrortarget", "-gridformats"};
@@ -128,69 +128,43 @@ constexpr std::string_view kPerLuxel =
 
 /// The advice about options with a replacement says what that is. Other advice is a clause.
 constexpr VradOption kVradOptions[] = {
-    {"-final", 0, "-preset final", "the preset for the release"},
-    {"-extra", 0, "-samples 2", "adaptive samples at shadow edges"},
-    {"-noextra", 0, "-samples 1", "one sample per luxel"},
-    {"-fastambient", 0, "-cubesperleaf 1", "one ambient cube per leaf"},
-    {"-smooth", 1, "-shade -shadeangle N", "smooth shading of edges up to that angle"},
-    {"-reflectivityscale", 1, "-bouncescale N", "a factor of bounced light"},
-    {"-chop", 1, "", kPerLuxel},
-    {"-maxchop", 1, "", kPerLuxel},
-    {"-dispchop", 1, "", kPerLuxel},
-    {"-maxdispchop", 1, "", kPerLuxel},
-    {"-choptexlights", 1, "", "use q3map_lightSubdivide, which divides surface lights"},
-    {"-softsun", 1, "", "use SunSpreadAngle of light_environment, or the deviance of q3map_sunExt"},
-    {"-extrasky", 1, "", "use _samples of light_environment, or the iterations of q3map_skylight"},
-    {"-extrapasses", 1, "", "use -samples N"},
-    {"-luxeldensity", 1, "", "use -samplescale N, where 2 halves the density"},
-    {"-centersamples", 0, "", "samples are always at the centers of luxels"},
-    {"-ambient", 3, "", "use the worldspawn key _ambient"},
-    {"-maxlight", 1, "", "use the worldspawn key _maxlight"},
-    {"-dlight", 1, "", "surface lights always reach as far as their light lasts"},
-    {"-noskyboxrecurse", 0, "", "rays always end at the sky"},
-    {"-nodetaillight", 0, "", "q3map2-sh has no detail props"},
-    {"-onlydetail", 0, "", "q3map2-sh has no detail props"},
-    {"-nossprops", 0, "", "props cast the shadows of their triangles only with -staticproppolys"},
-    {"-staticpropnormals", 0, "", "use -debugnormals, which shows the normals of luxels"},
-    {"-dumpnormals", 0, "", "use -debugnormals, which shows the normals of luxels"},
-    {"-debugextra", 0, "", "use -debug, which marks luxels that were filled"},
-    {"-rederrors", 0, "", "use -debug, which marks luxels that were filled"},
-    {"-low", 0, "", "set the priority of the process with the system, by nice or start /low"},
-    {"-mpi", 0, "", "one machine does all the work, with -threads N"},
-    {"-mpi_pw", 1, "", "one machine does all the work, with -threads N"},
-    {"-vproject", 1, "", "use -fs_basepath DIR and -fs_game NAME"},
-    {"-insert_search_path", 1, "", "use -fs_basepath, which can be repeated"},
-    {"-novconfig", 0, "", "q3map2-sh has no such window"},
-    {"-stoponexit", 0, "", "the program never waits for a key"},
-    {"-compressconstant", 0, "", "lightmaps of one color are always stored as one texel"},
-    {"-loghash", 0, "", "use -v to print details, and -report to write them as JSON"},
-    {"-verbose", 0, "", "use -v to print details"},
-};
-
-/// How the values of an option of VRAD are shown.
-struct VradValues {
-    std::string_view name, values, example;
-};
-
-/// Of every option of kVradOptions that has values.
-constexpr VradValues kVradValues[] = {
-    {"-smooth", "N", "45"},
-    {"-reflectivityscale", "N", "0.8"},
-    {"-chop", "N", "4"},
-    {"-maxchop", "N", "4"},
-    {"-dispchop", "N", "8"},
-    {"-maxdispchop", "N", "64"},
-    {"-choptexlights", "N", "64"},
-    {"-softsun", "N", "5"},
-    {"-extrasky", "N", "16"},
-    {"-extrapasses", "N", "4"},
-    {"-luxeldensity", "N", "0.5"},
-    {"-ambient", "R G B", "10 10 10"},
-    {"-maxlight", "N", "200"},
-    {"-dlight", "N", "0.1"},
-    {"-mpi_pw", "PASSWORD", "secret"},
-    {"-vproject", "DIR", "/games/quake3"},
-    {"-insert_search_path", "DIR", "/games/quake3"},
+    {"-final", "", "", "-preset final", "the preset for the release"},
+    {"-extra", "", "", "-samples 2", "adaptive samples at shadow edges"},
+    {"-noextra", "", "", "-samples 1", "one sample per luxel"},
+    {"-fastambient", "", "", "-cubesperleaf 1", "one ambient cube per leaf"},
+    {"-smooth", "N", "45", "-shade -shadeangle N", "smooth shading of edges up to that angle"},
+    {"-reflectivityscale", "N", "0.8", "-bouncescale N", "a factor of bounced light"},
+    {"-chop", "N", "4", "", kPerLuxel},
+    {"-maxchop", "N", "4", "", kPerLuxel},
+    {"-dispchop", "N", "8", "", kPerLuxel},
+    {"-maxdispchop", "N", "64", "", kPerLuxel},
+    {"-choptexlights", "N", "64", "", "use q3map_lightSubdivide, which divides surface lights"},
+    {"-softsun", "N", "5", "", "use SunSpreadAngle of light_environment, or the deviance of q3map_sunExt"},
+    {"-extrasky", "N", "16", "", "use _samples of light_environment, or the iterations of q3map_skylight"},
+    {"-extrapasses", "N", "4", "", "use -samples N"},
+    {"-luxeldensity", "N", "0.5", "", "use -samplescale N, where 2 halves the density"},
+    {"-centersamples", "", "", "", "samples are always at the centers of luxels"},
+    {"-ambient", "R G B", "10 10 10", "", "use the worldspawn key _ambient"},
+    {"-maxlight", "N", "200", "", "use the worldspawn key _maxlight"},
+    {"-dlight", "N", "0.1", "", "surface lights always reach as far as their light lasts"},
+    {"-noskyboxrecurse", "", "", "", "rays always end at the sky"},
+    {"-nodetaillight", "", "", "", "q3map2-sh has no detail props"},
+    {"-onlydetail", "", "", "", "q3map2-sh has no detail props"},
+    {"-nossprops", "", "", "", "props cast the shadows of their triangles only with -staticproppolys"},
+    {"-staticpropnormals", "", "", "", "use -debugnormals, which shows the normals of luxels"},
+    {"-dumpnormals", "", "", "", "use -debugnormals, which shows the normals of luxels"},
+    {"-debugextra", "", "", "", "use -debug, which marks luxels that were filled"},
+    {"-rederrors", "", "", "", "use -debug, which marks luxels that were filled"},
+    {"-low", "", "", "", "set the priority of the process with the system, by nice or start /low"},
+    {"-mpi", "", "", "", "one machine does all the work, with -threads N"},
+    {"-mpi_pw", "PASSWORD", "secret", "", "one machine does all the work, with -threads N"},
+    {"-vproject", "DIR", "/games/quake3", "", "use -fs_basepath DIR and -fs_game NAME"},
+    {"-insert_search_path", "DIR", "/games/quake3", "", "use -fs_basepath, which can be repeated"},
+    {"-novconfig", "", "", "", "q3map2-sh has no such window"},
+    {"-stoponexit", "", "", "", "the program never waits for a key"},
+    {"-compressconstant", "", "", "", "lightmaps of one color are always stored as one texel"},
+    {"-loghash", "", "", "", "use -v to print details, and -report to write them as JSON"},
+    {"-verbose", "", "", "", "use -v to print details"},
 };
 
 std::string VradHelp(const VradOption &option) {
@@ -220,7 +194,7 @@ void TranslateVradOptions(const Stage &stage, Arguments &arguments, Log &log) {
     if (stage.word != "-light")
         return;
     for (const VradOption &option : kVradOptions)
-        while (const auto values = arguments.TakeValues({option.name}, std::size_t(option.values))) {
+        while (const auto values = arguments.TakeValues({option.name}, option.Info().MinValues())) {
             if (option.replacement.empty()) {
                 log.Warn(option.name, "{} is an option of VRAD without an effect in q3map2-sh: {}", option.name,
                          option.advice);
@@ -246,13 +220,8 @@ SettingSection VradSection() {
                            {},
                            "vrad"};
     for (std::size_t i = 0; i < std::size(kVradOptions); ++i) {
-        SettingInfo info{.name = kVradOptions[i].name, .help = helps[i], .since = "VRAD"};
-        const auto values = std::ranges::find(kVradValues, info.name, &VradValues::name);
-        if (values != std::end(kVradValues)) {
-            info.values = values->values;
-            info.example = values->example;
-            info.kind = SettingKind::Text;
-        }
+        SettingInfo info = kVradOptions[i].Info();
+        info.help = helps[i];
         section.entries.push_back({info, ""});
     }
     return section;

@@ -27,9 +27,18 @@ SettingSection PresetSection();
 /// An option of VRAD that the light stage does not have under that name.
 struct VradOption {
     std::string_view name;
-    int values = 0;               ///< words that follow
-    std::string_view replacement; ///< options that mean about the same, N being the value; empty: refused
-    std::string_view advice;      ///< what to use instead, or why there is nothing
+    std::string_view values, example; ///< as in SettingInfo
+    std::string_view replacement;     ///< options that mean about the same, N being the value; empty: it does nothing
+    std::string_view advice;          ///< what to use instead, or why there is nothing
+
+    /// Its declaration, without the help.
+    SettingInfo Info() const {
+        return {.name = name,
+                .values = values,
+                .kind = values.empty() ? SettingKind::Flag : SettingKind::Text,
+                .since = "VRAD",
+                .example = example};
+    }
 };
 
 std::span<const VradOption> VradOptions();

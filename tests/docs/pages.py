@@ -36,7 +36,6 @@ HABITS = {
     r"\bOne hop\b": "Where to look",
     r"\bat hand\b": "available",
     r"\b[Ss]ays where (?:it )?was\b": "lists",
-    r"\bby light of brute force\b": "brute-force reference",
     r"\d (?:[a-z-]+ )?(?:bytes|rays|samples|lights|levels|coefficients|texels|numbers|records) an? "
     r"(?:point|luxel|light|map|cell|texel|surface|leaf|face|pixel|node|vertex)\b": "per",
 }

@@ -50,7 +50,7 @@ TEST_F(VradOptionsTest, ReplacementsAreOptions) {
     std::string line = "-light";
     for (const VradOption &option : VradOptions())
         if (!option.replacement.empty() && option.name != "-final")
-            line += fmt::format(" {}{}", option.name, option.values > 0 ? " 1" : "");
+            line += fmt::format(" {}{}", option.name, option.values.empty() ? "" : " 1");
     const Outcome run = RunWell(line + " MAP");
     EXPECT_EQ(run.text.find("unknown"), std::string::npos) << run.text;
 }

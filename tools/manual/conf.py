@@ -15,7 +15,6 @@ include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/README
                     "tools/engines/ioquake3/README.md",
                     "tools/viewer/README.md"]
 myst_heading_anchors = 5
-myst_enable_extensions = []
 html_theme = "theme"
 html_theme_path = ["."]
 html_title = "q3map2-sh"

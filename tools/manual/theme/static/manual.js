@@ -2,39 +2,30 @@
 
 const kThemes = ['auto', 'light', 'dark'];
 
-/** Shows the theme: that of the system, or one that was chosen. */
-function show(theme) {
-    document.documentElement.dataset.theme = theme;
-    const code = document.getElementById('dark-code');
-    if (code) {
-        code.media = theme === 'auto' ? '(prefers-color-scheme: dark)' : theme === 'dark' ? 'all' : 'not all';
-    }
+const kSystemIsDark = window.matchMedia('(prefers-color-scheme: dark)');
+let chosen = 'auto';
+
+/** Shows the theme that was chosen, which may be that of the system. */
+function show() {
+    const isDark = chosen === 'auto' ? kSystemIsDark.matches : chosen === 'dark';
+    document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
+    document.getElementById('dark-code').media = isDark ? 'all' : 'not all';
 }
 
-/** Browsers may keep nothing for pages that are files. */
-function kept() {
-    try {
-        return localStorage.getItem('theme') || 'auto';
-    } catch {
-        return 'auto';
-    }
-}
-
-function keep(theme) {
-    try {
-        localStorage.setItem('theme', theme);
-    } catch {
-        // It is shown, and the next page shows that of the system.
-    }
-}
-
-show(kept());
+// Browsers may keep nothing for pages that are files: then each page begins with the theme of the system.
+try {
+    chosen = localStorage.getItem('theme') ?? 'auto';
+} catch {}
+kSystemIsDark.addEventListener('change', show);
+show();
 
 document.addEventListener('DOMContentLoaded', () => {
     document.getElementById('theme').addEventListener('click', () => {
-        const theme = kThemes[(kThemes.indexOf(document.documentElement.dataset.theme) + 1) % kThemes.length];
-        show(theme);
-        keep(theme);
+        chosen = kThemes[(kThemes.indexOf(chosen) + 1) % kThemes.length];
+        show();
+        try {
+            localStorage.setItem('theme', chosen);
+        } catch {}
     });
     const links = [...document.querySelectorAll('nav.headings a')];
     const headings = links.map((link) => document.getElementById(decodeURIComponent(link.hash.slice(1))));
