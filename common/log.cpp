@@ -66,24 +66,24 @@ void Log::Write(LogLevel level, std::string_view text) {
 void Log::SectionText(std::string_view name, Printed printed) {
     const std::lock_guard lock(mutex_);
     AddCrashPass(name);
-    if (observer_)
-        observer_->OnSection(name);
+    for (LogObserver *observer : observers_)
+        observer->OnSection(name);
     if (IsShown(printed))
         allSinks_(LogLevel::Normal, fmt::format("--- {} ---\n", name));
 }
 
 void Log::CountText(long long value, std::string_view name, Printed printed) {
     const std::lock_guard lock(mutex_);
-    if (observer_)
-        observer_->OnCount(value, name);
+    for (LogObserver *observer : observers_)
+        observer->OnCount(value, name);
     if (IsShown(printed))
         allSinks_(LogLevel::Normal, fmt::format("{:9} {}\n", value, value == 1 ? Singular(name) : std::string(name)));
 }
 
 void Log::Setting(std::string_view name, std::string_view value, std::string_view source, std::string_view initial) {
     const std::lock_guard lock(mutex_);
-    if (observer_)
-        observer_->OnSetting(name, value, source, initial);
+    for (LogObserver *observer : observers_)
+        observer->OnSetting(name, value, source, initial);
     allSinks_(LogLevel::Normal, fmt::format("  {}{}{} ({}{}{})\n", name, value.empty() ? "" : " ", value, source,
                                             initial.empty() ? "" : "; default ", initial));
 }
@@ -116,16 +116,16 @@ bool Log::CountWarning(std::string_view kind) {
 
 void Log::WarnText(std::string_view kind, std::string text) {
     const std::lock_guard lock(mutex_);
-    if (observer_)
-        observer_->OnWarning(kind, text, nullptr);
+    for (LogObserver *observer : observers_)
+        observer->OnWarning(kind, text, nullptr);
     if (CountWarning(kind))
         allSinks_(LogLevel::Warning, "WARNING: " + text + "\n");
 }
 
 void Log::WarnAt(std::string_view kind, const LogMark &mark, std::string text) {
     const std::lock_guard lock(mutex_);
-    if (observer_)
-        observer_->OnWarning(kind, text, &mark);
+    for (LogObserver *observer : observers_)
+        observer->OnWarning(kind, text, &mark);
     if (CountWarning(kind))
         textSinks_(LogLevel::Warning, "WARNING: " + text + "\n");
     if (markSink_)

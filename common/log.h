@@ -56,8 +56,9 @@ class Log {
     /// A sink that prints nothing, for steps whose messages nobody should see.
     static Sink Nowhere();
 
-    /// At most one; null: none. Must outlive its use.
-    void SetObserver(LogObserver *observer) { observer_ = observer; }
+    /// Must outlive its use, which RemoveObserver ends.
+    void AddObserver(LogObserver &observer) { observers_.push_back(&observer); }
+    void RemoveObserver(LogObserver &observer) { std::erase(observers_, &observer); }
     void SetVerbose(bool on) { verbose_ = on; }
     bool IsVerbose() const { return verbose_; }
     /// Adds a sink that receives everything printed from now on. With `marks`, text with a mark goes
@@ -128,7 +129,7 @@ class Log {
     MarkSink markSink_; ///< null: no sink takes marks
     Sink textSinks_;    ///< those of allSinks_ that take no marks
     bool verbose_ = false;
-    LogObserver *observer_ = nullptr;
+    std::vector<LogObserver *> observers_;
     mutable std::mutex mutex_;
     std::map<std::string, int, std::less<>> unflushedWarnings_, warningTotals_; ///< counts by kind
     std::vector<std::string> summaryLines_;

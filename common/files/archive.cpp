@@ -116,6 +116,7 @@ void Archive::ReadDirectory() {
                                                                       at.num_of_file,
                                                                       info.compressed_size,
                                                                       info.uncompressed_size,
+                                                                      std::uint32_t(info.crc),
                                                                       (info.flag & kEncryptedFlag) != 0});
     }
     if (result != UNZ_END_OF_LIST_OF_FILE)
@@ -140,6 +141,11 @@ const Archive::Entry *Archive::Find(std::string_view name) const {
 
 std::string Archive::Location(const Entry &entry) const {
     return fmt::format("{}{}{}", path_.string(), kInArchive, entry.name);
+}
+
+std::uint64_t Archive::ChecksumOf(std::string_view name) const {
+    const Entry *entry = Find(name);
+    return entry ? std::uint64_t(entry->checksum) << 32 ^ entry->size : 0;
 }
 
 std::vector<std::string> Archive::Names() const {

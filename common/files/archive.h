@@ -29,6 +29,8 @@ class Archive {
     bool Contains(std::string_view name) const { return Find(name) != nullptr; }
     /// Contents of an entry. Error: absent, damaged, encrypted, or over 256 MiB.
     std::vector<std::byte> Read(std::string_view name) const;
+    /// Checksum and size of an entry's contents as the directory states them; 0: there is no such entry.
+    std::uint64_t ChecksumOf(std::string_view name) const;
     /// All names as stored, in unspecified order.
     std::vector<std::string> Names() const;
     const std::filesystem::path &Path() const { return path_; }
@@ -38,6 +40,7 @@ class Archive {
         std::string name;
         std::uint64_t directoryAt, number; ///< position of the entry, for unzGoToFilePos64
         std::uint64_t packedSize, size;
+        std::uint32_t checksum; ///< CRC-32 of the contents
         bool isEncrypted;
     };
 

@@ -8,6 +8,7 @@
 #include <glib/gstdio.h>
 
 #include <cerrno>
+#include <glib.h>
 #include <system_error>
 #include <utility>
 
@@ -75,6 +76,27 @@ void InputFile::Read(std::uint64_t at, std::span<std::byte> into) {
     const bool ended = there && std::feof(file_.get()) != 0;
     throw Error("{}: cannot read: {}", path_.string(),
                 ended ? fmt::format("it ends before byte {}", at + into.size()) : Reason(number));
+}
+
+MappedFile::MappedFile(const fs::path &path) {
+    GError *failure = nullptr;
+    mapping_.reset(g_mapped_file_new(path.string().c_str(), FALSE, &failure));
+    if (mapping_)
+        return;
+    const std::string reason = failure ? failure->message : "unknown reason";
+    g_clear_error(&failure);
+    throw Error("{}: cannot be read: {}", path.string(), reason);
+}
+
+std::span<const std::byte> MappedFile::Bytes() const {
+    auto *const mapping = static_cast<GMappedFile *>(mapping_.get());
+    if (!mapping || g_mapped_file_get_length(mapping) == 0)
+        return {};
+    return std::as_bytes(std::span(g_mapped_file_get_contents(mapping), g_mapped_file_get_length(mapping)));
+}
+
+void MappedFile::Unmap::operator()(void *mapping) const {
+    g_mapped_file_unref(static_cast<GMappedFile *>(mapping));
 }
 
 std::vector<std::byte> ReadFile(const fs::path &path) {

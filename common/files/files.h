@@ -38,6 +38,20 @@ class InputFile {
     std::uint64_t size_ = 0;
 };
 
+/// A file mapped into memory. It must not be changed in place meanwhile, only replaced. Errors as InputFile.
+class MappedFile {
+  public:
+    MappedFile() = default; ///< no bytes
+    explicit MappedFile(const std::filesystem::path &path);
+    std::span<const std::byte> Bytes() const;
+
+  private:
+    struct Unmap {
+        void operator()(void *mapping) const;
+    };
+    std::unique_ptr<void, Unmap> mapping_; ///< GMappedFile
+};
+
 /// The whole file. Errors as InputFile.
 std::vector<std::byte> ReadFile(const std::filesystem::path &path);
 

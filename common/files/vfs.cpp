@@ -10,6 +10,7 @@
 #include "common/text/text_scan.h"
 
 #include <algorithm>
+#include <mutex>
 #include <set>
 #include <system_error>
 
@@ -18,6 +19,10 @@ namespace q3 {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// First letter of requests: contents, or only the place, of the first file of a name; contents of all of them; names
+/// in a folder.
+constexpr char kRequestFirst = 'F', kRequestPlace = 'P', kRequestAll = 'A', kRequestList = 'L';
 
 /// ? is one character and * any run; neither crosses a separator. Case-insensitive.
 bool MatchesWildcard(std::string_view name, std::string_view pattern) {
@@ -64,6 +69,17 @@ struct VirtualFileSystem::State {
     std::vector<std::string> forbidden;
     std::vector<MountedFiles> mounted; ///< the winner first: folders, then archives; before them preferred packages
     std::size_t folders = 0;           ///< how many of them are folders, until packages are preferred
+    bool records = false;              ///< whether requests are noted
+    mutable std::mutex mutex{};        ///< of `requests`
+    mutable std::set<std::string> requests{};
+
+    /// kind: what is asked for, a kRequest.
+    void Note(char kind, std::string_view name, std::string_view extension = {}) const {
+        if (!records)
+            return;
+        const std::lock_guard lock(mutex);
+        requests.insert(fmt::format("{}{}{}{}", kind, name, extension.empty() ? "" : "*", extension));
+    }
 
     bool IsForbidden(std::string_view name) const {
         return std::any_of(forbidden.begin(), forbidden.end(),
@@ -246,6 +262,7 @@ void VirtualFileSystem::PreferDependencies(const fs::path &package) {
 // ---- Reading ----
 
 std::optional<std::vector<std::byte>> VirtualFileSystem::Read(std::string_view name) const {
+    state_->Note(kRequestFirst, name);
     auto found = state_->Contents(name, State::Occurrences::First);
     if (found.empty())
         return std::nullopt;
@@ -253,6 +270,7 @@ std::optional<std::vector<std::byte>> VirtualFileSystem::Read(std::string_view n
 }
 
 std::vector<std::vector<std::byte>> VirtualFileSystem::ReadAll(std::string_view name) const {
+    state_->Note(kRequestAll, name);
     return state_->Contents(name, State::Occurrences::All);
 }
 
@@ -261,6 +279,7 @@ bool VirtualFileSystem::Exists(std::string_view name) const {
 }
 
 std::string VirtualFileSystem::Location(std::string_view name) const {
+    state_->Note(kRequestPlace, name);
     std::string location;
     const std::string safe = SafeName(name);
     state_->Visit(
@@ -277,6 +296,7 @@ std::string VirtualFileSystem::Location(std::string_view name) const {
 }
 
 std::vector<std::string> VirtualFileSystem::List(std::string_view folder, std::string_view extension) const {
+    state_->Note(kRequestList, folder, extension);
     const std::string safe = SafeName(folder);
     if (safe.empty())
         return {};
@@ -303,6 +323,51 @@ std::vector<std::string> VirtualFileSystem::List(std::string_view folder, std::s
     }
     std::sort(names.begin(), names.end(), LessWithoutCase);
     return names;
+}
+
+// ---- Requests, and what they find ----
+
+void VirtualFileSystem::RecordRequests() {
+    state_->records = true;
+}
+
+std::vector<std::string> VirtualFileSystem::Requests() const {
+    const std::lock_guard lock(state_->mutex);
+    return {state_->requests.begin(), state_->requests.end()};
+}
+
+Hash128 VirtualFileSystem::AnswersTo(std::span<const std::string> requests) const {
+    KeyBuilder key("answers");
+    for (const std::string &request : requests) {
+        key.AddText(request);
+        if (request.empty())
+            continue;
+        const std::string_view name = std::string_view(request).substr(1);
+        if (const std::size_t star = name.rfind('*'); request.front() == kRequestList && star != name.npos) {
+            for (const std::string &found : List(name.substr(0, star), name.substr(star + 1)))
+                key.AddText(found);
+            continue;
+        }
+        const bool readsAll = request.front() == kRequestAll, reads = request.front() != kRequestPlace;
+        const std::string safe = SafeName(name);
+        state_->Visit(
+            safe,
+            [&](const fs::path &path) {
+                key.Add(true);
+                if (reads) {
+                    const Hash128 hash = HashOf(ReadFile(path));
+                    key.Add(hash.low, hash.high);
+                }
+                return !readsAll;
+            },
+            [&](const Archive &archive) {
+                key.Add(true);
+                if (reads)
+                    key.Add(archive.ChecksumOf(safe));
+                return !readsAll;
+            });
+    }
+    return key.Key();
 }
 
 } // namespace q3

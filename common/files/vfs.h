@@ -1,12 +1,14 @@
 // GPL-2.0-or-later. The game's files: folders and pk3 archives as one tree.
 #pragma once
 
+#include "common/hash.h"
 #include "common/log.h"
 
 #include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,6 +47,14 @@ class VirtualFileSystem {
     /// Names directly in `folder` (no trailing '/') that end in `extension` (with dot), each once, sorted,
     /// case-insensitive.
     std::vector<std::string> List(std::string_view folder, std::string_view extension) const;
+
+    /// From now on, notes what is asked for, for Requests. Set before concurrent reads.
+    void RecordRequests();
+    /// What was asked for since RecordRequests, each once, sorted; for AnswersTo.
+    std::vector<std::string> Requests() const;
+    /// A hash of what the requests find: it differs once a file that they read has other contents, or they find other
+    /// files. Entries of archives count by the checksum in the archive's directory, loose files by their contents.
+    Hash128 AnswersTo(std::span<const std::string> requests) const;
 
   private:
     struct State;

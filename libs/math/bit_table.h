@@ -53,6 +53,9 @@ class BitTable {
     const BitWord *Row(std::size_t row) const { return data_.data() + row * words_; }
     std::span<const BitWord> Bits(std::size_t row) const { return {Row(row), words_}; }
     bool Test(std::size_t row, std::size_t bit) const { return TestBit(Row(row), bit); }
+    /// All rows, one after another.
+    std::span<BitWord> All() { return data_; }
+    std::span<const BitWord> All() const { return data_; }
 
   private:
     std::size_t words_ = 0;

@@ -27,6 +27,8 @@ struct GlobalOptions {
     int threads = 0;                              ///< 0: one per hardware thread
     int subdivisions = BspOptions{}.subdivisions; ///< of the bsp stage
     int maxDrawSurfaces = BspOptions{}.maxDrawSurfaces; ///< of the bsp stage
+    std::string cache;                                  ///< folder of results of earlier runs; empty: none
+    int cacheSize = 2048;                               ///< limit of that folder, MB
     std::string logFile;                                ///< empty: none
     std::string reportFile;                             ///< empty: none
     std::string connect;                                ///< address of the editor, empty without one

@@ -347,9 +347,9 @@ int RunProgram(StageList stages, const std::vector<std::string> &given, const st
     ReportFile reportFile;
     bool writesReport = !reportPath.empty();
     if (writesReport)
-        log.SetObserver(&reportFile);
+        log.AddObserver(reportFile);
     const auto end = [&](int status, std::string_view error) {
-        log.SetObserver(nullptr);
+        log.RemoveObserver(reportFile);
         if (!writesReport)
             return status;
         try {

@@ -276,11 +276,14 @@ void FileGuard::Needs(const fs::path &file) {
 
 void FileGuard::Writes(const fs::path &file, std::uint64_t bytes) {
     RequireWritable(file);
+    if (std::ranges::find(outputs_, file) == outputs_.end())
+        outputs_.push_back(file);
     Reserve(fs::absolute(file).parent_path(), bytes);
 }
 
 void FileGuard::WritesInto(const fs::path &folder, std::uint64_t bytes) {
     RequireFolder(folder);
+    writesIntoFolders_ = true;
     Reserve(fs::absolute(folder), bytes);
 }
 
@@ -303,6 +306,13 @@ void FileGuard::FailUnlessForced(const std::string &text) const {
     if (!force_)
         throw Error("{}", text);
     log_.Warn("files", "{}", text);
+}
+
+std::vector<fs::path> FileGuard::InputFiles() const {
+    std::vector<fs::path> files;
+    for (const Input &input : inputs_)
+        files.push_back(input.file);
+    return files;
 }
 
 void FileGuard::CheckUnchanged() const {

@@ -87,6 +87,12 @@ class FileGuard {
     void Writes(const std::filesystem::path &file, std::uint64_t bytes = 0);
     /// The same for files in a folder, which the stage creates if it does not exist.
     void WritesInto(const std::filesystem::path &folder, std::uint64_t bytes = 0);
+    /// The files of Reads and Needs, and those of Writes, each in the order of the calls.
+    std::vector<std::filesystem::path> InputFiles() const;
+    const std::vector<std::filesystem::path> &OutputFiles() const { return outputs_; }
+    /// Whether WritesInto was called, so that the files that the stage writes are not known.
+    bool WritesIntoFolders() const { return writesIntoFolders_; }
+
     /// To be called before the first file is written. Errors: a file of Reads has changed; with -force, a warning.
     void CheckUnchanged() const;
 
@@ -102,6 +108,8 @@ class FileGuard {
     Log &log_;
     bool force_;
     std::vector<Input> inputs_;
+    std::vector<std::filesystem::path> outputs_;
+    bool writesIntoFolders_ = false;
     std::map<std::uint64_t, std::uint64_t> needed_; ///< bytes, by disk (DiskOf)
 };
 

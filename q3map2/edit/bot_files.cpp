@@ -129,11 +129,16 @@ std::uint32_t ChecksumIn(std::span<const std::byte> file, const std::filesystem:
     return LoadWord(head.subspan(kChecksumAt), KeyStepOf(head));
 }
 
+std::vector<std::filesystem::path> BotFilesBeside(const std::filesystem::path &bspPath) {
+    std::vector<std::filesystem::path> paths;
+    for (const std::string_view end : kBotFileEnds)
+        paths.emplace_back(bspPath).replace_filename(bspPath.stem().string() + std::string(end));
+    return paths;
+}
+
 std::vector<BotFile> FindBotFiles(const std::filesystem::path &bspPath) {
     std::vector<BotFile> files;
-    for (const std::string_view end : kBotFileEnds) {
-        auto path = bspPath;
-        path.replace_filename(bspPath.stem().string() + std::string(end));
+    for (const std::filesystem::path &path : BotFilesBeside(bspPath)) {
         if (!std::filesystem::exists(path))
             continue;
         InputFile file(path);

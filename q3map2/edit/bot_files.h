@@ -30,6 +30,8 @@ inline constexpr std::string_view kBotFileEnds[] = {".aas", "_b0.aas", "_b1.aas"
 /// The map checksum stored in the bytes of a bot file. Errors: Error if they are not a bot file; `path` is for the
 /// message.
 std::uint32_t ChecksumIn(std::span<const std::byte> file, const std::filesystem::path &path);
+/// The paths of x.aas, x_b0.aas and x_b1.aas, whether they exist or not.
+std::vector<std::filesystem::path> BotFilesBeside(const std::filesystem::path &bspPath);
 /// x.aas, x_b0.aas and x_b1.aas, as far as they are there. Errors: Error, for files that cannot be read or are none.
 std::vector<BotFile> FindBotFiles(const std::filesystem::path &bspPath);
 /// BlockChecksum of the file. Errors: it cannot be read.

@@ -31,7 +31,7 @@ SparseGridSH BakeSparse(const GridInputs &from, const std::vector<Light> &lights
     log.Section("TraceSparseGridSH");
     LightOptions options = from.options;
     options.shSamples *= kSparseSamples;
-    const GridInputs in{from.space, from.scene, options, from.world, from.jobs, log, from.indirect};
+    const GridInputs in{from.space, from.scene, options, from.world, from.jobs, log, from.indirect, {}, from.units};
     const ProbeIntegrator integrator(in, lights);
     const LightAtPositions light(integrator, weak);
     const SparseGoal &goal = options.sparseGoal;
@@ -106,7 +106,8 @@ std::vector<bspGridPoint_t> LightLegacyGrid(const LightSetup &setup, const Bounc
                         .jobs = jobs,
                         .log = log,
                         .indirect = bounced.steady.get(),
-                        .styled = bounced.styled};
+                        .styled = bounced.styled,
+                        .units = setup.units};
     auto points = TraceGrid(in, setup.layout, lights, stats);
     stats.Print(log);
     WarnOfDroppedStyles(lights, stats, log);
@@ -119,9 +120,11 @@ BakedGridSH BakeGridSH(const LightSetup &setup, const IndirectLight *indirect, c
     log.Section("TraceGridSH");
     const GridLayout layout = SetupGridSH(setup.bsp, setup.layout.size, options, log);
     const std::vector<Light> lights = LightsForSH(setup, StyledLights::LeaveOut, log);
-    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect, {}, setup.units};
     GridSHTracer tracer(in, layout, lights);
     BakedGridSH baked{tracer.TraceGridSH(stats), {}};
+    if (setup.units && setup.units->IsPart())
+        return baked;
     GridStats shown = stats; // prints the counts of points that -info finds in the file, not those of this pass
     const GridPointCounts counts = CountGridPoints(setup.bsp, baked.uniform);
     shown.open = std::int64_t(counts.open);
@@ -157,7 +160,7 @@ NamedGridSH BakeNamedGridSH(const LightSetup &setup, const IndirectLight *indire
     log.Print("{} of {:g} {:g} {:g}\n", options.shAdaptive ? "First cells" : "Cells", layout.size[0], layout.size[1],
               layout.size[2]);
     const std::vector<Light> lights = LightsForSH(setup, StyledLights::Keep, log);
-    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect, {}, setup.units};
     NamedStats named;
     NamedGridSH grid = BakeNamedGrid(in, layout, lights, stats, named);
     PrintNamedStats(named, options.sparseGoal, log);
@@ -181,7 +184,7 @@ std::optional<AmbientCubes> BakeAmbientCubes(const LightSetup &setup, const Indi
     const CpuTimer timer;
     const LightGridSH *from = options.cubesFromSH ? gridSH : nullptr;
     const std::vector<Light> lights = from ? std::vector<Light>{} : LightsForSH(setup, StyledLights::LeaveOut, log);
-    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect};
+    const GridInputs in{setup.space, setup.scene, options, setup.world, jobs, log, indirect, {}, setup.units};
     const LeafCubes leafs = SampleLeafs(in, lights, from, stats);
     auto cubes = StoreCubes(setup.space, leafs, options.cubeTolerance, jobs, log);
     log.Count(stats.points, "places sampled");

@@ -209,7 +209,8 @@ LightSetup::LightSetup(const Bsp &map, const LightInputs &inputs, const LightOpt
           bspEntities, inputs.vfs, int(map.drawSurfaces.size()),
           [&inputs](std::string_view model) { return inputs.texLights.CastsTextureShadow(model); }, options, library,
           log)),
-      scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)) {
+      scene(map, table, options, IgnoreRadius(layout), props.shadows), skySeenFrom(SkySeenFrom(space, table)),
+      units(inputs.units) {
     props.shadows = {}; // the scene has a copy
     lights = CutCrossedLights(std::move(lights), space, scene);
     WarnOfHiddenLights(lights, space, options.noTrace ? nullptr : &scene, log);

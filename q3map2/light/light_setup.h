@@ -28,6 +28,7 @@ struct LightInputs {
     std::string surfaceFile;                        ///< text of the .srf, empty without one
     const VirtualFileSystem *vfs = nullptr;         ///< for models of static props; null: none are found
     TexLights texLights{};                          ///< of .rad files
+    UnitStore *units = nullptr;                     ///< results that need not be computed; null: none
 };
 
 /// A map ready to be lit: everything that grids and surfaces share. Const while workers run. Keeps references to
@@ -51,6 +52,7 @@ struct LightSetup {
     StaticProps props;         ///< without `shadows`, which the scene has
     LightScene scene;
     std::vector<bool> skySeenFrom; ///< by cluster, see the function of that name
+    UnitStore *units;              ///< as in LightInputs
 };
 
 /// All lights of a map in the order of tracing, before SetupEnvelopes; fills the sky numbers of `table`.

@@ -6,6 +6,7 @@
 #include "q3map2/bspfile/entity_key.h"
 #include "q3map2/light/options/light_tone.h"
 #include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/sources/light_units.h"
 #include "q3map2/lightmap/ao/luxel_occlusion.h"
 #include "q3map2/lightmap/direct/lightmap_average.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
@@ -15,8 +16,10 @@
 #include "q3map2/lightmap/raw/macro_texture.h"
 #include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/vertex/vertex_light.h"
+#include "q3map2/units/unit_bytes.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -30,8 +33,8 @@ bool HasStyledLights(const LightSetup &setup) {
 
 SurfaceInputs InputsOf(const LightSetup &setup, const LightmapOptions &lightmap, const JobPool &jobs, Log &log) {
     const bool gamePagesOnly = setup.options.styleSlots && !lightmap.external && HasStyledLights(setup);
-    return {setup.bsp, setup.space, setup.scene, setup.table, setup.options,
-            lightmap,  setup.world, jobs,        log,         gamePagesOnly};
+    return {setup.bsp,   setup.space, setup.scene, setup.table,   setup.options, lightmap,
+            setup.world, jobs,        log,         gamePagesOnly, setup.units};
 }
 
 struct PreparedLights {
@@ -78,6 +81,8 @@ SurfaceLight SurfacePasses::Prepare() {
 void SurfacePasses::Run() {
     in_.log.Section("IlluminateRawLightmap");
     Pass(setup_.lights, {}, nullptr);
+    if ((in_.units && in_.units->IsPartOfFirstRound()))
+        return;
     if (in_.lightmap.lightmass)
         FindMasks();
     if (in_.lightmap.bounces > 0)
@@ -97,6 +102,8 @@ void SurfacePasses::Bounce() {
     if (!bounces_->Solve(surfaces_))
         return in_.log.Print("No surface reflects light\n");
     in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+    if (in_.units && in_.units->IsPart())
+        return; // the last join gathers: that takes little
     in_.log.Section("Final gathering");
     Pass({}, {.bounce = true}, &*bounces_);
     AverageLuxels(in_, {.bounce = true}, options_.keepLuxels ? PassData::Keep : PassData::Free, surfaces_);
@@ -133,6 +140,8 @@ void SurfacePasses::Pass(const std::vector<Light> &created, const SurfacePass &p
         in_.log.Count(culled, "lights culled");
     }
     LightLuxels(in_, lights, pass, surfaces_, counts_);
+    if ((in_.units && in_.units->IsPartOfFirstRound())) // vertices of other surfaces need complete lightmaps
+        return LightVertices(in_, lights, pass, surfaces_, counts_);
     if (bounces)
         bounces->AddToLuxels(surfaces_);
     FinishLuxels(in_, pass, surfaces_);
@@ -142,6 +151,127 @@ void SurfacePasses::Pass(const std::vector<Light> &created, const SurfacePass &p
     if (!bounces)
         in_.log.Count(counts_.rays - raysBefore, "rays");
     in_.log.Print("{:9.2f} CPU seconds\n", timer.Seconds());
+}
+
+// ---- Units: what results depend on, and the rounds of parts ----
+
+namespace {
+
+void AddEntity(const Entity &entity, KeyBuilder &key) {
+    for (const auto &[name, value] : entity.pairs)
+        if (!name.starts_with("_q3map2_"))
+            key.AddText(name), key.AddText(value);
+}
+
+/// Of everything that results depend on besides lights and geometry: settings, the keys of the world and of models, and
+/// the game's files that were read.
+Hash128 HashOfInputs(const LightSetup &setup, const LightInputs &inputs) {
+    KeyBuilder key("light");
+    const auto add = [&](const Hash128 &hash) { key.Add(hash.low, hash.high); };
+    add(inputs.units->settings);
+    for (std::size_t i = 0; i < setup.bspEntities.size(); ++i)
+        if (i == 0 || !setup.bspEntities[i].Value("model").empty())
+            AddEntity(setup.bspEntities[i], key);
+    if (inputs.vfs)
+        add(inputs.vfs->AnswersTo(inputs.vfs->Requests()));
+    return key.Key();
+}
+
+/// Of the geometry, settings of surfaces, and the visibility data.
+Hash128 HashOfGeometry(const Bsp &bsp, std::string_view surfaceFile) {
+    KeyBuilder key("geometry");
+    key.AddText(surfaceFile);
+    const auto addLump = [&](const auto &records) {
+        const Hash128 hash = HashOf(std::as_bytes(std::span(records)));
+        key.Add(hash.low, hash.high);
+    };
+    addLump(bsp.shaders), addLump(bsp.planes), addLump(bsp.nodes), addLump(bsp.leafs), addLump(bsp.leafSurfaces);
+    addLump(bsp.leafBrushes), addLump(bsp.models), addLump(bsp.brushes), addLump(bsp.brushSides);
+    addLump(bsp.drawVerts), addLump(bsp.drawIndexes), addLump(bsp.fogs), addLump(bsp.drawSurfaces);
+    addLump(bsp.visibility);
+    return key.Key();
+}
+
+using Fingerprint = LightScene::Fingerprint;
+
+/// Boxes of triangles that are in only one of two scenes; at most kMostBoxes, else one around all.
+std::vector<Boundsf> ChangedBoxes(std::span<const Fingerprint> before, std::span<const Fingerprint> after) {
+    constexpr std::size_t kMostBoxes = 512;
+    std::vector<Fingerprint> changed;
+    std::ranges::set_symmetric_difference(before, after, std::back_inserter(changed), {}, &Fingerprint::hash,
+                                          &Fingerprint::hash);
+    std::vector<Boundsf> boxes;
+    for (const Fingerprint &one : changed)
+        boxes.push_back(one.box);
+    if (boxes.size() <= kMostBoxes)
+        return boxes;
+    Boundsf all;
+    for (const Boundsf &box : boxes)
+        all.Add(box.mins), all.Add(box.maxs);
+    return {all};
+}
+
+/// Compares the scene with that of the run whose results the cache holds, and keeps this one.
+void CompareScene(const LightScene &scene, UnitStore &units) {
+    const Hash128 key = HashOf("scene of a run");
+    const std::vector<Fingerprint> &now = scene.Fingerprints();
+    std::vector<Fingerprint> before;
+    if (const auto bytes = units.TakeLoaded(key)) {
+        UnitReader reader(*bytes);
+        reader.GetAll(before);
+    }
+    units.changedBoxes = ChangedBoxes(before, now);
+    UnitWriter writer;
+    writer.PutAll(now);
+    units.Keep(key, writer.Take());
+}
+
+/// To be called when the setup is complete: results that do not fit the inputs are dropped or refused.
+void BeginUnits(const LightSetup &setup, const LightInputs &inputs) {
+    UnitStore &units = *inputs.units;
+    units.geometry = HashOfGeometry(setup.bsp, inputs.surfaceFile);
+    KeyBuilder key("inputs");
+    const auto add = [&](const Hash128 &hash) { key.Add(hash.low, hash.high); };
+    add(HashOfInputs(setup, inputs));
+    if (!units.IsCache())
+        add(LightHashes(setup.lights, nullptr).OfAll());
+    // Light that passes through several see-through surfaces is multiplied in the order in which rays meet them, which
+    // is that of a tree over all of them.
+    if (!units.IsCache() || setup.scene.HasFilters())
+        add(units.geometry);
+    units.Begin(key.Key());
+    if (units.IsCache())
+        CompareScene(setup.scene, units);
+}
+
+/// What a part of a run computes after direct light on surfaces. Bounced light needs that of all parts, so what depends
+/// on it is computed in a second round.
+struct PartOfRun {
+    bool props = true, grids = true;
+};
+PartOfRun PartOf(const UnitStore *units, const LightOptions &options, const LightmapOptions &lightmap) {
+    if (!units || !units->IsPart())
+        return {};
+    const bool isFirst = units->IsPartOfFirstRound(), gridsBounce = lightmap.bounces > 0 && lightmap.bounceGrid;
+    return {.props = isFirst == !(lightmap.bounces > 0 && options.staticPropLighting),
+            .grids = isFirst == !gridsBounce};
+}
+
+/// The grids whose points are units: the legacy grid and the uniform SH grid.
+void LightPartOfGrids(const LightSetup &setup, const BouncedLight &bounced, const JobPool &jobs, Log &log,
+                      LightResult &result) {
+    const LightOptions &options = setup.options;
+    if (!options.noGrid)
+        LightLegacyGrid(setup, bounced, jobs, log, result.grid);
+    if (options.sh || (options.shAdaptive && !options.shLights))
+        BakeGridSH(setup, bounced.steady.get(), jobs, log, result.gridSH);
+}
+
+} // namespace
+
+bool HasSecondRound(const LightOptions &options, const LightmapOptions &lightmap) {
+    const bool grids = lightmap.bounceGrid && (!options.noGrid || options.sh || options.shAdaptive);
+    return lightmap.bounces > 0 && (grids || options.staticPropLighting);
 }
 
 // ---- Surfaces, props, grids and storing, in this order ----
@@ -201,6 +331,7 @@ void LightStaticProps(const LightSetup &setup, const LightmapOptions &lightmap, 
 LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
                        const LightmapOptions &lightmap, ShaderLibrary &library, const JobPool &jobs, Log &log) {
     LightSetup setup(bsp, inputs, options, SurfaceDefaultsOf(lightmap), library, log);
+    const PartOfRun part = PartOf(inputs.units, options, lightmap);
     // Bounced light comes from lit surfaces, whether or not they are stored.
     const bool gridBounces = lightmap.bounces > 0 && lightmap.bounceGrid;
     const bool lightSurfaces =
@@ -210,14 +341,22 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     LightResult result;
     std::optional<SurfacePasses> surfaces;
     BouncedLight bounced;
-    if (lightSurfaces) {
+    if (lightSurfaces)
         surfaces.emplace(setup, lightmap, jobs, log);
+    if (inputs.units)
+        BeginUnits(setup, inputs);
+    if (lightSurfaces) {
         surfaces->Run();
         bounced = surfaces->ForGrids();
         result.surfaces = surfaces->Counts();
     }
-    if (setup.options.staticPropLighting)
+    if (setup.options.staticPropLighting && part.props)
         LightStaticProps(setup, lightmap, surfaces ? surfaces->Bounced() : nullptr, jobs, log, result);
+    if (inputs.units && inputs.units->IsPart()) {
+        if (part.grids)
+            LightPartOfGrids(setup, bounced, jobs, log, result);
+        return result;
+    }
     for (const StaleAfter staleAfter : {StaleAfter::EveryBake, StaleAfter::SurfaceBake})
         if (MakesStale(staleAfter, lightmap.onlyGrid))
             DropStaleLumps(bsp, staleAfter);

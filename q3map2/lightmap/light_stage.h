@@ -63,10 +63,14 @@ struct LightResult {
     StoredLightmaps lightmaps;          ///< pages and shaders; images of pages become files beside the map
 };
 
+/// Whether parts of a run (-part) need a second round, after the results of the first were joined.
+bool HasSecondRound(const LightOptions &options, const LightmapOptions &lightmap);
+
 /// Lights `bsp`: lightmaps, vertex colors and both grids, from one set of lights in one scene. With
 /// lightmap.onlyGrid, lightmaps and vertex colors stay as they are, bit for bit. Without options.sh an SH grid of
-/// an earlier run is removed, since it no longer fits; ambient cubes likewise. Errors: Error, for invalid keys and
-/// files.
+/// an earlier run is removed, since it no longer fits; ambient cubes likewise. With inputs.units, results that are
+/// known are not computed; in a part of a run `bsp` stays as it is, and results are in the store alone. Errors: Error,
+/// for invalid keys and files.
 LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
                        const LightmapOptions &lightmap, ShaderLibrary &library, const JobPool &jobs, Log &log);
 

@@ -5,9 +5,11 @@
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
+#include "q3map2/edit/bot_files.h"
 #include "q3map2/geometry/compile_map.h"
 #include "q3map2/map/map_parse.h"
 #include "q3map2/report/run_report.h"
+#include "q3map2/stages/stage_cache.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 #include "q3map2/tree/flood.h"
@@ -215,7 +217,13 @@ int BspStage(const StageContext &context, Arguments arguments) {
     const FileGuard guard = GuardFiles(source, files, options, context);
     if (!options.onlyEntities)
         RequireGameFiles(context.options, folders, context.words, log);
-    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
+    VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
+    StageCache cache(context, file.wordsToRecord,
+                     {.guard = guard, .moreInputs = BotFilesBeside(files.bsp), .vfs = &vfs});
+    if (cache.Restore()) {
+        RemoveStaleFiles(source, files, fs::exists(files.lin));
+        return 0;
+    }
     ShaderLibrary library(vfs, *context.options.game, ShadersFor(options), log);
     log.Count(library.DefinedCount(), "shaders defined");
     const BspContext bspContext{.options = options,
@@ -232,6 +240,8 @@ int BspStage(const StageContext &context, Arguments arguments) {
         done = CompileToFiles(source, files, map, file.wordsToRecord, guard, bspContext, format, context.report);
     if (!options.tempName.empty())
         fs::remove(fs::absolute(options.tempName));
+    if (done)
+        cache.Store();
     return done ? 0 : 1;
 }
 

@@ -5,6 +5,7 @@
 #include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/convert/preview/grid_preview.h"
+#include "q3map2/edit/bot_files.h"
 #include "q3map2/edit/edit_lumps.h"
 #include "q3map2/lightmap/explain/explain_report.h"
 #include "q3map2/lightmap/light_stage.h"
@@ -14,6 +15,7 @@
 #include "q3map2/lightmap/vertex/prop_lighting.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/stages/light_files.h"
+#include "q3map2/stages/stage_cache.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 
@@ -35,11 +37,15 @@ LightmapFiles TakeLightmapFiles(const StageContext &context, Arguments &argument
 
 /// Names the files of the light stage. Free space for the .bsp is checked later, when the size of its grid is known.
 FileGuard GuardLight(const MapFiles &files, const LightOptions &options, const LightmapOptions &lightmap,
-                     const StageContext &context) {
+                     const PartOptions &parts, const StageContext &context) {
     const std::filesystem::path &bspPath = files.bsp;
     FileGuard guard(context);
     DeclareInputs(files, options, guard);
     if (!options.explain.empty())
+        return guard;
+    if (!parts.file.empty())
+        guard.Writes(parts.file);
+    if (parts.part)
         return guard;
     guard.Writes(bspPath);
     if (!lightmap.externalFolder.empty())
@@ -80,6 +86,16 @@ void ExplainPoints(const Bsp &bsp, const MapFiles &files, const LightInputs &inp
     context.log.Print("Only explained: {} stays as it is\n", files.bsp.string());
 }
 
+/// Files that a run may write or remove besides those of GuardLight.
+std::vector<std::filesystem::path> MoreOutputs(const std::filesystem::path &bspPath, const LightOptions &options,
+                                               const Game &game) {
+    std::vector<std::filesystem::path> files{ScriptPath(bspPath, game)};
+    if (options.fixBotFiles)
+        for (const std::filesystem::path &file : BotFilesBeside(bspPath))
+            files.push_back(file);
+    return files;
+}
+
 void PrintWorldKeys(const Entity &world, Log &log) {
     PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
     PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
@@ -92,6 +108,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     log.Section("Light");
     const FilePlaces places = TakeFilePlaces("-light", arguments, log);
+    const PartOptions parts = TakePartOptions(arguments, log);
     const std::vector<std::string> given = arguments.Rest();
     LightRun run = TakeLightRun(arguments, *context.options.game, log);
     const auto &[options, gridFormats, lightmap] = run;
@@ -99,13 +116,29 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const auto folders = GameFolders(context.options, context.words, context.program);
     const MapFiles files = FilesOfBsp(file.file, places, folders);
     const std::filesystem::path &bspPath = files.bsp;
-    FileGuard guard = GuardLight(files, options, lightmap, context);
+    FileGuard guard = GuardLight(files, options, lightmap, parts, context);
     LightInputs inputs = ReadLightInputs(files, log);
     WarnOfLuxelSizes(given, inputs, arguments, log);
     PrintChangedOptions(arguments, log);
 
     RequireGameFiles(context.options, folders, context.words, log);
-    const VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
+    VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
+    const bool onlyExplains = !options.explain.empty();
+    const RunUnits units(context, file.wordsToRecord, parts, bspPath);
+    if (units.Store())
+        vfs.RecordRequests();
+    StageCache cache(context, file.wordsToRecord,
+                     {.guard = guard,
+                      .moreInputs = BotFilesBeside(bspPath),
+                      .moreOutputs = MoreOutputs(bspPath, options, *context.options.game),
+                      .vfs = &vfs});
+    if (!onlyExplains && cache.Restore())
+        return 0;
+    const int rounds = HasSecondRound(options, lightmap) ? 2 : 1;
+    if (parts.Any() && !parts.part && EndsWithFile(parts, *units.Store(), rounds)) {
+        WritePartFile(parts, *units.Store(), "-light", bspPath.string(), log);
+        return 0;
+    }
     log.Print("Loading {}\n", bspPath.string());
     const BspFormat format = context.options.Format();
     Bsp bsp = ReadBspFile(bspPath, format, log);
@@ -113,8 +146,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     if (format.HasStyleSlots())
         run.lightmap.UsePageSize(bsp.lightmapSide);
     WarnIfSourceIsNewer(files, log);
-    const bool onlyExplains = !options.explain.empty();
-    if (!onlyExplains) {
+    if (!onlyExplains && !parts.part) {
         WarnOfDroppedLight(bsp, options, lightmap, gridFormats, log);
         guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
     }
@@ -133,7 +165,13 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const JobPool jobs(context.options.threads);
     log.Count(jobs.Threads(), "threads");
     const LostLightCheck lostLight(bsp);
+    inputs.units = units.Store();
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
+    if (parts.part) {
+        guard.CheckUnchanged();
+        WritePartFile(parts, *inputs.units, "-light", bspPath.string(), log);
+        return 0;
+    }
     lostLight.Report(bsp, context.options.force, log);
     guard.CheckUnchanged();
     const auto folder = WithExtension(bspPath, "");
@@ -161,6 +199,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
         ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);
     if (!options.previewFile.empty())
         WriteGridPreview(options.previewFile, bsp, log);
+    units.Keep();
+    cache.Store();
     return 0;
 }
 

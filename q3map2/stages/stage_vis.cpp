@@ -1,8 +1,11 @@
 // GPL-2.0-or-later. q3map2 -vis: the .bsp and its .prt in, visibility data into the .bsp.
 #include "common/error.h"
+#include "common/files/files.h"
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/cli/stage_files.h"
+#include "q3map2/edit/bot_files.h"
 #include "q3map2/report/run_report.h"
+#include "q3map2/stages/stage_cache.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 #include "q3map2/vis/vis.h"
@@ -44,12 +47,23 @@ void RemovePrt(const std::filesystem::path &path, Log &log) {
         log.Warn("file not removed", "{}: cannot be removed: {}", path.string(), failed.message());
 }
 
+/// Of everything that the visibility depends on.
+Hash128 HashOfInputs(const std::filesystem::path &prtPath, const Entity &world, const UnitStore &units) {
+    KeyBuilder key("vis");
+    key.Add(units.settings.low, units.settings.high);
+    const Hash128 portals = HashOf(ReadFile(prtPath));
+    key.Add(portals.low, portals.high);
+    key.AddText(keys::kFarPlaneDist.Text(world));
+    return key.Key();
+}
+
 } // namespace
 
 int VisStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     log.Section("Vis");
     const FilePlaces places = TakeFilePlaces("-vis", arguments, log);
+    const PartOptions parts = TakePartOptions(arguments, log);
     const std::vector<std::string> given = arguments.Rest();
     VisStageOptions options = ParseVisOptions(arguments, log);
     const StageFile file = TakeFile(context, arguments, given);
@@ -60,7 +74,16 @@ int VisStage(const StageContext &context, Arguments arguments) {
     FileGuard guard(context);
     guard.Needs(bspPath);
     guard.Reads(prtPath);
-    guard.Writes(bspPath, SizeOfFile(bspPath));
+    if (!parts.file.empty())
+        guard.Writes(parts.file);
+    if (!parts.part)
+        guard.Writes(bspPath, SizeOfFile(bspPath));
+    const RunUnits units(context, file.wordsToRecord, parts, bspPath);
+    UnitStore *const store = parts.Any() ? units.Store() : nullptr; // the cache keeps whole outputs
+    StageCache cache(context, file.wordsToRecord,
+                     {.guard = guard, .moreInputs = BotFilesBeside(bspPath), .moreOutputs = {prtPath}});
+    if (cache.Restore())
+        return 0;
     log.Print("Loading {}\n", bspPath.string());
     Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
     const BspFormat format = FormatOfMap(bsp, bspPath, context.options);
@@ -81,15 +104,30 @@ int VisStage(const StageContext &context, Arguments arguments) {
     options.vis.farPlane = FarPlaneOf(world);
 
     const JobPool jobs(context.options.threads);
-    const Visibility visibility = ComputeVisibility(portals, prtPath.string(), options.vis, jobs, log);
-    PrintStatistics(visibility, options.histogram, log);
-    bsp.visibility = visibility.Lump();
+    if (store) {
+        store->Begin(HashOfInputs(prtPath, world, *store));
+        store->endsWithFile = !parts.part && EndsWithFile(parts, *store, RoundsOf(options.vis));
+        if (store->endsWithFile && store->roundsBefore > 1) {
+            WritePartFile(parts, *store, "-vis", name, log);
+            return 0;
+        }
+    }
+    const std::optional<Visibility> visibility =
+        ComputeVisibility(portals, prtPath.string(), options.vis, store, jobs, log);
+    if (!visibility) {
+        guard.CheckUnchanged();
+        WritePartFile(parts, *store, "-vis", name, log);
+        return 0;
+    }
+    PrintStatistics(*visibility, options.histogram, log);
+    bsp.visibility = visibility->Lump();
     guard.CheckUnchanged();
     const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
     bots.Report(BotCheck::SameGeometry, BotCheck::OnlyWarn);
     if (!options.savePrt)
         RemovePrt(prtPath, log);
+    cache.Store();
     return 0;
 }
 

@@ -16,6 +16,7 @@
 #include "q3map2/pk3/package_plan.h"
 #include "q3map2/shreport/report_page.h"
 #include "q3map2/ssbump/ssbump.h"
+#include "q3map2/units/part_options.h"
 #include "q3map2/vis/vis.h"
 
 #include <algorithm>
@@ -31,6 +32,13 @@ std::vector<SettingSection> WithFiles(std::string_view stage, std::vector<Settin
     return sections;
 }
 
+/// The sections, followed by that of parts.
+std::vector<SettingSection> WithParts(std::vector<SettingSection> sections) {
+    for (SettingSection &section : Describe(PartSettings()))
+        sections.push_back(std::move(section));
+    return sections;
+}
+
 /// The sections, with the section of presets in front.
 std::vector<SettingSection> WithPresets(std::vector<SettingSection> sections) {
     sections.insert(sections.begin(), PresetSection());
@@ -41,7 +49,7 @@ std::vector<SettingSection> LightSections() {
     std::vector<SettingSection> sections = WithPresets(Describe(LightOptionSettings()));
     for (SettingSection &section : Describe(LightmapSettings()))
         sections.push_back(std::move(section));
-    sections = WithFiles("-light", std::move(sections));
+    sections = WithParts(WithFiles("-light", std::move(sections)));
     sections.push_back(VradSection());
     // The section "Accepted without effect" comes last.
     std::stable_partition(sections.begin(), sections.end(),
@@ -74,7 +82,7 @@ std::vector<Stage> CompilingStages() {
          "Reads `x.bsp` and `x.prt`, which the bsp stage wrote, and stores the visibility in `x.bsp`. Deletes `x.prt` "
          "afterwards, unless `-saveprt` is given. The page [Compiling a map](../guide/compiling.md) explains which "
          "options to use when.",
-         VisStage, [] { return WithPresets(WithFiles("-vis", Describe(VisSettings()))); }},
+         VisStage, [] { return WithPresets(WithFiles("-vis", WithParts(Describe(VisSettings())))); }},
         {"-light", "-light [options] maps/x.bsp", "Light a compiled map: lightmaps, vertices and light grids",
          "Reads `x.bsp`. If they exist, light entities are read from `x.map` and settings of surfaces from `x.srf`. "
          "The page [Lighting a map](../guide/lighting.md) shows the kinds of lights and the options that matter most.",

@@ -3,6 +3,7 @@
 
 #include "common/log.h"
 #include "q3map2/vis/vis_map.h"
+#include "q3map2/vis/vis_parts.h"
 #include "q3map2/vis/vis_winding.h"
 
 #include <algorithm>
@@ -27,12 +28,18 @@ class ChainSearch {
     ChainSearch(const VisMap &map, const MightSeeTable &mightSee, const FlowSettings &settings)
         : map_(map), mightSee_(mightSee), settings_(settings) {}
 
-    /// Adds the portals that are seen through portal `base` to `seen`, which may hold portals known to be seen.
-    void Run(std::size_t base, BitWord *seen) {
+    /// Adds the portals that are seen through portal `base` to `seen`, which may hold portals known to be seen. limit:
+    /// portals that contain these; empty: all.
+    void Run(std::size_t base, BitWord *seen, std::span<const BitWord> limit = {}) {
         base_ = &map_.Portal(base);
         seen_ = seen;
         ChainLink &first = Link(0);
         first.mightSee = mightSee_.Row(base);
+        if (!limit.empty()) {
+            for (std::size_t i = 0; i < limit.size(); ++i)
+                first.storage[i] = mightSee_.Row(base)[i] & limit[i];
+            first.mightSee = first.storage.data();
+        }
         first.low = 0, first.high = mightSee_.Words();
         std::iota(first.unseenStorage.begin(), first.unseenStorage.end(), 0u);
         first.unseenWords = first.unseenStorage;
@@ -241,13 +248,31 @@ void StoreResult(const VisMap &map, std::size_t p, std::span<const BitWord> seen
 /// Follows all portals, batch after batch.
 class FlowRun {
   public:
-    FlowRun(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const JobPool &jobs,
-            MightSeeTable &mightSee)
-        : map_(map), order_(order), settings_(settings), jobs_(jobs), mightSee_(mightSee),
+    FlowRun(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const VisUnits &units,
+            const JobPool &jobs, MightSeeTable &mightSee)
+        : map_(map), order_(order), settings_(settings), units_(units), jobs_(jobs), mightSee_(mightSee),
           batch_(settings.reference ? 1 : kBatch), found_(batch_, map.NumPortals()), settled_(mightSee.Words()),
           busy_(std::size_t(jobs.Threads())) {
+        limits_.resize(busy_.size(), std::vector<BitWord>(mightSee.Words()));
         for (int worker = 0; worker < jobs.Threads(); ++worker)
             searches_.emplace_back(map, mightSee, settings);
+    }
+
+    /// Replaces rows by those that earlier rounds of parts found.
+    void UseKnown(std::span<const int> portals) {
+        for (const int p : portals)
+            if (units_.Find(VisUnits::Row::Flow, std::size_t(p), limits_.front()))
+                StoreRow(std::size_t(p), limits_.front());
+    }
+    /// Searches some portals from the state of the table, and keeps what it finds.
+    void RunPart(std::span<const int> portals) {
+        BitTable found(std::size_t(jobs_.Threads()), map_.NumPortals());
+        jobs_.For(std::int64_t(portals.size()), [&](std::int64_t index, int worker) {
+            // The last portal is the most expensive one.
+            const auto p = std::size_t(portals[portals.size() - 1 - std::size_t(index)]);
+            Search(std::size_t(worker), p, found.Row(std::size_t(worker)));
+            units_.Keep(VisUnits::Row::Flow, p, found.Bits(std::size_t(worker)));
+        });
     }
 
     /// Calls report(portals done) after each batch.
@@ -272,38 +297,63 @@ class FlowRun {
         const bool useTwins = !settings_.reference && map_.Portal(p).hasTwin;
         for (std::size_t word = 0; word < found_.Words(); ++word)
             seen[word] = useTwins ? mightSee_.Row(p)[word] & settled_[word] : 0;
+        const std::span<BitWord> limit(limits_[worker]);
+        const bool isLimited = !units_.IsFlowPart() && units_.Find(VisUnits::Row::Flow, p, limit);
         if (!map_.Portal(p).removed)
-            searches_[worker].Run(p, seen);
+            searches_[worker].Run(p, seen, isLimited ? limit : std::span<BitWord>());
         busy_[worker] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
     void Store(std::span<const int> portals) {
-        for (std::size_t i = 0; i < portals.size(); ++i) {
-            const auto p = std::size_t(portals[i]);
-            StoreResult(map_, p, found_.Bits(i), !settings_.reference, mightSee_);
-            if (map_.Portal(p).hasTwin)
-                SetBit(settled_.data(), p ^ 1);
-        }
+        for (std::size_t i = 0; i < portals.size(); ++i)
+            StoreRow(std::size_t(portals[i]), found_.Bits(i));
+    }
+    void StoreRow(std::size_t p, std::span<const BitWord> seen) {
+        StoreResult(map_, p, seen, !settings_.reference, mightSee_);
+        if (map_.Portal(p).hasTwin)
+            SetBit(settled_.data(), p ^ 1);
     }
 
     const VisMap &map_;
     std::span<const int> order_;
     const FlowSettings &settings_;
+    const VisUnits &units_;
     const JobPool &jobs_;
     MightSeeTable &mightSee_;
     std::size_t batch_;
-    BitTable found_;                    ///< by portal of the batch: what its search found
-    std::vector<BitWord> settled_;      ///< twins of finished portals: their bits in a row of mightSee_ are final
-    std::vector<double> busy_;          ///< seconds, by worker
-    std::vector<ChainSearch> searches_; ///< by worker
+    BitTable found_;               ///< by portal of the batch: what its search found
+    std::vector<BitWord> settled_; ///< twins of finished portals: their bits in a row of mightSee_ are final
+    std::vector<std::vector<BitWord>> limits_; ///< by worker: the row that a part has found
+    std::vector<double> busy_;                 ///< seconds, by worker
+    std::vector<ChainSearch> searches_;        ///< by worker
 };
 
 } // namespace
 
-void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const JobPool &jobs,
-                Log &log, MightSeeTable &mightSee) {
+void PartOfPortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings,
+                      const VisUnits &units, const JobPool &jobs, Log &log, MightSeeTable &mightSee) {
+    const auto round = std::size_t(units.FlowRoundsBefore());
+    const std::size_t first = order.size() * round / kFlowRounds, end = order.size() * (round + 1) / kFlowRounds;
+    std::vector<double> costs;
+    for (const int p : order.subspan(first, end - first)) {
+        const auto seen = double(CountBits(mightSee.Bits(std::size_t(p))));
+        costs.push_back(seen * seen); // about the time of a search
+    }
+    const std::vector<std::uint8_t> own = units.Own(costs, UnitStore::Division::BySize);
+    std::vector<int> portals;
+    for (std::size_t i = 0; i < own.size(); ++i)
+        if (own[i] != 0)
+            portals.push_back(order[first + i]);
+    log.Count(portals.size(), "portals of this part");
+    FlowRun run(map, order, settings, units, jobs, mightSee);
+    run.UseKnown(order.first(first));
+    run.RunPart(portals);
+}
+
+void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const VisUnits &units,
+                const JobPool &jobs, Log &log, MightSeeTable &mightSee) {
     const int workers = settings.reference ? 1 : jobs.Threads();
-    FlowRun run(map, order, settings, jobs, mightSee);
+    FlowRun run(map, order, settings, units, jobs, mightSee);
     Progress progress(log, std::int64_t(order.size()));
     run.Run([&](std::size_t done) { progress.Update(std::int64_t(done), 0); });
     constexpr double kShortest = 1e-9; // seconds; no division by zero

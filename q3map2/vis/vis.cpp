@@ -4,6 +4,7 @@
 #include "common/text/text.h"
 #include "q3map2/bspfile/map_keys.h"
 #include "q3map2/vis/vis_map.h"
+#include "q3map2/vis/vis_parts.h"
 
 #include <algorithm>
 #include <bit>
@@ -126,37 +127,80 @@ void LogFarPlane(const FarPlane &farPlane, Log &log) {
         log.Print("farplane Exact distance mode on\n");
 }
 
-/// Runs the passes that the options select. Each pass clears bits in the table of the previous one.
-MightSeeTable PortalVisibility(const VisMap &map, const VisOptions &options, const JobPool &jobs, Log &log) {
+/// Passages, if the options ask for them and they fit. mightSee: what may be seen, and then tightened by them.
+std::optional<Passages> MakePassages(const VisMap &map, const VisOptions &options, const VisUnits &units,
+                                     const JobPool &jobs, Log &log, MightSeeTable &mightSee) {
     const std::size_t count = map.NumPortals();
-    log.Print("\n");
-    log.Section(fmt::format("BasePortalVis ({})", count));
-    MightSeeTable mightSee = FloodMightSee(map, options.farPlane, jobs, log);
-    if (!options.plain)
-        ApplySymmetry(map, mightSee);
-    if (options.fast)
-        return mightSee;
-    std::optional<Passages> passages;
-    FlowSettings settings{.passages = nullptr, .clip = true, .reference = options.plain};
     const std::uint64_t bytes = Passages::BytesFor(map);
-    if (!options.noPassage && bytes > kMaxPassageBytes)
+    if (options.noPassage)
+        return std::nullopt;
+    if (bytes > kMaxPassageBytes) {
         log.Warn("too many passages", "passages would take {} MB, so there are none; -merge makes fewer portals",
                  bytes >> 20);
-    else if (!options.noPassage) {
-        log.Print("{:7} average number of passages per leaf\n{:7} MB required passage memory\n",
-                  bytes / sizeof(BitWord) / std::max<std::size_t>(1, mightSee.Words() * count), bytes >> 20);
-        log.Section(fmt::format("CreatePassages ({})", count));
-        passages.emplace(map, mightSee, jobs, log);
-        settings.passages = &*passages;
+        return std::nullopt;
     }
-    if (settings.passages != nullptr) {
-        settings.clip = !options.passageOnly;
-        if (!options.plain)
-            passages->TightenMightSee(map, mightSee, jobs);
-        log.Section(fmt::format("{} ({})", settings.clip ? "PassagePortalFlow" : "PassageFlow", count));
+    log.Print("{:7} average number of passages per leaf\n{:7} MB required passage memory\n",
+              bytes / sizeof(BitWord) / std::max<std::size_t>(1, mightSee.Words() * count), bytes >> 20);
+    log.Section(fmt::format("CreatePassages ({})", count));
+    Passages passages(map, mightSee, units, jobs, log);
+    if (!options.plain && !units.IsFirstPart())
+        passages.TightenMightSee(map, mightSee, jobs);
+    return passages;
+}
+
+/// What the portal flow starts from: the flood, symmetry and passages, computed or from the store.
+struct FlowStart {
+    MightSeeTable mightSee;
+    std::optional<Passages> passages;
+};
+FlowStart StartFlow(const VisMap &map, const VisOptions &options, const VisUnits &units, const JobPool &jobs,
+                    Log &log) {
+    const std::size_t count = map.NumPortals();
+    const bool hasPassages = !options.noPassage && Passages::BytesFor(map) <= kMaxPassageBytes;
+    if (units.HasFirstRound()) {
+        FlowStart known{MightSeeTable(count, count), Passages(map)};
+        if (units.FindState(known.mightSee.All(), hasPassages ? known.passages->Table().All() : std::span<BitWord>())) {
+            if (!hasPassages)
+                known.passages.reset();
+            return known;
+        }
     }
-    PortalFlow(map, OrderPortals(map, mightSee, !options.noSort), settings, jobs, log, mightSee);
-    return mightSee;
+    log.Section(fmt::format("BasePortalVis ({})", count));
+    FlowStart start{FloodMightSee(map, options.farPlane, units, jobs, log), {}};
+    if (!options.plain && !units.IsFirstPart())
+        ApplySymmetry(map, start.mightSee);
+    if (!options.fast)
+        start.passages = MakePassages(map, options, units, jobs, log, start.mightSee);
+    return start;
+}
+
+/// Runs the passes that the options select. Each pass clears bits in the table of the previous one. Nothing: the run
+/// ends with results of units.
+std::optional<MightSeeTable> PortalVisibility(const VisMap &map, const VisOptions &options, const VisUnits &units,
+                                              const JobPool &jobs, Log &log) {
+    log.Print("\n");
+    FlowStart start = StartFlow(map, options, units, jobs, log);
+    if (units.IsFirstPart())
+        return std::nullopt;
+    if (units.EndsBeforeFlow()) {
+        units.KeepState(start.mightSee.All(),
+                        start.passages ? start.passages->Table().All() : std::span<const BitWord>());
+        return std::nullopt;
+    }
+    if (options.fast)
+        return std::move(start.mightSee);
+    const FlowSettings settings{.passages = start.passages ? &*start.passages : nullptr,
+                                .clip = !start.passages || !options.passageOnly,
+                                .reference = options.plain};
+    if (start.passages)
+        log.Section(fmt::format("{} ({})", settings.clip ? "PassagePortalFlow" : "PassageFlow", map.NumPortals()));
+    const std::vector<int> order = OrderPortals(map, start.mightSee, !options.noSort);
+    if (units.IsFlowPart()) {
+        PartOfPortalFlow(map, order, settings, units, jobs, log, start.mightSee);
+        return std::nullopt;
+    }
+    PortalFlow(map, order, settings, units, jobs, log, start.mightSee);
+    return std::move(start.mightSee);
 }
 
 /// By cluster, the clusters that it sees: those behind all portals that are seen through a portal of its leaf.
@@ -227,8 +271,13 @@ std::vector<std::uint8_t> Visibility::Lump() const {
     return lump;
 }
 
-Visibility ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
-                             const JobPool &jobs, Log &log) {
+int RoundsOf(const VisOptions &options) {
+    // The reference mode follows one portal after another, from what those before have found.
+    return VisRounds(!options.fast && !options.plain);
+}
+
+std::optional<Visibility> ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
+                                            UnitStore *units, const JobPool &jobs, Log &log) {
     PortalGraph graph = BuildPortalGraph(file, name);
     Merge(graph, options, log);
     Visibility result;
@@ -237,9 +286,11 @@ Visibility ComputeVisibility(const PortalFile &file, std::string_view name, cons
     log.Print("visdatasize:{}\n", kVisHeaderBytes + std::size_t(result.clusters) * result.rowBytes);
     LogFarPlane(options.farPlane, log);
     const VisMap map(graph, !options.plain);
-    const MightSeeTable mightSee = PortalVisibility(map, options, jobs, log);
+    const std::optional<MightSeeTable> mightSee = PortalVisibility(map, options, VisUnits(units), jobs, log);
+    if (!mightSee)
+        return std::nullopt;
     log.Print("creating leaf vis...\n");
-    BitTable rows = ClusterRows(graph, map, mightSee);
+    BitTable rows = ClusterRows(graph, map, *mightSee);
     if (!options.plain)
         MakeSymmetric(rows, graph.leafs.size());
     result.rows.resize(std::size_t(result.clusters) * result.rowBytes);

@@ -7,8 +7,10 @@
 #include "common/settings.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/prtfile.h"
+#include "q3map2/units/unit_store.h"
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -62,8 +64,12 @@ struct Visibility {
 
 /// The clusters that each cluster of a portal file may see: a superset of those that it does see, itself included. The
 /// bytes do not depend on the number of threads. `name`: file name for messages. Throws what BuildPortalGraph throws.
-Visibility ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
-                             const JobPool &jobs, Log &log);
+/// units: results of parts, or null. Nothing: the run ends with results of units, in the store.
+std::optional<Visibility> ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
+                                            UnitStore *units, const JobPool &jobs, Log &log);
+
+/// Rounds of a run in parts.
+int RoundsOf(const VisOptions &options);
 
 /// Prints total, average, deviation, minimum and maximum of visible clusters; each cluster counts itself. `histogram`:
 /// also prints, for each such number, how many clusters have it. Percentages are of all clusters.

@@ -2,6 +2,7 @@
 #include "q3map2/vis/vis_map.h"
 
 #include "common/log.h"
+#include "q3map2/vis/vis_parts.h"
 #include "q3map2/vis/vis_winding.h"
 
 #include <algorithm>
@@ -137,7 +138,30 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
     leafFirst_.push_back(int(leafPortals_.size()));
 }
 
-MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const JobPool &jobs, Log &log) {
+std::vector<std::uint8_t> OwnPortals(const VisMap &map, const VisUnits &units) {
+    std::vector<double> costs(map.NumPortals());
+    for (std::size_t p = 0; p < costs.size(); ++p)
+        costs[p] = map.Portal(p).removed ? 0 : double(map.PortalsAfter(p).size());
+    return units.Own(costs, UnitStore::Division::Ranges);
+}
+
+namespace {
+
+/// The portals whose rows of the flood a part of the first round needs.
+std::vector<std::uint8_t> FloodedPortals(const VisMap &map, const VisUnits &units) {
+    const std::vector<std::uint8_t> own = OwnPortals(map, units);
+    std::vector<std::uint8_t> flooded = own;
+    for (std::size_t p = 0; p < own.size(); ++p)
+        if (own[p] != 0 && !map.Portal(p).removed)
+            for (const int next : map.PortalsAfter(p))
+                flooded[std::size_t(next)] = 1;
+    return flooded;
+}
+
+} // namespace
+
+MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const VisUnits &units, const JobPool &jobs,
+                            Log &log) {
     const std::size_t count = map.NumPortals();
     MightSeeTable mightSee(count, count);
     struct Scratch {
@@ -147,14 +171,21 @@ MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const J
     std::vector<Scratch> scratch(std::size_t(jobs.Threads()));
     for (Scratch &one : scratch)
         one.tested = BitTable(1, count);
+    const bool isPart = units.IsFirstPart();
+    const std::vector<std::uint8_t> own = isPart ? OwnPortals(map, units) : std::vector<std::uint8_t>(),
+                                    wanted = isPart ? FloodedPortals(map, units) : std::vector<std::uint8_t>(count, 1);
     Progress progress(log, std::int64_t(count));
     jobs.For(
         std::int64_t(count),
         [&](std::int64_t index, int worker) {
             const auto p = std::size_t(index);
             Scratch &mine = scratch[std::size_t(worker)];
-            if (!map.Portal(p).removed)
-                FloodFrom(map, farPlane, p, mightSee.Row(p), mine.tested, mine.leafs);
+            if (map.Portal(p).removed || wanted[p] == 0 ||
+                units.Find(VisUnits::Row::Flood, p, {mightSee.Row(p), mightSee.Words()}))
+                return;
+            FloodFrom(map, farPlane, p, mightSee.Row(p), mine.tested, mine.leafs);
+            if (isPart && own[p] != 0)
+                units.Keep(VisUnits::Row::Flood, p, mightSee.Bits(p));
         },
         [&](std::int64_t done) { progress.Update(done, 0); });
     progress.Finish();
@@ -253,7 +284,7 @@ std::uint64_t Passages::BytesFor(const VisMap &map) {
     return rows * WordsOf(map.NumPortals()) * sizeof(BitWord);
 }
 
-Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, const JobPool &jobs, Log &log) {
+Passages::Passages(const VisMap &map) {
     const std::size_t count = map.NumPortals();
     start_.resize(count);
     std::size_t rows = 0;
@@ -262,26 +293,50 @@ Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, const JobPo
         rows += map.Portal(p).removed ? 0 : map.PortalsAfter(p).size();
     }
     table_ = BitTable(rows, count);
+}
+
+/// Makes the rows of a portal.
+void Passages::Make(const VisMap &map, const MightSeeTable &mightSee, std::size_t p) {
+    const auto after = map.PortalsAfter(p);
+    for (std::size_t next = 0; next < after.size(); ++next) {
+        const auto t = std::size_t(after[next]);
+        BitWord *const row = table_.Row(start_[p] + next);
+        const BitWord *const a = mightSee.Row(p), *const b = mightSee.Row(t);
+        for (std::size_t i = 0; i < table_.Words(); ++i)
+            row[i] = a[i] & b[i];
+        const PassagePlanes planes(map.Portal(p).winding, map.Portal(t).winding);
+        ForEachBit(table_.Bits(start_[p] + next), [&](std::size_t q) {
+            if (!planes.MaySee(map.Portal(q)))
+                ClearBit(row, q);
+        });
+    }
+}
+
+Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, const VisUnits &units, const JobPool &jobs,
+                   Log &log)
+    : Passages(map) {
+    const std::size_t count = map.NumPortals();
+    const bool isPart = units.IsFirstPart();
+    const std::vector<std::uint8_t> own = isPart ? OwnPortals(map, units) : std::vector<std::uint8_t>(count, 1);
     Progress progress(log, std::int64_t(count));
     jobs.For(
         std::int64_t(count),
         [&](std::int64_t index, int) {
             const auto p = std::size_t(index);
-            if (map.Portal(p).removed)
+            if (map.Portal(p).removed || own[p] == 0)
                 return;
             const auto after = map.PortalsAfter(p);
-            for (std::size_t next = 0; next < after.size(); ++next) {
-                const auto t = std::size_t(after[next]);
-                BitWord *const row = table_.Row(start_[p] + next);
-                const BitWord *const a = mightSee.Row(p), *const b = mightSee.Row(t);
-                for (std::size_t i = 0; i < table_.Words(); ++i)
-                    row[i] = a[i] & b[i];
-                const PassagePlanes planes(map.Portal(p).winding, map.Portal(t).winding);
-                ForEachBit(table_.Bits(start_[p] + next), [&](std::size_t q) {
-                    if (!planes.MaySee(map.Portal(q)))
-                        ClearBit(row, q);
-                });
+            const std::span<BitWord> rows(table_.Row(start_[p]), after.size() * table_.Words());
+            if (!units.Find(VisUnits::Row::Passage, p, rows)) {
+                Make(map, mightSee, p);
+                if (isPart)
+                    units.Keep(VisUnits::Row::Passage, p, rows);
+                return;
             }
+            // The part did not know yet what symmetry has cleared.
+            for (std::size_t next = 0; next < after.size(); ++next)
+                for (std::size_t i = 0; i < table_.Words(); ++i)
+                    rows[next * table_.Words() + i] &= mightSee.Row(p)[i] & mightSee.Row(std::size_t(after[next]))[i];
         },
         [&](std::int64_t done) { progress.Update(done, 0); });
     progress.Finish();

@@ -10,6 +10,8 @@
 
 namespace q3 {
 
+class VisUnits;
+
 /// A directed portal in the form that the passes read: small and contiguous in memory.
 struct alignas(16) FlowPortal {
     VisPlane plane; ///< normal into `leaf`
@@ -50,7 +52,10 @@ using MightSeeTable = BitTable;
 
 /// The first estimate: q may be seen through p if part of q is in front of p, part of p is behind q, both are within
 /// the far plane, and a chain of such portals leads from p to q.
-MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const JobPool &jobs, Log &log);
+/// units: rows that are known are not computed; a part of the first round computes its own, and those that its passages
+/// need.
+MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const VisUnits &units, const JobPool &jobs,
+                            Log &log);
 
 /// Visibility is symmetric: clears bit q of row p if bit p ^ 1 of row q ^ 1 is clear, for portals that have twins.
 void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee);
@@ -63,19 +68,30 @@ class Passages {
   public:
     /// Memory of the table in bytes.
     static std::uint64_t BytesFor(const VisMap &map);
-    Passages(const VisMap &map, const MightSeeTable &mightSee, const JobPool &jobs, Log &log);
+    /// units: as in FloodMightSee.
+    Passages(const VisMap &map, const MightSeeTable &mightSee, const VisUnits &units, const JobPool &jobs, Log &log);
+    /// All rows are empty.
+    explicit Passages(const VisMap &map);
 
     /// Portals seen through `first` and then through VisMap::PortalsAfter(first)[next].
     const BitWord *Row(std::size_t first, std::size_t next) const { return table_.Row(start_[first] + next); }
+    /// All rows, for VisUnits.
+    BitTable &Table() { return table_; }
 
     /// Restricts each row p to the union over next portals t of t itself and of passage(p, t) & row t, in several
     /// rounds, since a smaller row can shrink others.
     void TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const JobPool &jobs) const;
 
   private:
+    void Make(const VisMap &map, const MightSeeTable &mightSee, std::size_t p);
+
     std::vector<std::size_t> start_; ///< by portal: its first row of table_
     BitTable table_;
 };
+
+/// The portals that a part of the first round computes, by portal: those next to each other in the file, which are
+/// neighbors in the map.
+std::vector<std::uint8_t> OwnPortals(const VisMap &map, const VisUnits &units);
 
 /// How portal flow searches.
 struct FlowSettings {
@@ -88,7 +104,12 @@ struct FlowSettings {
 
 /// Replaces the row of every portal, taken in the given order, by the portals that chains from it reach. The
 /// result does not depend on the number of workers.
-void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const JobPool &jobs,
-                Log &log, MightSeeTable &mightSee);
+/// units: with flow of parts, rows of these limit the search.
+void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const VisUnits &units,
+                const JobPool &jobs, Log &log, MightSeeTable &mightSee);
+
+/// Computes and keeps the rows of a part of a round of flow; mightSee: before the flow.
+void PartOfPortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings,
+                      const VisUnits &units, const JobPool &jobs, Log &log, MightSeeTable &mightSee);
 
 } // namespace q3

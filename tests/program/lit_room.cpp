@@ -150,8 +150,12 @@ void LitRoomTest::Compile(const std::string &entities, const Keys &worldKeys, co
 }
 
 Outcome LitRoomTest::Run(std::string_view options) {
-    std::vector<std::string> arguments{"-fs_basepath", (folder_ / "base").string(), "-light", "-nogrid"};
-    std::istringstream text{std::string(options)};
+    return RunWords("-light -nogrid " + std::string(options));
+}
+
+Outcome LitRoomTest::RunWords(std::string_view words) {
+    std::vector<std::string> arguments{"-fs_basepath", (folder_ / "base").string()};
+    std::istringstream text{std::string(words)};
     for (std::string word; text >> word;)
         arguments.push_back(word);
     arguments.push_back((maps_ / "room.bsp").string());

@@ -55,6 +55,8 @@ class LitRoomTest : public testing::Test {
     /// -light with these options, split at blanks, without grids. Expects success.
     Outcome Light(std::string_view options);
     Outcome Run(std::string_view options);
+    /// q3map2 with these words, split at blanks, and the map.
+    Outcome RunWords(std::string_view words);
 
     Bsp Load() const;
     std::vector<std::byte> MapBytes() const;

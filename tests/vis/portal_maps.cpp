@@ -32,7 +32,7 @@ VisRun RunVis(const std::string &prt, const VisOptions &options, int threads) {
 VisRun RunVis(const std::string &prt, const VisOptions &options, const JobPool &jobs) {
     VisRun run;
     Log log([&](LogLevel, std::string_view text) { run.log += text; }, true);
-    run.visibility = ComputeVisibility(ParsePortalFile(prt, "test.prt"), "test.prt", options, jobs, log);
+    run.visibility = *ComputeVisibility(ParsePortalFile(prt, "test.prt"), "test.prt", options, nullptr, jobs, log);
     PrintStatistics(run.visibility, true, log);
     for (int from = 0; from < run.visibility.clusters; ++from) {
         run.rows += from == 0 ? "" : " ";

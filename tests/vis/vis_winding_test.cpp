@@ -1,5 +1,6 @@
 // GPL-2.0-or-later. Planes between two windings, and the order in which portals are followed.
 #include "q3map2/vis/vis_map.h"
+#include "q3map2/vis/vis_parts.h"
 #include "q3map2/vis/vis_winding.h"
 #include "tests/vis/portal_maps.h"
 
@@ -113,7 +114,7 @@ TEST(VisMapOrder, PortalsWithLeastInFrontComeFirst) {
     const PortalGraph graph = BuildPortalGraph(ParsePortalFile(grid.Prt(), "grid.prt"), "grid.prt");
     const VisMap map(graph, false);
     Log log(Log::Nowhere());
-    const MightSeeTable sight = FloodMightSee(map, {}, JobPool(1), log);
+    const MightSeeTable sight = FloodMightSee(map, {}, VisUnits(nullptr), JobPool(1), log);
     const std::vector<int> sorted = OrderPortals(map, sight, true), asInFile = OrderPortals(map, sight, false);
     ASSERT_EQ(sorted.size(), map.NumPortals());
     bool differs = false;
@@ -149,14 +150,14 @@ TEST(Passages, NarrowSightBetweenFloodAndFlow) {
     const VisMap map(graph, true);
     Log log(Log::Nowhere());
     const auto narrowed = [&](int threads) {
-        MightSeeTable sight = FloodMightSee(map, {}, JobPool(threads), log);
-        const Passages passages(map, sight, JobPool(threads), log);
+        MightSeeTable sight = FloodMightSee(map, {}, VisUnits(nullptr), JobPool(threads), log);
+        const Passages passages(map, sight, VisUnits(nullptr), JobPool(threads), log);
         passages.TightenMightSee(map, sight, JobPool(threads));
         return sight;
     };
-    const MightSeeTable flood = FloodMightSee(map, {}, JobPool(1), log), one = narrowed(1), three = narrowed(3);
+    const MightSeeTable flood = FloodMightSee(map, {}, VisUnits(nullptr), JobPool(1), log), one = narrowed(1), three = narrowed(3);
     MightSeeTable flow = flood;
-    PortalFlow(map, OrderPortals(map, flood, true), {}, JobPool(1), log, flow);
+    PortalFlow(map, OrderPortals(map, flood, true), {}, VisUnits(nullptr), JobPool(1), log, flow);
     std::size_t fewer = 0;
     for (std::size_t p = 0; p < map.NumPortals(); ++p)
         for (std::size_t q = 0; q < map.NumPortals(); ++q) {

@@ -10,6 +10,7 @@
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sources/light_entities.h"
 #include "q3map2/light/sources/light_sources.h"
+#include "q3map2/light/sources/light_units.h"
 #include "q3map2/light/transfer/light_contribution.h"
 #include "q3map2/light/transfer/light_kernel.h"
 
@@ -62,6 +63,7 @@ struct GridInputs {
     Log &log;
     const IndirectLight *indirect = nullptr;  ///< bounced light of style 0, or null
     std::span<const StyledIndirect> styled{}; ///< bounced light of other styles: legacy grid only
+    UnitStore *units = nullptr;               ///< results that need not be computed; null: none
     /// For FloodFraction.
     std::vector<Vec3f> floodDirections = FloodDirections(options.lowQuality);
 };
@@ -100,6 +102,16 @@ class GridBricks {
     std::int64_t Count() const { return count_; }
     /// Points of a brick, in blocks of 4 x 2 x 2, so that consecutive points are neighbors.
     std::vector<BrickPoint> Points(std::int64_t brick) const;
+    /// Bricks along each axis.
+    const Int3 &Bricks() const { return bricks_; }
+    /// The number of the brick with these coordinates among bricks, and of the brick of a point.
+    std::size_t Number(const Int3 &at) const {
+        return (std::size_t(at[2]) * std::size_t(bricks_[1]) + std::size_t(at[1])) * std::size_t(bricks_[0]) +
+               std::size_t(at[0]);
+    }
+    std::size_t NumberOfPoint(const Int3 &point) const {
+        return Number({point[0] / brick_[0], point[1] / brick_[1], point[2] / brick_[2]});
+    }
 
   private:
     const GridLayout &layout_;
@@ -195,7 +207,8 @@ class IncidentLightTracer {
   public:
     /// lights: from SetupEnvelopes for the SH grid.
     IncidentLightTracer(const GridInputs &in, const std::vector<Light> &lights, SHQuantity quantity, LightSplit split)
-        : in_(in), lights_(lights), settings_(SettingsOf(in.options, quantity)), faint_(kFaint / in.options.shSamples) {
+        : in_(in), lights_(lights), hashes_(lights, in.units), settings_(SettingsOf(in.options, quantity)),
+          faint_(kFaint / in.options.shSamples) {
         // A faint light must not have a strong part: weakBelow is at least twice the faint limit.
         if (split == LightSplit::WeakAndStrong)
             settings_.weakBelow = std::max(kWeakBelow / in.options.PositiveGridScale(), 2 * faint_);
@@ -214,11 +227,21 @@ class IncidentLightTracer {
     template <typename Use>
     void Trace(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part, GridStats &work,
                const Use &use) const {
-        StartFaintResiduals(blocks, faint_);
-        std::vector<ProbeIncidentLight> incident(blocks.size());
+        const BrickExtent extent(blocks);
+        Trace(blocks, InReach(extent, seed, part, work), part, work, use);
+    }
+    /// The lights that Trace goes through, for the other Trace.
+    LightsInReach InReach(const BrickExtent &extent, std::uint64_t seed, LightPart part, GridStats &work) const {
         // A light has a strong part where it gives more than half of weakBelow.
         const float least = part == LightPart::Strong ? settings_.weakBelow / 2 : -1;
-        const LightsInReach lights(lights_, BrickExtent(blocks), {seed, faint_, least}, in_.options.skip, work);
+        return {lights_, extent, {seed, faint_, least}, in_.options.skip, work};
+    }
+    const LightHashes &Hashes() const { return hashes_; }
+    template <typename Use>
+    void Trace(std::vector<ReceiverBatch> &blocks, const LightsInReach &lights, LightPart part, GridStats &work,
+               const Use &use) const {
+        StartFaintResiduals(blocks, faint_);
+        std::vector<ProbeIncidentLight> incident(blocks.size());
         LightSettings pass = settings_;
         pass.faint = lights.HasManyFaint() ? faint_ : 0;
         pass.part = part;
@@ -246,6 +269,7 @@ class IncidentLightTracer {
 
     const GridInputs &in_;
     PassLights lights_;
+    LightHashes hashes_; ///< for keys of units
     LightSettings settings_;
     float faint_; ///< see SelectFaintLight
 };

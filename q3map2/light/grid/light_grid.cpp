@@ -5,6 +5,7 @@
 #include "q3map2/light/grid/grid_bricks.h"
 #include "q3map2/light/options/light_tone.h"
 #include "q3map2/light/transfer/light_contribution.h"
+#include "q3map2/units/unit_bytes.h"
 
 #include <algorithm>
 #include <bit>
@@ -15,6 +16,8 @@
 #include <mutex>
 #include <numbers>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 namespace q3 {
 
@@ -544,6 +547,82 @@ void MarkWalls(const GridLayout &layout, const std::vector<std::uint8_t> &lit, s
 
 } // namespace
 
+// ---- Units: bricks of the legacy grid ----
+
+namespace {
+
+/// How a brick is known in a store.
+struct UnitName {
+    Hash128 key;
+    bool mayBeKnown = true; ///< false: something that matters has changed since the run before
+};
+/// Nothing: the brick is computed in any case.
+std::optional<UnitName> NameOfLegacyBrick(const GridInputs &in, std::span<const ReceiverBatch> blocks,
+                                          std::int64_t brick, const LightsInReach &lights, const LightHashes &hashes) {
+    // A cache keeps direct light alone, and here it cannot be told from bounced light and from floodlight.
+    const bool isPure = !in.indirect && in.styled.empty() && !in.options.floodlight && !in.world.hasFloodlight;
+    if (!in.units || (in.units->IsCache() && !isPure))
+        return std::nullopt;
+    LightUnitKey key("legacy grid", hashes, *in.units);
+    key.AddReceivers(blocks);
+    key.More().Add(lights.HasManyFaint());
+    if (in.units->IsCache())
+        for (const WeightedLight &one : lights.List())
+            key.AddLight(*one.light, one.weight);
+    else
+        key.More().Add(brick);
+    return UnitName{key.Key(), !key.IsTouched()};
+}
+
+/// dropped: see GridStats, of the brick alone.
+std::vector<std::byte> BytesOfLegacyBrick(std::span<const ReceiverBatch> blocks, std::span<const bspGridPoint_t> grid,
+                                          const std::map<int, std::int64_t> &dropped) {
+    UnitWriter writer;
+    std::vector<bspGridPoint_t> points;
+    for (const ReceiverBatch &block : blocks)
+        for (std::size_t i = 0; i < block.count; ++i)
+            points.push_back(grid[block.index[i]]);
+    writer.PutAll(points);
+    std::vector<std::int64_t> counts;
+    for (const auto &[style, count] : dropped)
+        counts.insert(counts.end(), {style, count});
+    writer.PutAll(counts);
+    return writer.Take();
+}
+
+/// Sets the points of the brick if the store has them.
+bool FindLegacyBrick(const UnitStore &units, const Hash128 &key, std::span<const ReceiverBatch> blocks,
+                     std::span<bspGridPoint_t> grid, GridStats &work) {
+    const auto bytes = units.Find(key);
+    if (!bytes)
+        return false;
+    UnitReader reader(*bytes);
+    std::vector<bspGridPoint_t> points;
+    std::vector<std::int64_t> dropped;
+    reader.GetAll(points);
+    reader.GetAll(dropped);
+    std::size_t count = 0;
+    for (const ReceiverBatch &block : blocks)
+        count += block.count;
+    if (!reader.IsComplete() || points.size() != count || dropped.size() % 2 != 0)
+        return false;
+    auto next = points.begin();
+    for (const ReceiverBatch &block : blocks)
+        for (std::size_t i = 0; i < block.count; ++i)
+            grid[block.index[i]] = *next++;
+    for (std::size_t i = 0; i < dropped.size(); i += 2)
+        work.dropped[int(dropped[i])] += dropped[i + 1];
+    return true;
+}
+
+/// By brick, whether this process computes it; empty: all. Neighbors have different costs, so every n-th.
+std::vector<std::uint8_t> OwnBricks(const UnitStore *units, std::size_t count) {
+    return units && units->IsPart() ? units->Own(std::vector<double>(count, 1.0), UnitStore::Division::BySize)
+                                    : std::vector<std::uint8_t>();
+}
+
+} // namespace
+
 std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                                       GridStats &stats) {
     const LightSettings settings{.pass = LightPass::LegacyGrid,
@@ -551,12 +630,16 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
                                  .pointAreas = in.options.faster,
                                  .skip = in.options.skip};
     const PassLights passLights(lights);
+    const LightHashes hashes(lights, in.units);
     std::vector<bspGridPoint_t> grid(std::size_t(layout.Count()), bspGridPoint_t{});
     std::vector<std::uint8_t> lit(grid.size()); // a byte each: workers write side by side
     const GridBricks bricks(layout);
     SpareRecords spare;
     stats.points = layout.Count();
+    const std::vector<std::uint8_t> own = OwnBricks(in.units, std::size_t(bricks.Count()));
     RunBricks(in, bricks.Count(), stats, [&](std::int64_t brick, GridStats &work) {
+        if (!own.empty() && own[std::size_t(brick)] == 0)
+            return;
         std::vector<ReceiverBatch> blocks = PlaceBrick(in.space, layout, bricks.Points(brick), work);
         if (blocks.empty())
             return;
@@ -566,6 +649,10 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
         StartFaintResiduals(blocks, kFaintInBrick);
         const LightsInReach lightsInReach(passLights, BrickExtent(blocks), {std::uint64_t(brick), kFaintInBrick},
                                           in.options.skip, work);
+        const std::optional<UnitName> unit = NameOfLegacyBrick(in, blocks, brick, lightsInReach, hashes);
+        if (unit && unit->mayBeKnown && FindLegacyBrick(*in.units, unit->key, blocks, grid, work))
+            return;
+        const std::map<int, std::int64_t> droppedBefore = std::exchange(work.dropped, {});
         LightSettings pass = settings;
         pass.faint = lightsInReach.HasManyFaint() ? kFaintInBrick : 0;
         std::unique_ptr<GridRecords> records = spare.Take();
@@ -576,6 +663,10 @@ std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &la
             together.Store(grid, work);
         }
         spare.Return(std::move(records));
+        if (unit)
+            in.units->Keep(unit->key, BytesOfLegacyBrick(blocks, grid, work.dropped));
+        for (const auto &[style, count] : droppedBefore)
+            work.dropped[style] += count;
     });
     if (in.options.styleSlots)
         MarkWalls(layout, lit, grid);

@@ -70,6 +70,10 @@ constexpr std::int64_t kMaxPointsSH =
     std::int64_t(sizeof(bspGridPointSH_t));
 static_assert(sizeof(bspGridSHHeader_t) == 40 && sizeof(bspGridPointSH_t) == 108);
 
+/// Weak light at the points of a part is predicted from points up to this many bricks away on each axis. Where others
+/// would be needed, the part traces more.
+constexpr int kNearOwn = 1;
+
 /// Pairs of a point and a light, or a ray of bounced light, from which on weak light is interpolated: fewer are traced
 /// in a fraction of a second, and exact.
 constexpr std::int64_t kLeastPairs = 1'000'000;
@@ -114,6 +118,26 @@ GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const
       integrator_(in, lights), weak_(in.space, layout, lit_.States(),
                                      DisplayedChange(in.options.shRadiance, 255 * in.options.PositiveGridScale())) {
     lit_.FindOnEmitters(lights);
+    FindOwn();
+}
+
+void GridSHTracer::FindOwn() {
+    if (!in_.units || !in_.units->IsPart())
+        return;
+    std::vector<double> costs(std::size_t(bricks_.Count()));
+    for (std::int64_t brick = 0; brick < bricks_.Count(); ++brick)
+        for (const BrickPoint &point : bricks_.Points(brick))
+            costs[std::size_t(brick)] += lit_.IsLit(point.index) ? 1 : 0;
+    own_ = in_.units->Own(costs, UnitStore::Division::Ranges);
+    nearOwn_.assign(own_.size(), 0);
+    const Int3 bricks = bricks_.Bricks();
+    for (int z = 0; z < bricks[2]; ++z)
+        for (int y = 0; y < bricks[1]; ++y)
+            for (int x = 0; x < bricks[0]; ++x)
+                for (int k = std::max(0, z - kNearOwn); k <= std::min(bricks[2] - 1, z + kNearOwn); ++k)
+                    for (int j = std::max(0, y - kNearOwn); j <= std::min(bricks[1] - 1, y + kNearOwn); ++j)
+                        for (int i = std::max(0, x - kNearOwn); i <= std::min(bricks[0] - 1, x + kNearOwn); ++i)
+                            nearOwn_[bricks_.Number({x, y, z})] |= own_[bricks_.Number({i, j, k})];
 }
 
 LightGridSH GridSHTracer::EmptyGrid(GridStats &stats) const {
@@ -125,8 +149,11 @@ LightGridSH GridSHTracer::EmptyGrid(GridStats &stats) const {
 }
 
 void GridSHTracer::FillWeak(GridStats &stats) {
+    const auto isWanted = [this](const Int3 &at) {
+        return nearOwn_.empty() || nearOwn_[bricks_.NumberOfPoint(at)] != 0;
+    };
     usesWeak_ = in_.options.skip.smooth && HasMuchToTrace() &&
-                WeakFieldTracer(in_, layout_, lit_, integrator_).Fill(weak_, stats);
+                WeakFieldTracer(in_, layout_, lit_, integrator_, isWanted).Fill(weak_, stats);
 }
 
 LightGridSH GridSHTracer::TracePointsOnly(GridStats &stats, LightObserver &observer) {
@@ -145,10 +172,14 @@ LightGridSH GridSHTracer::TraceGridSH(GridStats &stats, GridSHSteps *steps) {
     const LightAtPositions light(integrator_, Weak());
     GridFit fit(in_, layout_, lit_.States(), groups.isSplit);
     RunBricks(in_, bricks_.Count(), stats, [&](std::int64_t brick, GridStats &work) {
+        if (!IsOwn(brick))
+            return;
         const std::vector<BrickPoint> points = bricks_.Points(brick);
         TracePoints(points, brick, grid, work);
         fit.AddSamples(brick, fit.SampleCells(points, light, work));
     });
+    if (in_.units && in_.units->IsPart())
+        return grid; // the rest needs all bricks
     if (steps)
         *steps = {lit_.States(), {}, lit_.Displaced(), groups, grid, {}};
     FillGridSH(in_, layout_, lit_.Displaced(), groups, lit_.States(), grid);

@@ -65,6 +65,9 @@ class GridSHTracer {
 
   private:
     bool HasMuchToTrace() const;
+    void FindOwn();
+    /// Whether this process lights the brick; in a part of several it lights some.
+    bool IsOwn(std::int64_t brick) const { return own_.empty() || own_[std::size_t(brick)] != 0; }
     LightGridSH EmptyGrid(GridStats &stats) const;
     void FillWeak(GridStats &stats);
     void TracePoints(std::span<const BrickPoint> points, std::int64_t brick, LightGridSH &grid, GridStats &work,
@@ -75,6 +78,8 @@ class GridSHTracer {
     const std::size_t lightCount_;
     GridBricks bricks_;
     LitGridPoints lit_;
+    std::vector<std::uint8_t> own_;     ///< by brick; empty: all
+    std::vector<std::uint8_t> nearOwn_; ///< by brick: own, or at most kNearOwn bricks away; empty: all
     ProbeIntegrator integrator_;
     WeakField weak_;
     bool usesWeak_ = false;

@@ -3,6 +3,7 @@
 
 #include "libs/sh/sh.h"
 #include "q3map2/light/grid/grid_bricks.h"
+#include "q3map2/units/unit_bytes.h"
 
 #include <algorithm>
 #include <numbers>
@@ -128,9 +129,86 @@ ProbeIntegrator::ProbeIntegrator(const GridInputs &in, const std::vector<Light> 
     : in_(in), lighting_(in, lights, in.options.shRadiance ? SHQuantity::Radiance : SHQuantity::Irradiance,
                          in.options.skip.smooth ? LightSplit::WeakAndStrong : LightSplit::None) {}
 
+// ---- Units: the sums of a brick ----
+
+namespace {
+
+/// Sums of the receivers of blocks, without the lanes that have none.
+std::vector<std::byte> BytesOfSums(std::span<const ReceiverBatch> blocks, std::span<const ChannelSums> sums) {
+    UnitWriter writer;
+    std::vector<double> values;
+    for (std::size_t block = 0; block < blocks.size(); ++block)
+        for (const ChannelSum &channel : sums[block])
+            for (const DoubleLanes &lanes : channel)
+                values.insert(values.end(), lanes.begin(), lanes.begin() + std::ptrdiff_t(blocks[block].count));
+    const bool isDark = std::ranges::all_of(values, [](double value) { return value == 0; });
+    writer.PutAll(isDark ? std::vector<double>() : values);
+    return writer.Take();
+}
+
+/// False: the bytes are of other blocks.
+bool ReadSums(std::span<const std::byte> bytes, std::span<const ReceiverBatch> blocks, std::vector<ChannelSums> &sums) {
+    UnitReader reader(bytes);
+    std::vector<double> values;
+    reader.GetAll(values);
+    std::size_t count = 0;
+    for (const ReceiverBatch &block : blocks)
+        count += 3 * 9 * block.count;
+    if (!reader.IsComplete() || (!values.empty() && values.size() != count))
+        return false;
+    auto next = values.begin();
+    for (std::size_t block = 0; block < blocks.size() && !values.empty(); ++block)
+        for (ChannelSum &channel : sums[block])
+            for (DoubleLanes &lanes : channel) {
+                std::copy_n(next, blocks[block].count, lanes.begin());
+                next += std::ptrdiff_t(blocks[block].count);
+            }
+    return true;
+}
+
+} // namespace
+
+void ProbeIntegrator::AddSurroundings(std::span<const ReceiverBatch> blocks, std::vector<ChannelSums> &sums,
+                                      GridStats &work) const {
+    const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+        const ReceiverBatch &receivers = blocks[block];
+        for (std::size_t i = 0; i < receivers.count && flood; ++i)
+            AddFlood(in_, receivers, i, sums[block], work.counts);
+        for (std::size_t i = 0; i < receivers.count && in_.indirect; ++i)
+            AddIndirect(in_, receivers, i, sums[block], work.counts);
+    }
+}
+
 std::vector<ChannelSums> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
                                                GridStats &work, LightObserver *observer) const {
+    const LightsInReach lights = lighting_.InReach(BrickExtent(blocks), seed, part, work);
     std::vector<ChannelSums> sums(blocks.size());
+    UnitStore *const units = observer ? nullptr : in_.units;
+    const bool isCache = units && units->IsCache();
+    Hash128 key;
+    bool isTouched = false;
+    if (units) {
+        LightUnitKey unit("SH sums", lighting_.Hashes(), *units);
+        unit.AddReceivers(std::span<const ReceiverBatch>(blocks));
+        unit.More().Add(part, lights.HasManyFaint());
+        if (isCache)
+            for (const WeightedLight &one : lights.List())
+                unit.AddLight(*one.light, one.weight);
+        else
+            unit.More().Add(seed);
+        key = unit.Key();
+        isTouched = unit.IsTouched();
+    }
+    // A cache keeps direct light alone, since bounced light depends on all surfaces.
+    const bool storesAll = units && !isCache;
+    const bool addsSurroundings = part != LightPart::Strong;
+    if (const auto known = units && !isTouched ? units->Find(key) : std::nullopt;
+        known && ReadSums(*known, blocks, sums)) {
+        if (addsSurroundings && !storesAll)
+            AddSurroundings(blocks, sums, work);
+        return sums;
+    }
     const auto add = [&](const WeightedLight &one, const std::vector<ProbeIncidentLight> &incident) {
         const Vec3d scale = Vec3d(one.light->color) * ((one.light->negative ? -1 : 1) / 255.0);
         // Lights with a style change in the game: the observer keeps them apart.
@@ -140,17 +218,13 @@ std::vector<ChannelSums> ProbeIntegrator::Sums(std::vector<ReceiverBatch> &block
         if (observer)
             observer->See(one, blocks, incident);
     };
-    lighting_.Trace(blocks, seed, part, work, add);
-    if (part == LightPart::Strong)
-        return sums;
-    const bool flood = in_.options.floodlight || in_.world.hasFloodlight;
-    for (std::size_t block = 0; block < blocks.size(); ++block) {
-        const ReceiverBatch &receivers = blocks[block];
-        for (std::size_t i = 0; i < receivers.count && flood; ++i)
-            AddFlood(in_, receivers, i, sums[block], work.counts);
-        for (std::size_t i = 0; i < receivers.count && in_.indirect; ++i)
-            AddIndirect(in_, receivers, i, sums[block], work.counts);
-    }
+    lighting_.Trace(blocks, lights, part, work, add);
+    if (isCache)
+        units->Keep(key, BytesOfSums(blocks, sums));
+    if (addsSurroundings)
+        AddSurroundings(blocks, sums, work);
+    if (storesAll)
+        units->Keep(key, BytesOfSums(blocks, sums));
     return sums;
 }
 

@@ -79,6 +79,8 @@ class ProbeIntegrator {
   private:
     std::vector<ChannelSums> Sums(std::vector<ReceiverBatch> &blocks, std::uint64_t seed, LightPart part,
                                   GridStats &work, LightObserver *observer = nullptr) const;
+    /// Adds floodlight and bounced light.
+    void AddSurroundings(std::span<const ReceiverBatch> blocks, std::vector<ChannelSums> &sums, GridStats &work) const;
     std::vector<bspGridPointSH_t> Values(std::span<const ReceiverBatch> blocks,
                                          std::span<const ChannelSums> sums) const;
     static bspGridPointSH_t LightAt(const ChannelSums &sums, std::size_t lane);

@@ -316,7 +316,8 @@ bool WeakFieldTracer::IsSmooth(const WeakField &weak) const {
         for (int y = 0; y < layout_.bounds[1]; ++y)
             for (int x = 0; x < layout_.bounds[0]; ++x) {
                 const auto index = std::uint32_t(layout_.Index(x, y, z));
-                if (WeakField::LevelOf(x, y, int(z)) != kTestedLevel || !points_.IsLit(index))
+                if (WeakField::LevelOf(x, y, int(z)) != kTestedLevel || !points_.IsLit(index) ||
+                    !isWanted_({x, y, int(z)}))
                     continue;
                 ++lit[std::size_t(z)];
                 good[std::size_t(z)] += weak.IsOpen(index) && weak.Predict(x, y, int(z)).IsGood();
@@ -333,7 +334,7 @@ void WeakFieldTracer::TraceBrick(int level, std::int64_t brick, const std::vecto
     std::vector<LevelPoint> traced;
     for (const BrickPoint &point : points) {
         const auto [x, y, z] = layout_.Coordinates(point.index);
-        if (WeakField::LevelOf(x, y, z) != level || !points_.IsLit(point.index))
+        if (WeakField::LevelOf(x, y, z) != level || !points_.IsLit(point.index) || !isWanted_({x, y, z}))
             continue;
         LevelPoint here{point, {}, MortonInBrick(x >> kShift[level], y >> kShift[level], z)};
         if (weak.IsOpen(point.index))

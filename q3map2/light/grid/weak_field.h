@@ -8,8 +8,10 @@
 #include "q3map2/light/scene/light_space.h"
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace q3 {
@@ -111,9 +113,10 @@ class WeakField {
 /// Fills a WeakField level by level: points that lower levels do not predict well are traced. Keeps references.
 class WeakFieldTracer {
   public:
+    /// isWanted: whether the light at grid coordinates is needed; only other parts of a bake need the rest.
     WeakFieldTracer(const GridInputs &in, const GridLayout &layout, const LitGridPoints &points,
-                    const ProbeIntegrator &integrator)
-        : in_(in), layout_(layout), points_(points), integrator_(integrator) {}
+                    const ProbeIntegrator &integrator, std::function<bool(const Int3 &)> isWanted)
+        : in_(in), layout_(layout), points_(points), integrator_(integrator), isWanted_(std::move(isWanted)) {}
 
     /// Sets `weak` at all lit points. The result does not depend on the number of threads. False: the first levels
     /// predict too few points, so that tracing all light at once is faster; `weak` is not complete.
@@ -128,6 +131,7 @@ class WeakFieldTracer {
     const GridLayout &layout_;
     const LitGridPoints &points_;
     const ProbeIntegrator &integrator_;
+    const std::function<bool(const Int3 &)> isWanted_;
 };
 
 /// A position in the open whose light is wanted.

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Solids, surfaces, skies and see-through surfaces in Embree, and rays traced against them.
 #include "q3map2/light/scene/light_scene.h"
 
+#include "common/hash.h"
 #include "q3map2/light/scene/light_embree.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/scene/shadow_casters.h"
@@ -179,6 +180,7 @@ struct LightScene::State {
         ScenePtr all, filters, blockers;
     };
     std::vector<std::unique_ptr<Group>> groups;
+    std::vector<Fingerprint> fingerprints;
 
     State(const Bsp &map, const SurfaceTable &t, const LightOptions &o, float radius, const PropShadows &p)
         : bsp(map), table(WithProps(t, p)), props(p), propOf(PropsOf(t.size(), p)), options(o),
@@ -206,6 +208,8 @@ struct LightScene::State {
         return !shader || !shader->twoSided;
     }
     void MakeGeometries(Casters &casters) const;
+    /// Adds the fingerprints of the triangles for receivers of a group.
+    void AddFingerprints(const Casters &casters, int group);
     /// Copies the triangles of a kind, if any, to Embree and frees their corners, except those of filters.
     void MakeGeometry(GeometryId id, Casters &casters) const;
     ScenePtr MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const;
@@ -279,6 +283,7 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
         state.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
     state.skyFaces.emplace(state.main.triangles[kSkies], state.skyIndexes);
     state.device = NewDevice();
+    state.AddFingerprints(state.main, 1);
     state.MakeGeometries(state.main);
     state.all = state.MakeScene({kSolids, kSurfaces, kPatches, kProps});
     state.skies = state.MakeScene({kSkies});
@@ -290,9 +295,40 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     for (const int group : groups)
         if (group != 0 && group != 1 && !state.FindGroup(group))
             state.MakeGroup(group);
+    std::ranges::sort(state.fingerprints, {}, &Fingerprint::hash);
 }
 
 LightScene::~LightScene() = default;
+
+void LightScene::State::AddFingerprints(const Casters &casters, int group) {
+    for (unsigned id = 0; id < kGeometries; ++id) {
+        const Triangles &triangles = casters.triangles[id];
+        for (std::size_t i = 0; i < triangles.Count(); ++i) {
+            KeyBuilder key;
+            key.Add(id, group);
+            key.AddAll(std::span(triangles.corners).subspan(9 * i, 9));
+            if (const int surface = triangles.surface[i]; surface >= 0) {
+                const SurfaceEntry &entry = table[std::size_t(surface)];
+                key.Add(entry.skyIndex, entry.castShadows, IsOneSided(surface), propOf[std::size_t(surface)]);
+                key.AddText(entry.shader ? std::string_view(entry.shader->name) : std::string_view());
+            }
+            if (!triangles.st.empty())
+                key.AddAll(std::span<const float>(triangles.st[i]));
+            Fingerprint &print = fingerprints.emplace_back(Fingerprint{key.Key().low, {}});
+            for (const Vec3d &corner : triangles.Corners(i))
+                print.box.Add(Vec3f(corner));
+        }
+    }
+}
+
+const std::vector<LightScene::Fingerprint> &LightScene::Fingerprints() const {
+    return state_->fingerprints;
+}
+
+bool LightScene::HasFilters() const {
+    return state_->filters != nullptr ||
+           std::ranges::any_of(state_->groups, [](const auto &group) { return group->filters != nullptr; });
+}
 
 void LightScene::State::MakeLegacy() {
     Once(legacyMade, [&] { legacyAll = MakeScene({kLegacySolids, kLegacySurfaces}); });
@@ -367,6 +403,7 @@ void LightScene::State::MakeGroup(int receiveShadows) {
     AddSurfaces(bsp, table, options, receiveShadows, group->casters.triangles);
     AddProps(props, int(bsp.drawSurfaces.size()), receiveShadows, kProps, SeeThroughProps::Add,
              group->casters.triangles);
+    AddFingerprints(group->casters, receiveShadows);
     MakeGeometries(group->casters);
     if (const RTCGeometry shared = main.geometries[kSolids].get()) {
         rtcRetainGeometry(shared);

@@ -70,6 +70,16 @@ class LightScene {
     /// All LegacySolids, and Surfaces for receivers of group 1.
     std::vector<BlockerTriangle> BlockerTriangles() const;
 
+    /// A hash of a triangle that rays can meet, with all that decides what it does to them, and its box.
+    struct Fingerprint {
+        std::uint64_t hash = 0;
+        Boundsf box;
+    };
+    /// Those of all triangles, by hash. Two scenes with the same fingerprints in a region do the same to rays there.
+    const std::vector<Fingerprint> &Fingerprints() const;
+    /// Whether light can pass through some triangles and be changed.
+    bool HasFilters() const;
+
     /// Number of triangles that rays to lights and skies can meet, without those of the legacy grid.
     std::size_t TriangleCount() const;
 

@@ -41,6 +41,7 @@ class LuxelBlocks {
     std::size_t Count() const { return receivers_.size(); }
     SurfaceReceiverBatch &Receivers(std::size_t block) { return receivers_[block]; }
     const SurfaceReceiverBatch &Receivers(std::size_t block) const { return receivers_[block]; }
+    const std::vector<SurfaceReceiverBatch> &AllReceivers() const { return receivers_; }
     /// Basis normals of the receivers; null if the lightmap has no such channels.
     const BasisLanes *Basis(std::size_t block) const { return basis_.empty() ? nullptr : &basis_[block]; }
     /// Index in the super grid of each receiver of a block.

@@ -2,19 +2,23 @@
 #include "q3map2/lightmap/direct/luxel_light.h"
 
 #include "common/debug_color.h"
+#include "common/error.h"
 #include "common/log.h"
 #include "libs/math/vec.h"
 #include "q3map2/light/sources/falloff.h"
+#include "q3map2/light/sources/light_units.h"
 #include "q3map2/lightmap/direct/luxel_contribution.h"
 #include "q3map2/lightmap/direct/luxel_filter.h"
 #include "q3map2/lightmap/direct/luxel_samples.h"
 #include "q3map2/lightmap/direct/luxel_soft.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
+#include "q3map2/units/unit_bytes.h"
 
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <optional>
 
 namespace q3 {
 
@@ -200,9 +204,10 @@ class LightmapPass {
     }
 
     /// Names of lights that found no place.
-    std::vector<std::string> Dropped() const { return styles_.DroppedLightNames(); }
+    const std::vector<std::string> &Dropped() const { return dropped_; }
 
-    void Run() {
+    /// hashes: of the lights of the pass.
+    void Run(std::size_t number, const LightHashes &hashes) {
         const bool isSoft = pass_.settings.HasSoftShadows() && !pass_.bounce;
         if (isSoft)
             worker_.blocks.BuildOffWalls(lightmap_, in_.space);
@@ -218,11 +223,21 @@ class LightmapPass {
             DrawDebugView(in_.lightmap.show, lightmap_);
             return;
         }
+        worker_.list.Build(lights_, lightmap_, pass_.settings);
+        const std::optional<UnitName> unit = in_.units ? std::optional(NameOfUnit(number, hashes)) : std::nullopt;
+        if (unit && unit->mayBeKnown && Find(unit->key))
+            return;
         if (supersamples_)
             worker_.sampler.Start(in_, lightmap_, worker_.blocks, pass_);
         if (isSoft)
             worker_.soft.Start(lightmap_, worker_.blocks);
-        worker_.list.Build(lights_, lightmap_, pass_.settings);
+        AddLights();
+        if (unit)
+            in_.units->Keep(unit->key, Bytes());
+    }
+
+  private:
+    void AddLights() {
         const std::vector<LightGroup> groups = LightGroupsOf(worker_.list.Lights(), pass_.settings);
         if (StyleChoice::IsNeeded(worker_.list.Lights()))
             ChooseStyles(groups);
@@ -230,9 +245,105 @@ class LightmapPass {
             AddLight(group);
         for (std::size_t i = 0; i < worker_.sums.used; ++i)
             AddSum(worker_.sums.sums[i]);
+        dropped_ = styles_.DroppedLightNames();
     }
 
-  private:
+    /// How the lightmap is known in a store.
+    struct UnitName {
+        Hash128 key;
+        bool mayBeKnown = true; ///< false: something that matters has changed since the run before
+    };
+    UnitName NameOfUnit(std::size_t number, const LightHashes &hashes) const {
+        LightUnitKey key("luxels", hashes, *in_.units);
+        key.More().Add(pass_.bounce);
+        if (!in_.units->IsCache()) {
+            key.More().Add(std::uint64_t(number));
+            return {key.Key()};
+        }
+        AddLayout(key.More());
+        key.AddReceivers(std::span<const SurfaceReceiverBatch>(worker_.blocks.AllReceivers()));
+        for (const Light *light : worker_.list.Lights()) {
+            key.AddLight(*light);
+            key.More().AddText(light->style != 0 ? light->label : std::string());
+        }
+        return {key.Key(), !key.IsTouched()};
+    }
+
+    /// What light depends on besides receivers and lights.
+    void AddLayout(KeyBuilder &key) const {
+        key.Add(lightmap_.SuperWidth(), lightmap_.SuperHeight(), lightmap_.receiveShadows, lightmap_.twoSided);
+        key.Add(lightmap_.ambient.x, lightmap_.ambient.y, lightmap_.ambient.z, blurAll_);
+        key.AddAll(std::span<const std::uint8_t>(lightmap_.styles));
+        for (std::size_t block = 0; block < worker_.blocks.Count(); ++block)
+            key.AddAll(std::span(worker_.blocks.Luxels(block)).first(worker_.blocks.Receivers(block).count));
+        if (!pass_.channels.Any() && !supersamples_ && !pass_.settings.HasSoftShadows())
+            return;
+        // Samples aside of luxels, and frames of their normals, depend on more of the map.
+        key.Add(in_.units->geometry.low, in_.units->geometry.high);
+    }
+
+    /// Everything that AddLights sets.
+    std::vector<std::byte> Bytes() const {
+        UnitWriter writer;
+        writer.Put(lightmap_.styles);
+        for (std::size_t slot = 0; slot < kStyles; ++slot) {
+            writer.PutAll(lightmap_.light[slot]);
+            PutImages(lightmap_.directional[slot], writer);
+        }
+        writer.PutAll(lightmap_.directions);
+        writer.Put(std::uint64_t(unblurred_.size()));
+        for (const UnblurredLight &one : unblurred_) {
+            writer.Put(one.style), writer.Put(one.filterRadius);
+            writer.PutAll(one.color), writer.PutAll(one.direction);
+            PutImages(one.channels, writer);
+        }
+        writer.Put(std::uint64_t(dropped_.size()));
+        for (const std::string &name : dropped_)
+            writer.PutText(name);
+        return writer.Take();
+    }
+
+    /// False: the store does not have it.
+    bool Find(const Hash128 &key) {
+        const auto bytes = in_.units->Find(key);
+        if (!bytes)
+            return false;
+        UnitReader reader(*bytes);
+        reader.Get(lightmap_.styles);
+        for (std::size_t slot = 0; slot < kStyles; ++slot) {
+            reader.GetAll(lightmap_.light[slot]);
+            GetImages(reader, lightmap_.directional[slot]);
+        }
+        reader.GetAll(lightmap_.directions);
+        std::uint64_t count = 0;
+        reader.Get(count);
+        for (std::uint64_t i = 0; i < count && reader.Fits(); ++i) {
+            UnblurredLight &one = unblurred_.emplace_back();
+            reader.Get(one.style), reader.Get(one.filterRadius);
+            reader.GetAll(one.color), reader.GetAll(one.direction);
+            GetImages(reader, one.channels);
+        }
+        reader.Get(count);
+        for (std::uint64_t i = 0; i < count && reader.Fits(); ++i)
+            reader.GetText(dropped_.emplace_back());
+        if (!reader.IsComplete())
+            throw Error("a stored result of a lightmap has another form: empty the folder of -cache");
+        return true;
+    }
+
+    static void PutImages(const ChannelImages &images, UnitWriter &writer) {
+        writer.Put(std::uint64_t(images.size()));
+        for (const std::vector<Vec3f> &image : images)
+            writer.PutAll(image);
+    }
+    static void GetImages(UnitReader &reader, ChannelImages &images) {
+        std::uint64_t count = 0;
+        reader.Get(count);
+        images.resize(std::size_t(std::min(count, std::uint64_t(kMaxChannels))));
+        for (std::vector<Vec3f> &image : images)
+            reader.GetAll(image);
+    }
+
     /// Sets mapped luxels to ambient light in slot 0 and to zero in others.
     void Clear() {
         const std::size_t count = lightmap_.luxelClusters.size();
@@ -382,6 +493,7 @@ class LightmapPass {
     Worker &worker_;
     LuxelPass pass_;
     StyleChoice styles_;
+    std::vector<std::string> dropped_;
     bool supersamples_ = false; // -samples above 1, or -randomsamples
     const bool blurAll_;        // not only light of sources with a filter radius
     std::vector<UnblurredLight> &unblurred_;
@@ -407,12 +519,20 @@ LuxelPass LuxelPassOf(const SurfaceInputs &in, const SurfacePass &pass, const Ra
 void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
                  SurfaceLight &surfaces, ContributionCounts &counts) {
     const LightsByCluster lists(lights, SunsSeen::Everywhere);
+    const LightHashes hashes(lights, in.units);
     // The largest first, so that all workers finish at about the same time.
     std::vector<std::size_t> order(surfaces.lightmaps.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         return surfaces.lightmaps[a].luxelClusters.size() > surfaces.lightmaps[b].luxelClusters.size();
     });
+    if (in.units && in.units->IsPartOfFirstRound()) {
+        std::vector<double> costs;
+        for (const RawLightmap &raw : surfaces.lightmaps)
+            costs.push_back(double(raw.luxelClusters.size()));
+        const std::vector<std::uint8_t> own = in.units->Own(costs, UnitStore::Division::BySize);
+        std::erase_if(order, [&](std::size_t number) { return own[number] == 0; });
+    }
     std::vector<Worker> workers(std::size_t(in.jobs.Threads()));
     DroppedLights dropped(surfaces.lightmaps.size());
     const bool blurAll = BlursAllLight(in, surfaces);
@@ -426,7 +546,7 @@ void LightLuxels(const SurfaceInputs &in, const std::vector<Light> &lights, cons
             const std::uint64_t before = worker.counts.rays;
             const std::size_t lightmap = order[std::size_t(index)];
             LightmapPass one(in, lists, pass, blurAll, surfaces.lightmaps[lightmap], unblurred[lightmap], worker);
-            one.Run();
+            one.Run(lightmap, hashes);
             dropped[lightmap] = one.Dropped();
             raysSoFar += worker.counts.rays - before;
         },

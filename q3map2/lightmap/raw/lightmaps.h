@@ -12,6 +12,7 @@
 #include "q3map2/light/transfer/light_contribution.h"
 #include "q3map2/light/transfer/light_sample.h"
 #include "q3map2/lightmap/options/lightmap_options.h"
+#include "q3map2/units/unit_store.h"
 
 #include <algorithm>
 #include <array>
@@ -260,6 +261,7 @@ struct SurfaceInputs {
     /// All lightmaps go into pages of the game's size. Others need a generated shader, which shows style 0 alone where
     /// records hold the styles.
     bool gamePagesOnly = false;
+    UnitStore *units = nullptr; ///< results that need not be computed; null: none
 };
 
 /// The kind of pass over surfaces. Functions of passes are called from one thread and use the workers of

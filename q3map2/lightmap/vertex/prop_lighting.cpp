@@ -10,6 +10,7 @@
 #include "q3map2/lightmap/store/hdr_store.h"
 #include "q3map2/lightmap/store/lightmap_store.h"
 #include "q3map2/lightmap/vertex/prop_samples.h"
+#include "q3map2/units/unit_bytes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -133,7 +134,9 @@ class PropLighter {
     std::vector<PropVertexLight> Run(ContributionCounts &counts);
 
   private:
-    std::vector<PropJob> AllJobs() const;
+    std::vector<std::uint8_t> FindUnits();
+    void KeepUnits(const std::vector<std::uint8_t> &lit) const;
+    std::vector<PropJob> AllJobs(const std::vector<std::uint8_t> &wanted) const;
     std::vector<PropJob> BuriedJobs() const;
     void RunJobs(const std::vector<PropJob> &jobs, PropPass pass, ContributionCounts &counts);
     void LightPoints(const PropJob &job, PropPass pass, ContributionCounts &counts);
@@ -174,10 +177,17 @@ std::vector<PropVertexLight> PropLighter::Run(ContributionCounts &counts) {
         const std::size_t count = props_.props[i].vertexLight ? props_.props[i].model->points.size() : 0;
         points_[i].light.resize(count), points_[i].litAt.resize(count), points_[i].isFinished.resize(count);
     }
-    RunJobs(AllJobs(), PropPass::Open, counts);
-    in_.jobs.For(std::int64_t(points_.size()), [&](std::int64_t prop, int) { FindOpenPlaces(std::size_t(prop)); });
+    const std::vector<std::uint8_t> unknown = FindUnits();
+    RunJobs(AllJobs(unknown), PropPass::Open, counts);
+    in_.jobs.For(std::int64_t(points_.size()), [&](std::int64_t prop, int) {
+        if (unknown[std::size_t(prop)] != 0)
+            FindOpenPlaces(std::size_t(prop));
+    });
     const std::vector<PropJob> buried = BuriedJobs();
-    RunJobs(buried, PropPass::Buried, counts);
+    std::vector<PropJob> toLight = buried;
+    std::erase_if(toLight, [&](const PropJob &job) { return unknown[job.prop] == 0; });
+    RunJobs(toLight, PropPass::Buried, counts);
+    KeepUnits(unknown);
     std::vector<PropVertexLight> results;
     long long vertices = 0, moved = 0;
     for (const PropJob &job : buried)
@@ -194,10 +204,63 @@ std::vector<PropVertexLight> PropLighter::Run(ContributionCounts &counts) {
     return results;
 }
 
-std::vector<PropJob> PropLighter::AllJobs() const {
+// ---- Units: a prop, in parts of a run ----
+
+namespace {
+
+Hash128 KeyOfProp(std::size_t prop) {
+    KeyBuilder key("prop");
+    key.Add(std::uint64_t(prop));
+    return key.Key();
+}
+
+} // namespace
+
+/// Reads the props that are known. By prop, whether this process has to light it.
+std::vector<std::uint8_t> PropLighter::FindUnits() {
+    const UnitStore *const units = in_.units && !in_.units->IsCache() ? in_.units : nullptr;
+    std::vector<double> costs;
+    for (const PropPoints &points : points_)
+        costs.push_back(double(points.light.size()));
+    if (!units)
+        return std::vector<std::uint8_t>(points_.size(), 1);
+    std::vector<std::uint8_t> unknown = units->Own(costs, UnitStore::Division::BySize);
+    for (std::size_t prop = 0; prop < points_.size(); ++prop) {
+        const auto bytes = units->Find(KeyOfProp(prop));
+        if (!bytes)
+            continue;
+        UnitReader reader(*bytes);
+        PropPoints known;
+        reader.GetAll(known.light);
+        reader.GetAll(known.isFinished);
+        if (reader.IsComplete() && known.light.size() == points_[prop].light.size() &&
+            known.isFinished.size() == known.light.size()) {
+            points_[prop].light = std::move(known.light);
+            points_[prop].isFinished = std::move(known.isFinished);
+            unknown[prop] = 0;
+        }
+    }
+    return unknown;
+}
+
+/// lit: by prop, whether this process has lit it.
+void PropLighter::KeepUnits(const std::vector<std::uint8_t> &lit) const {
+    if (!in_.units || in_.units->IsCache())
+        return;
+    for (std::size_t prop = 0; prop < points_.size(); ++prop)
+        if (lit[prop] != 0) {
+            UnitWriter writer;
+            writer.PutAll(points_[prop].light);
+            writer.PutAll(points_[prop].isFinished);
+            in_.units->Keep(KeyOfProp(prop), writer.Take());
+        }
+}
+
+/// wanted: by prop.
+std::vector<PropJob> PropLighter::AllJobs(const std::vector<std::uint8_t> &wanted) const {
     std::vector<PropJob> jobs;
     for (std::size_t prop = 0; prop < points_.size(); ++prop)
-        for (std::size_t point = 0; point < points_[prop].light.size(); ++point) {
+        for (std::size_t point = 0; point < points_[prop].light.size() && wanted[prop] != 0; ++point) {
             if (point % kPointsOfJob == 0)
                 jobs.push_back({prop, {}});
             jobs.back().points.push_back(point);

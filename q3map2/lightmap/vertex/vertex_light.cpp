@@ -4,10 +4,12 @@
 #include "common/debug_color.h"
 #include "q3map2/light/scene/open_parts.h"
 #include "q3map2/light/sources/falloff.h"
+#include "q3map2/light/sources/light_units.h"
 #include "q3map2/lightmap/ao/ambient_occlusion.h"
 #include "q3map2/lightmap/ao/luxel_occlusion.h"
 #include "q3map2/lightmap/raw/lightmaps.h"
 #include "q3map2/lightmap/raw/luxel_normal.h"
+#include "q3map2/units/unit_bytes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -127,8 +129,11 @@ class VertexLighter {
                   const SurfaceLight &surfaces, std::size_t surface, const AmbientOcclusion &occlusion,
                   ContributionCounts &counts);
     SurfaceVertexLight Run();
+    /// Run, unless the result is known. hashes: of `lights`.
+    SurfaceVertexLight FindOrRun(const LightHashes &hashes);
 
   private:
+    Hash128 KeyOfUnit(const LightHashes &hashes) const;
     using VertexIndices = std::vector<std::size_t>; // of the surface, from 0
     void FindLights(const std::vector<Light> &lights);
     void ChooseStyles();
@@ -215,6 +220,55 @@ SurfaceVertexLight VertexLighter::Run() {
             }
     FillWithoutPlace(lit);
     return std::move(result_);
+}
+
+// ---- Units: the vertices of a surface ----
+
+/// Where vertices are lit from depends on much of the map, so in a cache all of its geometry counts.
+Hash128 VertexLighter::KeyOfUnit(const LightHashes &hashes) const {
+    LightUnitKey key("vertices", hashes, *in_.units);
+    key.More().Add(surfaceNumber_, pass_.bounce);
+    if (!in_.units->IsCache())
+        return key.Key();
+    key.More().Add(in_.units->geometry.low, in_.units->geometry.high);
+    for (const Light *light : lights_) {
+        key.AddLight(*light);
+        key.More().AddText(light->style != 0 ? light->label : std::string());
+        for (const int cluster : surfaceClusters_)
+            key.More().Add(light->seenFrom.empty() || light->SeenFrom(cluster));
+    }
+    return key.Key();
+}
+
+SurfaceVertexLight VertexLighter::FindOrRun(const LightHashes &hashes) {
+    if (!in_.units)
+        return Run();
+    const Hash128 key = KeyOfUnit(hashes);
+    if (const auto bytes = in_.units->Find(key)) {
+        SurfaceVertexLight known;
+        UnitReader reader(*bytes);
+        reader.Get(known.styles);
+        reader.Get(known.constant);
+        for (std::vector<Vec3f> &values : known.values)
+            reader.GetAll(values);
+        std::uint64_t count = 0;
+        reader.Get(count);
+        for (std::uint64_t i = 0; i < count && reader.Fits(); ++i)
+            reader.GetText(known.dropped.emplace_back());
+        if (reader.IsComplete())
+            return known;
+    }
+    SurfaceVertexLight result = Run();
+    UnitWriter writer;
+    writer.Put(result.styles);
+    writer.Put(result.constant);
+    for (const std::vector<Vec3f> &values : result.values)
+        writer.PutAll(values);
+    writer.Put(std::uint64_t(result.dropped.size()));
+    for (const std::string &name : result.dropped)
+        writer.PutText(name);
+    in_.units->Keep(key, writer.Take());
+    return result;
 }
 
 /// Receivers at the vertices moved by `offset` that are not occluded there, and their indices.
@@ -470,6 +524,15 @@ void Store(const SurfaceInputs &in, const SurfacePass &pass, std::size_t surface
     }
 }
 
+/// By surface, whether this process lights its vertices.
+std::vector<std::uint8_t> OwnSurfaces(const SurfaceInputs &in) {
+    std::vector<double> costs;
+    for (const bspDrawSurface_t &surface : in.bsp.drawSurfaces)
+        costs.push_back(double(surface.numVerts));
+    const bool isPart = in.units && in.units->IsPartOfFirstRound();
+    return isPart ? in.units->Own(costs, UnitStore::Division::BySize) : std::vector<std::uint8_t>(costs.size(), 1);
+}
+
 } // namespace
 
 void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,
@@ -483,6 +546,8 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
         std::fill(values.begin(), values.end(), Vec3f{});
 
     const AmbientOcclusion occlusion(in);
+    const LightHashes hashes(lights, in.units);
+    const std::vector<std::uint8_t> own = OwnSurfaces(in);
     std::vector<SurfaceVertexLight> results(count);
     std::vector<ContributionCounts> work(std::size_t(in.jobs.Threads()));
     in.jobs.For(std::int64_t(count), [&](std::int64_t number, int worker) {
@@ -493,9 +558,9 @@ void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, co
             results[surface] = std::move(*shown);
         else if (surfaces.lightmapOf[surface] >= 0 && !in.lightmap.cpma)
             results[surface] = FromLightmap(in, pass, surfaces, surface);
-        else
-            results[surface] =
-                VertexLighter(in, lights, pass, surfaces, surface, occlusion, work[std::size_t(worker)]).Run();
+        else if (own[surface] != 0)
+            results[surface] = VertexLighter(in, lights, pass, surfaces, surface, occlusion, work[std::size_t(worker)])
+                                   .FindOrRun(hashes);
     });
     long long vertices = 0;
     DroppedLights dropped(count);
