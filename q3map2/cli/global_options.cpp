@@ -123,6 +123,28 @@ GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log) {
     return options;
 }
 
+std::vector<std::string> GlobalWords(const std::vector<std::string> &words, std::span<const std::string_view> without) {
+    const std::vector<SettingSection> sections = GlobalSections();
+    const auto find = [&](const std::string &word) -> const SettingInfo * {
+        for (const SettingSection &section : sections)
+            for (const SettingEntry &entry : section.entries)
+                if (entry.info.Names(word))
+                    return &entry.info;
+        return nullptr;
+    };
+    std::vector<std::string> kept;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const SettingInfo *const info = find(words[i]);
+        if (!info)
+            continue;
+        const std::size_t end = std::min(i + 1 + info->MinValues(), words.size());
+        if (std::none_of(without.begin(), without.end(), [&](std::string_view name) { return info->Names(name); }))
+            kept.insert(kept.end(), words.begin() + std::ptrdiff_t(i), words.begin() + std::ptrdiff_t(end));
+        i = end - 1;
+    }
+    return kept;
+}
+
 std::vector<std::filesystem::path> BasePaths(const GlobalOptions &options, const std::vector<std::string> &arguments,
                                              const std::filesystem::path &program) {
     if (!options.basePaths.empty())

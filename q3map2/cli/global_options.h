@@ -12,6 +12,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,6 +58,9 @@ struct GlobalOptions {
 /// Takes the global options off `arguments`. Errors: those of TakeSettings, and an unknown -game, which is a warning
 /// with -force.
 GlobalOptions ParseGlobalOptions(Arguments &arguments, Log &log);
+
+/// The global options among the words of a command line with their values, in order, but for those named `without`.
+std::vector<std::string> GlobalWords(const std::vector<std::string> &words, std::span<const std::string_view> without);
 
 /// The folders of -fs_basepath, or the one folder in which the game seems to be installed: see GameFolders. None with
 /// -fs_nobasepath alone.

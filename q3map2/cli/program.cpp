@@ -328,7 +328,8 @@ int Run(StageList stages, const std::vector<std::string> &words, const std::file
     const ChosenStage chosen = TakeStage(stages, arguments);
     TranslateVradOptions(chosen.stage, arguments, log);
     ExpandPreset(chosen.stage, arguments, log);
-    const StageContext context{options, chosen.stage, stages, chosen.isNamed, program, arguments.Rest(), log, report};
+    const StageContext context{options,          chosen.stage, stages, chosen.isNamed, program,
+                               arguments.Rest(), log,          report, words};
     const int status = chosen.stage.run(context, std::move(arguments));
     log.FlushWarnings();
     report.PrintEnd(status == 0 ? RunEnd::Done : RunEnd::Failed, log);

@@ -30,6 +30,7 @@ struct StageContext {
     std::vector<std::string> words; ///< the whole command line, which may contain the engine path
     Log &log;
     RunReport &report;
+    std::vector<std::string> given{}; ///< the command line, with its global options and as it was before presets
 };
 
 /// A word such as -light and what it starts.

@@ -159,13 +159,27 @@ class ReportPackage {
 
 } // namespace
 
-std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize, const JobPool &jobs, Log &log) {
-    ReportPackage package(map, log);
-    package.AddMap();
+namespace {
+
+void AddResources(ReportPackage &package, int textureSize, const JobPool &jobs) {
     package.AddLightmaps();
     package.AddShaders();
     if (textureSize > 0)
         package.AddTextures(textureSize, jobs);
+}
+
+} // namespace
+
+std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize, const JobPool &jobs, Log &log) {
+    ReportPackage package(map, log);
+    package.AddMap();
+    AddResources(package, textureSize, jobs);
+    return package.Finish();
+}
+
+std::vector<std::byte> MakeResourcePackage(const ReportedMap &map, int textureSize, const JobPool &jobs, Log &log) {
+    ReportPackage package(map, log);
+    AddResources(package, textureSize, jobs);
     return package.Finish();
 }
 
@@ -248,24 +262,36 @@ std::string EscapedAttribute(std::string_view text) {
     return escaped;
 }
 
+/// The page with `what`, which must be there once, replaced by `by`.
+std::string WithReplaced(std::string_view page, std::string_view what, std::string_view by) {
+    const std::size_t at = page.find(what);
+    if (at == std::string_view::npos)
+        throw Error("the viewer page has no {}", what);
+    const std::string_view rest = page.substr(at + what.size());
+    if (rest.find(what) != std::string_view::npos)
+        throw Error("the viewer page has more than one {}", what);
+    std::string result(page.substr(0, at));
+    result += by;
+    result += rest;
+    return result;
+}
+
 } // namespace
 
 std::string PageWithPackage(std::string_view page, std::string_view map, std::span<const std::byte> archive) {
-    const std::size_t at = page.find(kMarker);
-    if (at == std::string_view::npos)
-        throw Error("the viewer page has no comment {}", kMarker);
-    const std::string_view rest = page.substr(at + kMarker.size());
-    if (rest.find(kMarker) != std::string_view::npos)
-        throw Error("the viewer page has more than one comment {}", kMarker);
     const std::unique_ptr<gchar, FreeText> base64(
         g_base64_encode(reinterpret_cast<const guchar *>(archive.data()), archive.size()));
-    std::string result(page.substr(0, at));
-    result +=
-        fmt::format(R"(<script type="application/zip;base64" id="package" data-map="{}">)", EscapedAttribute(map));
-    result += base64.get();
-    result += "</script>";
-    result += rest;
-    return result;
+    return WithReplaced(page, kMarker,
+                        fmt::format(R"(<script type="application/zip;base64" id="package" data-map="{}">{}</script>)",
+                                    EscapedAttribute(map), base64.get()));
+}
+
+std::string PageForWatch(std::string_view page, std::string_view map, std::string_view origins) {
+    constexpr std::string_view kPolicy = "; img-src blob: data:\">";
+    return WithReplaced(
+        WithReplaced(page, kMarker,
+                     fmt::format(R"(<div id="watch" data-map="{}" hidden></div>)", EscapedAttribute(map))),
+        kPolicy, fmt::format("; img-src blob: data:; connect-src {}\">", origins));
 }
 
 } // namespace q3

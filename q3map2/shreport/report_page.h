@@ -39,6 +39,9 @@ struct ReportedMap {
 /// Errors: a file beside the map cannot be read.
 std::vector<std::byte> MakeReportPackage(const ReportedMap &map, int textureSize, const JobPool &jobs, Log &log);
 
+/// The same without the map and the files beside it.
+std::vector<std::byte> MakeResourcePackage(const ReportedMap &map, int textureSize, const JobPool &jobs, Log &log);
+
 // ---- Options of the stage -shreport ----
 
 struct SHReportOptions {
@@ -62,5 +65,10 @@ std::string ViewerPage();
 /// its type `application/zip;base64`, and its attribute `data-map` is `map`, the name of the .bsp in the archive.
 /// Errors: the comment is not in the page, or more than once.
 std::string PageWithPackage(std::string_view page, std::string_view map, std::span<const std::byte> archive);
+
+/// The page as the server of -watch sends it: `<!-- package -->` is replaced by an element with the id `watch` and the
+/// attribute `data-map`, and the page may connect to `origins`, such as "http://127.0.0.1:8027 ws://127.0.0.1:8027".
+/// Errors: what is replaced is not in the page, or more than once.
+std::string PageForWatch(std::string_view page, std::string_view map, std::string_view origins);
 
 } // namespace q3

@@ -18,6 +18,7 @@
 #include "q3map2/ssbump/ssbump.h"
 #include "q3map2/units/part_options.h"
 #include "q3map2/vis/vis.h"
+#include "q3map2/watch/options/watch_options.h"
 
 #include <algorithm>
 
@@ -87,6 +88,13 @@ std::vector<Stage> CompilingStages() {
          "Reads `x.bsp`. If they exist, light entities are read from `x.map` and settings of surfaces from `x.srf`. "
          "The page [Lighting a map](../guide/lighting.md) shows the kinds of lights and the options that matter most.",
          LightStage, LightSections},
+        {"-watch", "-watch [options] maps/x.map",
+         "Compile a map and show it in a browser, again at each save of its source",
+         "Runs until Ctrl-C, and prints the address of its page. After each save it runs the bsp stage, a fast vis "
+         "stage "
+         "and a fast light stage, and shows the result. Then it runs the vis and light stages of a play test in the "
+         "background, until the next save. The page [Watching a map](../guide/watch.md) describes it.",
+         WatchStage, [] { return Describe(WatchSettings()); }, nullptr, "maps/mymap.map"},
         {"-convertgrid", "-convertgrid -gridformats LIST [options] maps/x.bsp",
          "Convert the SH grid of a lit map to other engines' formats",
          "The page on [grid formats](../engines/grid_formats.md) says which engine reads which format and what each "

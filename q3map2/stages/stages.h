@@ -28,6 +28,7 @@ int AnalyzeStage(const StageContext &context, Arguments arguments);
 int PreviewStage(const StageContext &context, Arguments arguments);
 int SsbumpStage(const StageContext &context, Arguments arguments);
 int PackStage(const StageContext &context, Arguments arguments);
+int WatchStage(const StageContext &context, Arguments arguments);
 int SHReportStage(const StageContext &context, Arguments arguments);
 int RepackStage(const StageContext &context, Arguments arguments);
 int ScaleStage(const StageContext &context, Arguments arguments);

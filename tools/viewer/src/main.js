@@ -7,7 +7,9 @@ import { connectPad } from './ui/pad.js';
 import { Panel } from './ui/panel.js';
 import { placeOf } from './place_link.js';
 import { showSurface } from './ui/surface_box.js';
+import { WatchPanel } from './ui/watch_panel.js';
 import { Viewer } from './viewer.js';
+import { Watch, watchedMap } from './watch.js';
 
 const element = (id) => document.getElementById(id);
 const kFigureStep = 8; // units a key press
@@ -108,6 +110,20 @@ function connectChooser(opener) {
     });
 }
 
+/** Follows the builds of a map. */
+function startWatch(map, opener, viewer) {
+    let panel = null;
+    const watch = new Watch(map, opener, () => panel.show());
+    panel = new WatchPanel(element('watch'), watch, (place) => {
+        if (viewer.map) viewer.lookAt(place);
+    });
+    element('start').hidden = true;
+    viewer.settings.lights = true;
+    panel.show();
+    watch.connect();
+    return watch;
+}
+
 async function openEmbedded(opener) {
     try {
         const embedded = embeddedPackage(document);
@@ -148,7 +164,7 @@ function start() {
         panel.show();
         panel.showMaps(paths, shown);
         panel.showFacts();
-        element('view').focus({ preventScroll: true });
+        if (!watchedMap(document)) element('view').focus({ preventScroll: true });
     });
     panel = new Panel(element('panel'), viewer, {
         chooseMap: (path) => opener.show(path).catch((error) => opener.report(error, path)),
@@ -163,7 +179,9 @@ function start() {
     connectPad(element('pad'), viewer.walk, () => viewer.invalidate());
     connectDrops(opener);
     connectChooser(opener);
-    window.viewer = { viewer, opener, panel }; // for tests; tools/viewer/README.md says what they use
+    const watched = watchedMap(document);
+    const watch = watched && startWatch(watched, opener, viewer);
+    window.viewer = { viewer, opener, panel, watch }; // for tests; tools/viewer/README.md says what they use
     openEmbedded(opener);
 }
 

@@ -112,6 +112,19 @@ export class Opener {
         return new Map(scripts.reverse().flatMap((shaders) => [...shaders]));
     }
 
+    /**
+     * Shows a newer version of a map, from where the viewer is.
+     * @param {string} path lower case
+     * @param {Blob} bsp
+     * @param {{path: string, blob: Blob}|null} archive with its shaders and textures; null: those before stay
+     */
+    async update(path, bsp, archive) {
+        this.messages.clear();
+        if (archive) await this.files.add(archive.path, archive.blob);
+        await this.files.add(path, bsp);
+        await this.show(path);
+    }
+
     /** Shows a map of those that are open, with the files beside it. */
     async show(path, started = performance.now()) {
         const [bytes, scripts] = await Promise.all([this.files.read(path), this.scripts()]);

@@ -12,7 +12,7 @@ import { Figure } from './scene/figure.js';
 import { GridLayer } from './scene/grid_layer.js';
 import { Lightmaps } from './scene/lightmaps.js';
 import { MapMesh } from './scene/map_mesh.js';
-import { disposeTree, leakLine, lightRays, lightSpheres, placeDots, portalMesh, surfaceMark } from './scene/overlays.js';
+import { disposeTree, leakLine, lightRays, lightSpheres, placeDots, placeMark, portalMesh, surfaceMark } from './scene/overlays.js';
 import { Textures } from './scene/textures.js';
 import { Walk } from './scene/walk.js';
 import { initialSettings } from './settings.js';
@@ -23,11 +23,25 @@ const kBackground = new THREE.Color().setStyle('#14171c', THREE.LinearSRGBColorS
 const kTints = ['off', 'clusters', 'luxels'];
 const kFigureDistance = 96; // units before the viewer
 const kFigureDrop = 20; // units below the line of sight
+const [kSeeFrom, kSeePitches, kSeeYaws] = [[160, 280, 96, 56], [0.4, 0, -0.4], 8]; // from where a point is looked at: units, radians
 const kRefreshShare = 0.04; // of the radius: how far the viewer moves before points are chosen anew
 
 /** Resolves after the browser has shown what was drawn. */
 function nextFrame() {
     return new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+}
+
+/** A position in the open, and in front of nothing solid as seen from near the point; null: none of those tried. */
+function placeToSee(point, tree) {
+    for (const distance of kSeeFrom)
+        for (const pitch of kSeePitches)
+            for (let step = 0; step < kSeeYaws; step++) {
+                const yaw = (2 * Math.PI * step) / kSeeYaws;
+                const way = [Math.cos(yaw) * Math.cos(pitch), Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch)];
+                const at = (share) => point.map((c, i) => c + share * distance * way[i]);
+                if ([0.4, 0.6, 0.8, 1].every((share) => tree.clusterAt(...at(share)) >= 0)) return at(1);
+            }
+    return null;
 }
 
 export class Viewer {
@@ -43,6 +57,11 @@ export class Viewer {
     /** From parseExplanations, and its place that is nearest to the click. */
     explanations = null;
     explained = null;
+    /** Light entities of the map source; null: those of the map. */
+    givenLights = null;
+    /** Called once after the first picture of the next map. */
+    shownFirst = () => {};
+    imagesRevision = -1;
 
     /**
      * @param {HTMLCanvasElement} canvas
@@ -66,7 +85,7 @@ export class Viewer {
         this.gridLayer = new GridLayer(this.lightUniforms);
         this.figure = new Figure(this.lightUniforms);
         this.errors = new ErrorLayer();
-        this.side = { leak: null, portals: null, lights: null, places: null, mark: null, rays: null };
+        this.side = { leak: null, portals: null, lights: null, places: null, mark: null, rays: null, goal: null };
         this.scene.add(this.gridLayer.mesh, this.figure.group, this.errors.points);
         this.raycaster = new THREE.Raycaster();
         this.walk = new Walk(this.camera, canvas, {
@@ -130,7 +149,8 @@ export class Viewer {
             this.renderer.capabilities.maxArrayTextureLayers ?? 256,
         );
         const again = this.map !== null && this.path === path;
-        this.close();
+        this.close(again && files.revision === this.imagesRevision);
+        this.imagesRevision = files.revision;
         Object.assign(this, { map, path, tree, lightmaps, shaderOf });
         if (!again) this.settings.styleLight.set(onlyStyle0());
         this.setTone(map.entities[0]?.get('_q3map2_tone'));
@@ -144,12 +164,14 @@ export class Viewer {
             kSkyColor,
             this.settings.styleLight,
         );
+        this.textures.apply(this.mesh.batches);
         this.scene.add(this.mesh.group);
         if (!again) this.toPlace(placeOf(location.hash, path));
         this.applySettings();
         this.drawNow();
         this.finish();
         this.stats.firstPicture = performance.now() - started;
+        this.shownFirst();
         await nextFrame();
         this.grids = readGrids(map);
         if (this.grids.legacy) this.grids.legacy.styleLight = this.settings.styleLight;
@@ -178,11 +200,12 @@ export class Viewer {
         this.invalidate();
     }
 
-    close() {
+    /** @param {boolean} keepTextures for the next map, which has the same images */
+    close(keepTextures = false) {
         if (!this.map) return;
         this.scene.remove(this.mesh.group);
         this.mesh.dispose();
-        this.textures.dispose();
+        if (!keepTextures) this.textures.dispose();
         for (const name of Object.keys(this.side)) this.setSide(name, null);
         this.errors.set(null);
         this.picked = this.explained = this.explanations = null;
@@ -227,6 +250,17 @@ export class Viewer {
         this.camera.position.fromArray(place.position);
         this.walk.yaw = place.yaw;
         this.walk.pitch = place.pitch;
+    }
+
+    /** Brings the camera to a place in the open that sees the point, if there is one, turned to it, and marks the point. */
+    lookAt(point) {
+        const eye = placeToSee(point, this.tree) ?? this.walk.forward().multiplyScalar(-kSeeFrom[0]).toArray().map((c, i) => c + point[i]);
+        const [dx, dy, dz] = point.map((c, i) => c - eye[i]);
+        this.camera.position.fromArray(eye);
+        this.walk.yaw = Math.atan2(dy, dx);
+        this.walk.pitch = Math.atan2(dz, Math.hypot(dx, dy));
+        this.setSide('goal', placeMark(point));
+        this.invalidate();
     }
 
     /** The part of an address that leads here. */
@@ -282,8 +316,9 @@ export class Viewer {
         if (object) this.scene.add(object);
     }
 
+    /** @param {number[][]|null} points null: there is no leak */
     setLeak(points) {
-        this.setSide('leak', leakLine(points));
+        this.setSide('leak', points && leakLine(points));
         this.changed();
     }
 
@@ -308,7 +343,7 @@ export class Viewer {
     }
 
     addLights() {
-        this.lightList = lightEntities(this.map.entities);
+        this.lightList = lightEntities(this.givenLights ?? this.map.entities);
         if (this.lightList.length > 0) this.setSide('lights', lightSpheres(this.lightList, this.lightUniforms).mesh);
     }
 

@@ -6,10 +6,13 @@ export class GameFiles {
     archives = [];
     /** @type {Map<string, Blob>} loose files by lower-case path; they come before archives */
     loose = new Map();
+    /** Changes whenever images may have. */
+    revision = 0;
 
     /** Adds an archive, or a loose file under its path. */
     async add(path, blob) {
         const lower = path.toLowerCase();
+        if (!lower.endsWith('.bsp')) this.revision++;
         if (!/\.(pk3|zip)$/.test(lower)) {
             this.loose.set(lower, blob);
             return;

@@ -5,6 +5,7 @@ import { Spheres, SphereMode } from './spheres.js';
 const kLeakRadius = 1.6;
 const kRayRadius = 0.7;
 const kPlaceRadius = 3;
+const kMarkRadius = 5;
 const kSunLength = 4096; // of rays to suns
 const [kRed, kOrange] = [0xff4d4d, 0xf2c14e]; // as the screen shows them
 const kLightRadius = 7;
@@ -78,6 +79,11 @@ export function placeDots(places) {
     );
     mesh.material.depthTest = true;
     return mesh;
+}
+
+/** A place that a message is about. */
+export function placeMark(place) {
+    return dots([place], kMarkRadius, kRed);
 }
 
 /** Triangles of a surface, tinted and drawn over everything. */

@@ -57,6 +57,14 @@ export class Textures {
         await Promise.all(Array.from({ length: kAtOnce }, work));
     }
 
+    /** Gives batches the textures that are loaded already. */
+    apply(batches) {
+        for (const { material, image, clamp } of batches) {
+            const texture = this.loaded.get(`${image}|${clamp}`);
+            if (texture) material.uniforms.image.value = texture;
+        }
+    }
+
     async load(image, clamp, files) {
         const key = `${image}|${clamp}`;
         const known = this.loaded.get(key);
