@@ -135,6 +135,9 @@ void WarnWithoutEffect(const std::vector<std::string> &given, Log &log) {
         log.Warn("options without effect", "without effect: {}", fmt::join(given, ", "));
 }
 
+/// Name of a value that is options of something else in one word, so a dash may begin it.
+constexpr std::string_view kOptionsInOneWord = "OPTIONS";
+
 SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Arguments &arguments, std::size_t at,
                              Log &log) {
     const std::string name = arguments.TakeAt(at);
@@ -152,7 +155,7 @@ SettingValues TakeOccurrence(const SettingInfo &info, SettingKind kind, Argument
         const std::string &next = arguments.Rest()[at];
         if (!required && !isText && !IsNumber(next, kind))
             break;
-        if (isText && required && next.size() > 1 && next.front() == '-' && !StrictNumber(next))
+        if (isText && required && info.values != kOptionsInOneWord && next.size() > 1 && next.front() == '-' && !StrictNumber(next))
             throw Error("{} needs a value: {} {}; found {}", name, info.name, info.values, next);
         values.words.push_back(arguments.TakeAt(at));
         if (!isText) {

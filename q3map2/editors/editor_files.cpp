@@ -38,7 +38,7 @@ EditorBuild GridBuild(std::string_view preset) {
 } // namespace
 
 bool ReadsMapSource(std::string_view step) {
-    return step.starts_with("-bsp");
+    return step.starts_with("-bsp") || step.starts_with("-watch");
 }
 
 std::vector<EditorBuild> EditorBuilds(std::span<const std::string_view> presets) {
@@ -55,6 +55,7 @@ std::vector<EditorBuild> EditorBuilds(std::span<const std::string_view> presets)
                       .steps = {fmt::format("-bsp -preset {} -leaktest", presets.front())},
                       .opensGroup = true});
     builds.push_back({.label = "Entities only", .steps = {"-bsp -onlyents"}});
+    builds.push_back({.label = "Watch: compile and show on each save", .steps = {"-watch -open"}});
     builds.push_back({.label = "Package (pk3)", .steps = {R"(-pk3 -basepak "pak*.pk3")"}, .needsMap = false});
     return builds;
 }

@@ -150,14 +150,17 @@ void WatchServer::Impl::Send(SoupWebsocketConnection *page) const {
 WatchServer::WatchServer(int port, Callbacks callbacks) : impl_(std::make_unique<Impl>(std::move(callbacks))) {
     impl_->server.reset(soup_server_new(nullptr, nullptr));
     SoupServer *const server = impl_->server.get();
-    // Sees the headers of every request before anything else does.
-    soup_server_add_early_handler(
-        server, nullptr,
-        [](SoupServer *, SoupServerMessage *message, const char *path, GHashTable *, gpointer impl) {
-            if (!static_cast<Impl *>(impl)->IsAllowed(message, path))
-                soup_server_message_set_status(message, SOUP_STATUS_FORBIDDEN, nullptr);
-        },
-        impl_.get(), nullptr);
+    // Sees the headers of every request before anything else does. That of the longest path is called, so the WebSocket
+    // needs its own.
+    const std::string socket = fmt::format("/{}/{}", impl_->token, kSocketName);
+    for (const char *const below : {static_cast<const char *>(nullptr), socket.c_str()})
+        soup_server_add_early_handler(
+            server, below,
+            [](SoupServer *, SoupServerMessage *message, const char *path, GHashTable *, gpointer impl) {
+                if (!static_cast<Impl *>(impl)->IsAllowed(message, path))
+                    soup_server_message_set_status(message, SOUP_STATUS_FORBIDDEN, nullptr);
+            },
+            impl_.get(), nullptr);
     soup_server_add_handler(
         server, nullptr,
         [](SoupServer *, SoupServerMessage *message, const char *path, GHashTable *, gpointer impl) {
@@ -165,7 +168,7 @@ WatchServer::WatchServer(int port, Callbacks callbacks) : impl_(std::make_unique
         },
         impl_.get(), nullptr);
     soup_server_add_websocket_handler(
-        server, fmt::format("/{}/{}", impl_->token, kSocketName).c_str(), nullptr, nullptr,
+        server, socket.c_str(), nullptr, nullptr,
         [](SoupServer *, SoupServerMessage *, const char *, SoupWebsocketConnection *page, gpointer impl) {
             static_cast<Impl *>(impl)->AddPage(page);
         },

@@ -6,8 +6,8 @@ A command is an indented or fenced line that begins with q3map2. Each page start
 maps/mymap.map is compiled; its commands run in their order, in the folder that the page last changed to (cd), else in
 that of the game or of the mod that they name; mkdir is followed too. /games/quake3 in a page is that game; another /games/NAME that a page changes to is a copy of it.
 
-Commands with a word in capitals (DIR, MOD) are patterns, not for running: like all others, and like those in running
-text, they may only use options that the program has.
+Commands with a word in capitals (DIR, MOD) are patterns, and -watch runs until it is stopped: these do not run. Like
+all others, and like those in running text, they may only use options that the program has.
 """
 
 import os
@@ -165,8 +165,10 @@ class Reader:
         known = self.options[stage] | self.options[""]
         if stage == "-shreport" and "-explain" in words:  # explains a run of the light stage
             known = known | self.options["-light"]
-        for word in words:
+        for before, word in zip(["", *words], words):
             name = word.lower()
+            if stage == "-watch" and before.endswith("options"):  # options of another stage
+                continue
             is_option = name.startswith("-") and not re.match(r"-[\d.]", name)
             if is_option and name != stage and name not in known:
                 self.failures.append(f"{where}: {stage} has no option {word}")
@@ -208,7 +210,8 @@ class Reader:
             for command in [found.group(1)] if is_command else INLINE.findall(line):
                 words = self.words_of(command)
                 self.check_options(where, words)
-                if is_command and may_run and not any(PATTERN_WORD.match(word) for word in words):
+                ends = "-watch" not in words
+                if is_command and may_run and ends and not any(PATTERN_WORD.match(word) for word in words):
                     self.run(where, command, words)
                     ran += 1
                 else:

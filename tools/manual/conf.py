@@ -30,7 +30,7 @@ suppress_warnings = ["misc.highlighting_failure"]
 
 # Parts of the manual in the order of the sidebar, with the pages that come first.
 PARTS = {
-    "Guide": ("guide", ["first_bake", "editors", "compiling", "lighting", "releasing", "relighting",
+    "Guide": ("guide", ["first_bake", "editors", "compiling", "lighting", "watch", "releasing", "relighting",
                         "hdr_and_normal_maps", "static_props", "utilities", "viewer", "gallery", "troubleshooting",
                         "explain", "from_q3map2", "from_source_engine"]),
     "Reference": ("reference", ["command_line", "bsp", "vis", "light", "other_stages", "entity_keys",

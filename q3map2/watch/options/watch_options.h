@@ -14,7 +14,7 @@ struct WatchOptions {
     std::string bsp = "-meta";             ///< options of the bsp stage
     std::string vis;                       ///< of the vis stage of the second pass
     std::string light = "-preset normal";  ///< of the light stage of the second pass
-    std::string draft = "-faster -nogrid"; ///< of the light stage of the first pass
+    std::string draft = "-faster -nogrid -samplescale 2"; ///< of the light stage of the first pass
     int port = 0;                          ///< 0: a free one
     int textureSize = 128;                 ///< most texels on the longer side of a texture; 0: no textures
     bool open = false;                     ///< the browser opens the page
