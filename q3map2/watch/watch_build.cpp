@@ -132,8 +132,9 @@ void WatchBuild::AddLines(LogLevel level, const std::string &text) {
         rest.remove_prefix(std::min(end + 1, rest.size()));
         if (line.starts_with(kWarning))
             line.remove_prefix(kWarning.size());
-        const bool isHeader = line.starts_with("****"); // of errors
-        if (!line.empty() && !isHeader)
+        // RunProgram prints errors between a header and the summary of the run.
+        const bool isAround = line.starts_with("************") || line.starts_with("failed: ");
+        if (!line.empty() && !isAround)
             Add(level, std::string(line), {});
     }
 }

@@ -131,7 +131,8 @@ class Running:
         self.process = subprocess.Popen(self.line("-watch", *options, word), cwd=self.game, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT, text=True)
         test.addCleanup(self.kill)
-        threading.Thread(target=lambda: self.output.extend(self.process.stdout), daemon=True).start()
+        self.reader = threading.Thread(target=lambda: self.output.extend(self.process.stdout))
+        self.reader.start()
         self.address = self.wait_for_line(r"The page: (http://127\.0\.0\.1:(\d+)(/[0-9a-f]{32}/))\n")
         self.port, self.path = int(self.address[2]), self.address[3]
 
@@ -152,6 +153,8 @@ class Running:
         if self.process.poll() is None:
             self.process.kill()
         self.process.wait()
+        self.reader.join()
+        self.process.stdout.close()
 
     def get(self, path, method="GET", **headers):
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=SECONDS)
@@ -376,8 +379,7 @@ class Saves(unittest.TestCase):
             self.assertEqual(second.returncode, 1, second.stdout)
             self.assertIn(watch.path, second.stdout)
         link.unlink()
-        watch.process.kill()
-        watch.process.wait()
+        watch.kill()
         self.assertTrue(lock.exists())
         watch.output.clear()
         watch.start(self)
