@@ -142,6 +142,10 @@ void WatchBuild::AddLines(LogLevel level, const std::string &text) {
 void WatchBuild::Add(LogLevel level, std::string text, std::optional<Vec3f> at) {
     while (!text.empty() && text.back() == '\n')
         text.pop_back();
+    // Everything is about files of one folder.
+    const std::string folder = settings_.files.map.parent_path().string() + "/";
+    for (std::size_t place = 0; (place = text.find(folder, place)) != std::string::npos;)
+        text.erase(place, folder.size());
     // Each stage may complain about the same.
     const bool isKnown =
         std::ranges::any_of(messages_, [&](const WatchedMessage &m) { return m.text == text && (m.at == at || !at); });

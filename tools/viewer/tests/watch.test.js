@@ -107,6 +107,7 @@ test('a leak: its line and a place to go to', () =>
     follow('leak', roomSource({ hole: true }), async (page, map) => {
         await shown(page, 1, 'final');
         assert.ok(await page.evaluate(() => window.viewer.viewer.side.leak !== null));
+        assert.equal(await page.textContent('#watch .head'), 'The map leaks');
         const before = await camera(page);
         await page.click('#watch li.error button >> nth=0');
         const first = await camera(page);

@@ -6,6 +6,8 @@ const kPasses = [
     ['final', 'Final'],
 ];
 
+const kLeak = 'MAP LEAKED'; // the message that has the line
+
 function stageText({ name, state, seconds }) {
     if (state === 'running') return `${name} …`;
     return `${name} ${seconds.toFixed(1)} s${state === 'failed' ? ' failed' : ''}`;
@@ -17,6 +19,7 @@ function headline({ state, ended, shown }) {
     if (!state) return 'Connecting…';
     if (state.gone) return `${state.source} is gone`;
     if (state.stages.some((stage) => stage.state === 'failed')) return 'The build failed';
+    if (state.leak.length > 0 && !state.running) return 'The map leaks';
     if (state.running) return shown === state.version && state.stages.at(-1)?.pass === 'final' ? 'Refining' : 'Building';
     return 'Up to date';
 }
@@ -44,7 +47,8 @@ export class WatchPanel {
     show() {
         const { state, ended } = this.watch;
         this.head.textContent = headline(this.watch);
-        this.head.classList.toggle('failed', ended || (state?.stages.some((s) => s.state === 'failed') ?? false));
+        const isBad = ended || state?.leak.length > 0 || state?.stages.some((stage) => stage.state === 'failed');
+        this.head.classList.toggle('failed', Boolean(isBad));
         if (!state) return;
         this.passes.replaceChildren(
             ...kPasses.flatMap(([pass, label]) => {
@@ -60,14 +64,14 @@ export class WatchPanel {
         if (key === this.listKey) return; // keeps the focus
         this.listKey = key;
         this.leakStep = 0;
-        const rows = messages.map(({ level, stage, text, at }) => this.row(level, stage, text, at && (() => this.goTo(at))));
-        if (leak.length > 1)
-            rows.unshift(
-                this.row('error', 'leak', `Leak line of ${leak.length} points: a click follows it`, () => {
-                    this.goTo(leak[leak.length - 1 - (this.leakStep++ % leak.length)]);
-                }),
-            );
-        this.list.replaceChildren(...rows);
+        const followLeak = () => this.goTo(leak[leak.length - 1 - (this.leakStep++ % leak.length)]);
+        this.list.replaceChildren(
+            ...messages.map(({ level, stage, text, at }) =>
+                text === kLeak && leak.length > 1
+                    ? this.row(level, stage, `${text}: each click goes one point along the red line`, followLeak)
+                    : this.row(level, stage, text, at && (() => this.goTo(at))),
+            ),
+        );
     }
 
     row(level, stage, text, press) {
