@@ -149,7 +149,9 @@ export class Viewer {
             this.renderer.capabilities.maxArrayTextureLayers ?? 256,
         );
         const again = this.map !== null && this.path === path;
-        this.close(again && files.revision === this.imagesRevision);
+        // Programs of the graphics system are compiled anew unless something still uses them.
+        const old = again ? this.mesh : null;
+        this.close({ keepMesh: again, keepTextures: again && files.revision === this.imagesRevision });
         this.imagesRevision = files.revision;
         Object.assign(this, { map, path, tree, lightmaps, shaderOf });
         if (!again) this.settings.styleLight.set(onlyStyle0());
@@ -170,6 +172,7 @@ export class Viewer {
         this.applySettings();
         this.drawNow();
         this.finish();
+        old?.dispose();
         this.stats.firstPicture = performance.now() - started;
         this.shownFirst();
         await nextFrame();
@@ -200,11 +203,11 @@ export class Viewer {
         this.invalidate();
     }
 
-    /** @param {boolean} keepTextures for the next map, which has the same images */
-    close(keepTextures = false) {
+    /** @param {{keepMesh?: boolean, keepTextures?: boolean}} options what the next map still needs, or its caller frees */
+    close({ keepMesh = false, keepTextures = false } = {}) {
         if (!this.map) return;
         this.scene.remove(this.mesh.group);
-        this.mesh.dispose();
+        if (!keepMesh) this.mesh.dispose();
         if (!keepTextures) this.textures.dispose();
         for (const name of Object.keys(this.side)) this.setSide(name, null);
         this.errors.set(null);
