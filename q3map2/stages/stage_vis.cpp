@@ -9,6 +9,7 @@
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
 #include "q3map2/vis/vis.h"
+#include "q3map2/vis/vis_parts.h"
 
 #include <algorithm>
 #include <system_error>
@@ -104,9 +105,11 @@ int VisStage(const StageContext &context, Arguments arguments) {
     options.vis.farPlane = FarPlaneOf(world);
 
     const JobPool jobs(context.options.threads);
+    if (store && options.vis.flowRounds == 0)
+        options.vis.flowRounds = kFlowRoundsOfParts;
     if (store) {
         store->Begin(HashOfInputs(prtPath, world, *store));
-        store->endsWithFile = !parts.part && EndsWithFile(parts, *store, RoundsOf(options.vis));
+        store->endsWithFile = !parts.part && EndsWithFile(parts, *store, PartRounds(options.vis));
         if (store->endsWithFile && store->roundsBefore > 1) {
             WritePartFile(parts, *store, "-vis", name, log);
             return 0;

@@ -28,18 +28,12 @@ class ChainSearch {
     ChainSearch(const VisMap &map, const MightSeeTable &mightSee, const FlowSettings &settings)
         : map_(map), mightSee_(mightSee), settings_(settings) {}
 
-    /// Adds the portals that are seen through portal `base` to `seen`, which may hold portals known to be seen. limit:
-    /// portals that contain these; empty: all.
-    void Run(std::size_t base, BitWord *seen, std::span<const BitWord> limit = {}) {
+    /// Adds the portals that are seen through portal `base` to `seen`, which may hold portals known to be seen.
+    void Run(std::size_t base, BitWord *seen) {
         base_ = &map_.Portal(base);
         seen_ = seen;
         ChainLink &first = Link(0);
         first.mightSee = mightSee_.Row(base);
-        if (!limit.empty()) {
-            for (std::size_t i = 0; i < limit.size(); ++i)
-                first.storage[i] = mightSee_.Row(base)[i] & limit[i];
-            first.mightSee = first.storage.data();
-        }
         first.low = 0, first.high = mightSee_.Words();
         std::iota(first.unseenStorage.begin(), first.unseenStorage.end(), 0u);
         first.unseenWords = first.unseenStorage;
@@ -251,18 +245,18 @@ class FlowRun {
     FlowRun(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const VisUnits &units,
             const JobPool &jobs, MightSeeTable &mightSee)
         : map_(map), order_(order), settings_(settings), units_(units), jobs_(jobs), mightSee_(mightSee),
-          batch_(settings.reference ? 1 : kBatch), found_(batch_, map.NumPortals()), settled_(mightSee.Words()),
+          batch_(BatchOf(settings, order.size())), found_(batch_, map.NumPortals()), settled_(mightSee.Words()),
           busy_(std::size_t(jobs.Threads())) {
-        limits_.resize(busy_.size(), std::vector<BitWord>(mightSee.Words()));
         for (int worker = 0; worker < jobs.Threads(); ++worker)
             searches_.emplace_back(map, mightSee, settings);
     }
 
     /// Replaces rows by those that earlier rounds of parts found.
     void UseKnown(std::span<const int> portals) {
+        std::vector<BitWord> row(mightSee_.Words());
         for (const int p : portals)
-            if (units_.Find(VisUnits::Row::Flow, std::size_t(p), limits_.front()))
-                StoreRow(std::size_t(p), limits_.front());
+            if (units_.Find(VisUnits::Row::Flow, std::size_t(p), row))
+                StoreRow(std::size_t(p), row);
     }
     /// Searches some portals from the state of the table, and keeps what it finds.
     void RunPart(std::span<const int> portals) {
@@ -282,7 +276,9 @@ class FlowRun {
             jobs_.For(std::int64_t(portals.size()), [&](std::int64_t index, int worker) {
                 // The last portal is the most expensive one. It starts first, which shortens the end of the batch.
                 const std::size_t slot = portals.size() - 1 - std::size_t(index);
-                Search(std::size_t(worker), std::size_t(portals[slot]), found_.Row(slot));
+                const auto p = std::size_t(portals[slot]);
+                if (!units_.Find(VisUnits::Row::Flow, p, {found_.Row(slot), found_.Words()}))
+                    Search(std::size_t(worker), p, found_.Row(slot));
             });
             Store(portals);
             report(first + portals.size());
@@ -292,15 +288,19 @@ class FlowRun {
     double BusySeconds() const { return std::accumulate(busy_.begin(), busy_.end(), 0.0); }
 
   private:
+    static std::size_t BatchOf(const FlowSettings &settings, std::size_t portals) {
+        if (settings.reference)
+            return 1;
+        const auto rounds = std::size_t(settings.rounds);
+        return rounds == 0 ? kBatch : std::max<std::size_t>(1, (portals + rounds - 1) / rounds);
+    }
     void Search(std::size_t worker, std::size_t p, BitWord *seen) {
         const auto start = std::chrono::steady_clock::now();
         const bool useTwins = !settings_.reference && map_.Portal(p).hasTwin;
         for (std::size_t word = 0; word < found_.Words(); ++word)
             seen[word] = useTwins ? mightSee_.Row(p)[word] & settled_[word] : 0;
-        const std::span<BitWord> limit(limits_[worker]);
-        const bool isLimited = !units_.IsFlowPart() && units_.Find(VisUnits::Row::Flow, p, limit);
         if (!map_.Portal(p).removed)
-            searches_[worker].Run(p, seen, isLimited ? limit : std::span<BitWord>());
+            searches_[worker].Run(p, seen);
         busy_[worker] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
@@ -321,19 +321,19 @@ class FlowRun {
     const JobPool &jobs_;
     MightSeeTable &mightSee_;
     std::size_t batch_;
-    BitTable found_;               ///< by portal of the batch: what its search found
-    std::vector<BitWord> settled_; ///< twins of finished portals: their bits in a row of mightSee_ are final
-    std::vector<std::vector<BitWord>> limits_; ///< by worker: the row that a part has found
-    std::vector<double> busy_;                 ///< seconds, by worker
-    std::vector<ChainSearch> searches_;        ///< by worker
+    BitTable found_;                    ///< by portal of the batch: what its search found
+    std::vector<BitWord> settled_;      ///< twins of finished portals: their bits in a row of mightSee_ are final
+    std::vector<double> busy_;          ///< seconds, by worker
+    std::vector<ChainSearch> searches_; ///< by worker
 };
 
 } // namespace
 
 void PartOfPortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings,
                       const VisUnits &units, const JobPool &jobs, Log &log, MightSeeTable &mightSee) {
-    const auto round = std::size_t(units.FlowRoundsBefore());
-    const std::size_t first = order.size() * round / kFlowRounds, end = order.size() * (round + 1) / kFlowRounds;
+    const auto round = std::size_t(units.FlowRoundsBefore()), rounds = std::size_t(settings.rounds);
+    const std::size_t size = (order.size() + rounds - 1) / rounds, first = std::min(order.size(), size * round),
+                      end = std::min(order.size(), first + size);
     std::vector<double> costs;
     for (const int p : order.subspan(first, end - first)) {
         const auto seen = double(CountBits(mightSee.Bits(std::size_t(p))));

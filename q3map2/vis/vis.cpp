@@ -28,8 +28,8 @@ VisStageOptions ParseVisOptions(Arguments &arguments, Log &log) {
 
 namespace {
 
-/// A setting of this flag of VisStageOptions::vis.
-auto VisFlag(bool VisOptions::*field) {
+/// A setting of this field of VisStageOptions::vis.
+template <typename Field> auto VisField(Field VisOptions::*field) {
     return [field](auto &o) -> auto & {
         return o.vis.*field;
     };
@@ -51,38 +51,50 @@ std::vector<SettingGroup<VisStageOptions>> VisSettings() {
             .help = "Computes rough visibility quickly, only from which way portals face",
             .details = "Use it for test builds. Little is hidden, so the game runs slower.",
             .since = "q3map2"},
-           VisFlag(&VisOptions::fast)},
+           VisField(&VisOptions::fast)},
           {{.name = "-merge",
             .help = "Merges leafs that are convex together, and then their portals",
             .details = "The stage takes less time and hides less. Leafs are merged through hint portals too.",
             .since = "q3map2"},
-           VisFlag(&VisOptions::merge)},
+           VisField(&VisOptions::merge)},
           {{.name = "-hint",
             .help = "Merges leafs as -merge does, except across hint brushes",
             .details = "Implies `-merge`.",
             .since = "q3map2"},
-           VisFlag(&VisOptions::keepHints)},
+           VisField(&VisOptions::keepHints)},
           {{.name = "-mergeportals", .help = "Merges portals only between the same two leafs", .since = "q3map2"},
-           VisFlag(&VisOptions::mergePortals)},
+           VisField(&VisOptions::mergePortals)},
           {{.name = "-nopassage",
             .help = "Computes portal flow without passages, which takes longer and is less exact",
             .details = "Overrides `-passageOnly`.",
             .since = "q3map2"},
-           VisFlag(&VisOptions::noPassage)},
+           VisField(&VisOptions::noPassage)},
           {{.name = "-passageOnly",
             .help = "Computes passages without portal flow, which takes less time and is less exact",
             .since = "q3map2"},
-           VisFlag(&VisOptions::passageOnly)},
+           VisField(&VisOptions::passageOnly)},
           {{.name = "-nosort",
             .help = "Processes portals in the order of the file instead of the cheapest first",
             .since = "q3map2"},
-           VisFlag(&VisOptions::noSort)},
+           VisField(&VisOptions::noSort)},
+          {{.name = "-flowrounds",
+            .values = "N",
+            .initial = "64 portals a round; with -part and -join 4",
+            .range = {.low = 1, .high = 100},
+            .help = "Follows the portals in N rounds of the same size",
+            .details = "A round starts from what the rounds before have found. With few rounds more chains are "
+                       "followed in vain, which takes more time, and a few more clusters may count as visible. Runs "
+                       "in parts need few rounds, since all parts wait for each other between two rounds. The result "
+                       "depends on N, but not on the number of parts.",
+            .since = "0.2.0",
+            .example = "4"},
+           VisField(&VisOptions::flowRounds)},
           {{.name = "-plain",
             .help = "Computes visibility as NetRadiant's q3map2 does, one portal after the other on one thread",
             .details = "Each direction is computed separately, and the lump has the same bytes as that of "
                        "NetRadiant's q3map2 on one thread.",
             .since = "0.1.0"},
-           VisFlag(&VisOptions::plain)},
+           VisField(&VisOptions::plain)},
           {{.name = "-v",
             .help = "Prints how many clusters see how many others, if it is given a second time",
             .details = "The first `-v` of a line is the [global option](command_line.md#-v).",
@@ -191,7 +203,8 @@ std::optional<MightSeeTable> PortalVisibility(const VisMap &map, const VisOption
         return std::move(start.mightSee);
     const FlowSettings settings{.passages = start.passages ? &*start.passages : nullptr,
                                 .clip = !start.passages || !options.passageOnly,
-                                .reference = options.plain};
+                                .reference = options.plain,
+                                .rounds = options.flowRounds};
     if (start.passages)
         log.Section(fmt::format("{} ({})", settings.clip ? "PassagePortalFlow" : "PassageFlow", map.NumPortals()));
     const std::vector<int> order = OrderPortals(map, start.mightSee, !options.noSort);
@@ -271,9 +284,9 @@ std::vector<std::uint8_t> Visibility::Lump() const {
     return lump;
 }
 
-int RoundsOf(const VisOptions &options) {
+int PartRounds(const VisOptions &options) {
     // The reference mode follows one portal after another, from what those before have found.
-    return VisRounds(!options.fast && !options.plain);
+    return options.fast || options.plain ? 1 : 1 + options.flowRounds;
 }
 
 std::optional<Visibility> ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,

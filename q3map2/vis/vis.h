@@ -43,6 +43,7 @@ struct VisOptions {
     bool noPassage = false;    ///< -nopassage: portal flow alone
     bool passageOnly = false;  ///< -passageOnly: passages alone
     bool noSort = false;       ///< -nosort: portals in the order of the file
+    int flowRounds = 0;        ///< -flowrounds: see its help; 0: rounds of a constant number of portals
     bool plain = false;        ///< -plain: reference mode, see FlowSettings::reference
     FarPlane farPlane{};
 };
@@ -68,8 +69,8 @@ struct Visibility {
 std::optional<Visibility> ComputeVisibility(const PortalFile &file, std::string_view name, const VisOptions &options,
                                             UnitStore *units, const JobPool &jobs, Log &log);
 
-/// Rounds of a run in parts.
-int RoundsOf(const VisOptions &options);
+/// Rounds of a run in parts (PartOptions).
+int PartRounds(const VisOptions &options);
 
 /// Prints total, average, deviation, minimum and maximum of visible clusters; each cluster counts itself. `histogram`:
 /// also prints, for each such number, how many clusters have it. Percentages are of all clusters.

@@ -100,11 +100,12 @@ struct FlowSettings {
     /// Reference mode: one portal after the other, without results of twins, and only the separators that the
     /// established algorithm finds.
     bool reference = false;
+    int rounds = 0; ///< VisOptions::flowRounds
 };
 
 /// Replaces the row of every portal, taken in the given order, by the portals that chains from it reach. The
 /// result does not depend on the number of workers.
-/// units: with flow of parts, rows of these limit the search.
+/// units: rows that are known are not searched again.
 void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const VisUnits &units,
                 const JobPool &jobs, Log &log, MightSeeTable &mightSee);
 

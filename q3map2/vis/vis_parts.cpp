@@ -22,6 +22,7 @@ std::vector<std::byte> BytesOfWords(std::span<const BitWord> words) {
     return writer.Take();
 }
 
+/// words: zero.
 bool ReadWords(UnitReader &reader, std::span<BitWord> words) {
     std::vector<std::uint32_t> indices;
     std::vector<BitWord> values;
@@ -29,7 +30,6 @@ bool ReadWords(UnitReader &reader, std::span<BitWord> words) {
     reader.GetAll(values);
     if (!reader.Fits() || indices.size() != values.size())
         return false;
-    std::ranges::fill(words, BitWord(0));
     for (std::size_t i = 0; i < indices.size(); ++i) {
         if (indices[i] >= words.size())
             return false;
@@ -60,6 +60,7 @@ bool VisUnits::Find(Row kind, std::size_t portal, std::span<BitWord> words) cons
     const auto bytes = units_ ? units_->Find(KeyOfRow(kind, portal)) : std::nullopt;
     if (!bytes)
         return false;
+    std::ranges::fill(words, BitWord(0));
     UnitReader reader(*bytes);
     return ReadWords(reader, words);
 }

@@ -12,16 +12,12 @@
 
 namespace q3 {
 
-/// The rounds of the vis stage (PartOptions). The first gives rows of the flood and of passages. In the others the
-/// portal flow follows the portals in order, a third of them in each round, from what the rounds before found. That is
-/// less than a single machine knows, which uses the rows of all portals before: each row S that a part finds contains
-/// the row that a single machine finds. So the last join runs the flow of a single machine, and for each portal follows
-/// chains inside S only. Its result is the same, and most of the work has been done: chains that lead nowhere.
-inline constexpr int kFlowRounds = 3;
-/// flows: whether there is a portal flow that can be divided.
-inline int VisRounds(bool flows) {
-    return flows ? 1 + kFlowRounds : 1;
-}
+// The rounds of the vis stage (PartOptions): the first gives rows of the flood and of passages. Each of the others is a
+// round of the portal flow (VisOptions::flowRounds).
+
+/// Rounds of the flow of a run in parts, unless -flowrounds says otherwise. With more rounds less is searched in vain,
+/// since each starts from the rows of those before, but all parts wait for each other more often.
+inline constexpr int kFlowRoundsOfParts = 4;
 
 /// Rows of bits as units of a store.
 class VisUnits {
@@ -29,7 +25,7 @@ class VisUnits {
     enum class Row {
         Flood,   ///< of a portal: FloodMightSee
         Passage, ///< of a portal: its passages one after another, as if both of their ends saw all that the flood gives
-        Flow     ///< of a portal: what the portal flow of a part finds
+        Flow     ///< of a portal: what the portal flow finds
     };
     /// units: null, or of the purpose Parts.
     explicit VisUnits(UnitStore *units) : units_(units) {}
@@ -53,6 +49,7 @@ class VisUnits {
 
     /// The state before the portal flow: what may be seen, and passages. It replaces all results of the first round.
     void KeepState(std::span<const BitWord> mightSee, std::span<const BitWord> passages) const;
+    /// The tables must be zero. False: the state is not there.
     bool FindState(std::span<BitWord> mightSee, std::span<BitWord> passages) const;
 
   private:

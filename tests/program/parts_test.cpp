@@ -77,8 +77,8 @@ class PartsTest : public LitRoomTest {
 };
 
 TEST_F(PartsTest, VisHasTheBytesOfOneRun) {
-    ExpectSameBytes("-vis -saveprt");
-    ExpectSameBytes("-vis -saveprt -nopassage");
+    ExpectSameBytes("-vis -saveprt -flowrounds 4");
+    ExpectSameBytes("-vis -saveprt -nopassage -flowrounds 2");
     ExpectSameBytes("-vis -saveprt -fast");
     ExpectSameBytes("-vis -saveprt -plain");
 }

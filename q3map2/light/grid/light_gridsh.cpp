@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -124,20 +125,40 @@ GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const
 void GridSHTracer::FindOwn() {
     if (!in_.units || !in_.units->IsPart())
         return;
-    std::vector<double> costs(std::size_t(bricks_.Count()));
-    for (std::int64_t brick = 0; brick < bricks_.Count(); ++brick)
-        for (const BrickPoint &point : bricks_.Points(brick))
-            costs[std::size_t(brick)] += lit_.IsLit(point.index) ? 1 : 0;
-    own_ = in_.units->Own(costs, UnitStore::Division::Ranges);
-    nearOwn_.assign(own_.size(), 0);
+    // The units are blocks of 2 x 2 x 2 bricks, which weak light is traced in, along a Morton curve: a part is compact,
+    // so it has few neighbors.
     const Int3 bricks = bricks_.Bricks();
-    for (int z = 0; z < bricks[2]; ++z)
-        for (int y = 0; y < bricks[1]; ++y)
-            for (int x = 0; x < bricks[0]; ++x)
-                for (int k = std::max(0, z - kNearOwn); k <= std::min(bricks[2] - 1, z + kNearOwn); ++k)
-                    for (int j = std::max(0, y - kNearOwn); j <= std::min(bricks[1] - 1, y + kNearOwn); ++j)
-                        for (int i = std::max(0, x - kNearOwn); i <= std::min(bricks[0] - 1, x + kNearOwn); ++i)
-                            nearOwn_[bricks_.Number({x, y, z})] |= own_[bricks_.Number({i, j, k})];
+    std::map<std::uint64_t, double> costs; // by Morton code of the block
+    const auto codeOf = [](int x, int y, int z) {
+        return std::uint64_t(MortonCode(unsigned(x) / 2, unsigned(y) / 2, unsigned(z) / 2));
+    };
+    const auto forBricks = [&](const auto &use) {
+        for (int z = 0; z < bricks[2]; ++z)
+            for (int y = 0; y < bricks[1]; ++y)
+                for (int x = 0; x < bricks[0]; ++x)
+                    use(x, y, z, bricks_.Number({x, y, z}));
+    };
+    forBricks([&](int x, int y, int z, std::size_t brick) {
+        double &cost = costs[codeOf(x, y, z)];
+        for (const BrickPoint &point : bricks_.Points(std::int64_t(brick)))
+            cost += lit_.IsLit(point.index) ? 1 : 0;
+    });
+    std::vector<double> inOrder;
+    for (const auto &[code, cost] : costs)
+        inOrder.push_back(cost);
+    const std::vector<std::uint8_t> ownBlocks = in_.units->Own(inOrder, UnitStore::Division::Ranges);
+    std::map<std::uint64_t, std::uint8_t> isOwn;
+    for (auto own = ownBlocks.begin(); const auto &[code, cost] : costs)
+        isOwn[code] = *own++;
+    own_.assign(std::size_t(bricks_.Count()), 0);
+    forBricks([&](int x, int y, int z, std::size_t brick) { own_[brick] = isOwn[codeOf(x, y, z)]; });
+    nearOwn_.assign(own_.size(), 0);
+    forBricks([&](int x, int y, int z, std::size_t brick) {
+        for (int k = std::max(0, z - kNearOwn); k <= std::min(bricks[2] - 1, z + kNearOwn); ++k)
+            for (int j = std::max(0, y - kNearOwn); j <= std::min(bricks[1] - 1, y + kNearOwn); ++j)
+                for (int i = std::max(0, x - kNearOwn); i <= std::min(bricks[0] - 1, x + kNearOwn); ++i)
+                    nearOwn_[brick] |= own_[bricks_.Number({i, j, k})];
+    });
 }
 
 LightGridSH GridSHTracer::EmptyGrid(GridStats &stats) const {
