@@ -15,18 +15,23 @@ namespace q3 {
 
 namespace {
 
+constexpr std::size_t kCacheLine = 64; ///< bytes; of most processors
+
 /// One call of For, shared by the workers that take part.
 class Loop {
   public:
     Loop(std::int64_t count, const std::function<void(std::int64_t, int)> &body,
-         const std::function<void(std::int64_t)> &done)
-        : count_(count), body_(body), done_(done) {}
+         const std::function<void(std::int64_t)> &done, LoopTimes *times)
+        : count_(count), body_(body), done_(done), times_(times) {}
 
     /// Takes and runs indices until none is left.
     void Run(int worker) {
         for (std::int64_t index; (index = next_.fetch_add(1)) < count_;) {
             try {
-                body_(index, worker);
+                if (times_)
+                    RunTimed(index, worker);
+                else
+                    body_(index, worker);
                 if (done_) {
                     const std::lock_guard lock(mutex_);
                     done_(++finished_);
@@ -43,6 +48,12 @@ class Loop {
     }
 
   private:
+    void RunTimed(std::int64_t index, int worker) {
+        const double start = ThreadCpuSeconds();
+        body_(index, worker);
+        times_->indices[std::size_t(index)] = float(ThreadCpuSeconds() - start);
+    }
+
     /// Indices are handed out in ascending order, so the lowest index that fails has been handed out by now and runs
     /// to its end: the error that is kept does not depend on timing.
     void Fail(std::int64_t index) {
@@ -55,8 +66,10 @@ class Loop {
     const std::int64_t count_;
     const std::function<void(std::int64_t, int)> &body_;
     const std::function<void(std::int64_t)> &done_;
-    std::atomic<std::int64_t> next_{0};
-    std::mutex mutex_; ///< guards the members below and calls of done_
+    LoopTimes *const times_; ///< null: not measured
+    /// On a cache line of its own, since each index changes it.
+    alignas(kCacheLine) std::atomic<std::int64_t> next_{0};
+    alignas(kCacheLine) std::mutex mutex_; ///< guards the members below and calls of done_
     std::int64_t finished_ = 0, failed_ = 0;
     std::exception_ptr error_;
 };
@@ -111,12 +124,18 @@ class JobPool::Workers {
             const std::lock_guard lock(mutex_);
             loop_ = &loop, wanted_ = others;
         }
-        for (int i = 0; i < others; ++i)
-            wake_.notify_one();
+        WakeSome(others);
         loop.Run(0);
         std::unique_lock lock(mutex_);
         wanted_ = 0; // no index is left for workers that are still asleep
         idle_.wait(lock, [this] { return running_ == 0; });
+    }
+
+    /// Each worker that wakes up wakes two more, so that the last of 64 does not wait for 63 calls of the system in a
+    /// row.
+    void WakeSome(int wanted) {
+        for (int i = 0; i < std::min(wanted, 2); ++i)
+            wake_.notify_one();
     }
 
     void Serve(int worker) {
@@ -128,7 +147,9 @@ class JobPool::Workers {
                 return;
             Loop &loop = *loop_;
             --wanted_, ++running_;
+            const int others = wanted_;
             lock.unlock();
+            WakeSome(others);
             loop.Run(worker);
             lock.lock();
             if (--running_ == 0)
@@ -157,10 +178,11 @@ class JobPool::Workers {
     std::vector<std::thread> threads_; ///< threads_[i] is worker i + 1
 };
 
-JobPool::JobPool(int threads, const ThreadStarter &start)
+JobPool::JobPool(int threads, const ThreadStarter &start, LoopObserver observer)
     : workers_(std::make_unique<Workers>(
           std::clamp(threads < 1 ? int(std::thread::hardware_concurrency()) : threads, 1, kMaxThreads),
-          start ? start : [](std::function<void()> work) { return std::thread(std::move(work)); })) {}
+          start ? start : [](std::function<void()> work) { return std::thread(std::move(work)); })),
+      observer_(std::move(observer)) {}
 
 JobPool::~JobPool() = default;
 JobPool::JobPool(JobPool &&) noexcept = default;
@@ -172,13 +194,24 @@ int JobPool::Threads() const {
 
 void JobPool::For(std::int64_t count, const std::function<void(std::int64_t, int)> &body,
                   const std::function<void(std::int64_t)> &done) const {
-    Loop loop(count, body, done);
     const int worker = workers_->CurrentWorker();
-    if (worker >= 0) // called by a body of this pool
+    if (worker >= 0) { // called by a body of this pool
+        Loop loop(count, body, done, nullptr);
         loop.Run(worker);
-    else
-        workers_->Run(loop, count);
+        loop.Rethrow();
+        return;
+    }
+    LoopTimes times;
+    if (observer_)
+        times.indices.resize(std::size_t(std::max<std::int64_t>(0, count)));
+    Loop loop(count, body, done, observer_ ? &times : nullptr);
+    const double start = observer_ ? ThreadCpuSeconds() : 0;
+    workers_->Run(loop, count);
     loop.Rethrow();
+    if (observer_) {
+        times.caller = ThreadCpuSeconds() - start;
+        observer_(times);
+    }
 }
 
 } // namespace q3

@@ -5,11 +5,18 @@
 #include <functional>
 #include <memory>
 #include <thread>
+#include <vector>
 
 namespace q3 {
 
 /// Most workers of a pool; limit of this program, chosen.
 inline constexpr int kMaxThreads = 64;
+
+/// What a loop of a pool has cost. Times are CPU seconds; on Windows the system counts them in steps of 1/64 s.
+struct LoopTimes {
+    double caller = 0;          ///< of the thread that called For, until For returned
+    std::vector<float> indices; ///< of the body, by index
+};
 
 /// Worker threads that run loops. They start with the pool, sleep between loops and end with the pool.
 ///
@@ -35,8 +42,12 @@ class JobPool {
     /// Starts a thread that runs `work`. Throws std::system_error if the system refuses.
     using ThreadStarter = std::function<std::thread(std::function<void()> work)>;
 
-    /// threads < 1: one per hardware thread. At most kMaxThreads. `start` defaults to std::thread's constructor.
-    explicit JobPool(int threads = 0, const ThreadStarter &start = {});
+    /// Told about each loop that ended without an error, but for those of bodies. Called by the thread that called For.
+    using LoopObserver = std::function<void(const LoopTimes &)>;
+
+    /// threads < 1: one per hardware thread. At most kMaxThreads. `start` defaults to std::thread's constructor. With
+    /// an observer an index takes about a microsecond more.
+    explicit JobPool(int threads = 0, const ThreadStarter &start = {}, LoopObserver observer = {});
     ~JobPool();
     /// Neither pool may be running a loop. One that was moved from can only be assigned to or destroyed.
     JobPool(JobPool &&) noexcept;
@@ -54,6 +65,7 @@ class JobPool {
   private:
     class Workers;
     std::unique_ptr<Workers> workers_;
+    LoopObserver observer_;
 };
 
 } // namespace q3

@@ -58,6 +58,16 @@ void Log::AddSink(Sink sink, MarkSink marks) {
         textSinks_ = Both(std::move(textSinks_), std::move(sink));
 }
 
+void Log::AddObserver(LogObserver &observer) {
+    const std::lock_guard lock(mutex_);
+    observers_.push_back(&observer);
+}
+
+void Log::RemoveObserver(LogObserver &observer) {
+    const std::lock_guard lock(mutex_);
+    std::erase(observers_, &observer);
+}
+
 void Log::Write(LogLevel level, std::string_view text) {
     const std::lock_guard lock(mutex_);
     allSinks_(level, text);

@@ -57,8 +57,8 @@ class Log {
     static Sink Nowhere();
 
     /// Must outlive its use, which RemoveObserver ends.
-    void AddObserver(LogObserver &observer) { observers_.push_back(&observer); }
-    void RemoveObserver(LogObserver &observer) { std::erase(observers_, &observer); }
+    void AddObserver(LogObserver &observer);
+    void RemoveObserver(LogObserver &observer);
     void SetVerbose(bool on) { verbose_ = on; }
     bool IsVerbose() const { return verbose_; }
     /// Adds a sink that receives everything printed from now on. With `marks`, text with a mark goes

@@ -50,6 +50,8 @@ std::string UserFolder(const std::string &name);
 
 /// CPU seconds of all threads of the process so far.
 double CpuSeconds();
+/// Those of the calling thread.
+double ThreadCpuSeconds();
 /// Peak resident memory so far, in bytes.
 double PeakMemory();
 

@@ -123,10 +123,22 @@ std::string UserFolder(const std::string &name) {
     return name == "." ? home : home + "/" + name;
 }
 
-double CpuSeconds() {
+namespace {
+
+double SecondsOf(clockid_t clock) {
     timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    clock_gettime(clock, &now);
     return double(now.tv_sec) + double(now.tv_nsec) * 1e-9;
+}
+
+} // namespace
+
+double CpuSeconds() {
+    return SecondsOf(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+double ThreadCpuSeconds() {
+    return SecondsOf(CLOCK_THREAD_CPUTIME_ID);
 }
 
 double PeakMemory() {

@@ -168,6 +168,12 @@ double CpuSeconds() {
     return Seconds(kernel) + Seconds(user);
 }
 
+double ThreadCpuSeconds() {
+    FILETIME created{}, ended{}, kernel{}, user{};
+    GetThreadTimes(GetCurrentThread(), &created, &ended, &kernel, &user);
+    return Seconds(kernel) + Seconds(user);
+}
+
 double PeakMemory() {
     PROCESS_MEMORY_COUNTERS counters{};
     GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters);

@@ -247,7 +247,8 @@ Group General() {
          {{.name = "-v",
            .firstOnly = true,
            .help = "Prints more: every warning, scripts as they are read, and counters",
-           .details = "A second `-v` belongs to the vis stage.",
+           .details = "A second `-v` belongs to the vis stage. `-light` and `-vis` end with a table of [which work is "
+                      "parallel](../internals/results.md#many-cores).",
            .since = "q3map2"},
           &GlobalOptions::verbose},
          {{.name = "-cache",

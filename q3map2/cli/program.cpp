@@ -325,6 +325,8 @@ int Run(StageList stages, const std::vector<std::string> &words, const std::file
         return 0;
     }
     log.Print("{}\n", kVersion);
+    if (log.IsVerbose())
+        report.MeasureParallelWork(log);
     const ChosenStage chosen = TakeStage(stages, arguments);
     TranslateVradOptions(chosen.stage, arguments, log);
     ExpandPreset(chosen.stage, arguments, log);

@@ -53,7 +53,20 @@ std::string RunReport::Faults() const {
     return fmt::format("{}", fmt::join(faults_, ", "));
 }
 
-void RunReport::PrintEnd(RunEnd end, Log &log) const {
+void RunReport::MeasureParallelWork(Log &log) {
+    log.AddObserver(parallel_.emplace());
+}
+
+JobPool RunReport::Workers(int threads) {
+    return JobPool(threads, {}, parallel_ ? parallel_->Observer() : JobPool::LoopObserver());
+}
+
+void RunReport::PrintEnd(RunEnd end, Log &log) {
+    if (parallel_) {
+        log.RemoveObserver(*parallel_);
+        parallel_->Print(log);
+        parallel_.reset();
+    }
     const bool failed = end == RunEnd::Failed;
     const double seconds = SecondsSince(start_);
     for (const std::string &line : log.SummaryLines())

@@ -6,9 +6,11 @@
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/entity_key.h"
+#include "q3map2/report/parallel_report.h"
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,11 +32,16 @@ class RunReport {
     void AddFault(std::string fault) { faults_.push_back(std::move(fault)); }
     /// The faults, separated by commas.
     std::string Faults() const;
+    /// From now on measures which work is done in parallel, for PrintEnd. The log must outlive the report.
+    void MeasureParallelWork(Log &log);
+    /// A pool whose loops are measured if MeasureParallelWork was called.
+    JobPool Workers(int threads);
     /// Repeats warnings of unknown options, then prints how the run ended, warnings by kind, times and memory.
-    void PrintEnd(RunEnd end, Log &log) const;
+    void PrintEnd(RunEnd end, Log &log);
 
   private:
     std::vector<std::string> faults_;
+    std::optional<ParallelReport> parallel_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -162,7 +162,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
         ExplainPoints(bsp, files, inputs, run, library, context);
         return 0;
     }
-    const JobPool jobs(context.options.threads);
+    const JobPool jobs = context.report.Workers(context.options.threads);
     log.Count(jobs.Threads(), "threads");
     const LostLightCheck lostLight(bsp);
     inputs.units = units.Store();

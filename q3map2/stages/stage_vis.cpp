@@ -104,7 +104,7 @@ int VisStage(const StageContext &context, Arguments arguments) {
     const Entity world = StoredEntities(bsp.entities, name).front();
     options.vis.farPlane = FarPlaneOf(world);
 
-    const JobPool jobs(context.options.threads);
+    const JobPool jobs = context.report.Workers(context.options.threads);
     if (store && options.vis.flowRounds == 0)
         options.vis.flowRounds = kFlowRoundsOfParts;
     if (store) {

@@ -241,6 +241,20 @@ TEST(JobPool, CanBeMovedAndReplaced) {
     EXPECT_EQ(JobPool(1000).Threads(), 64);
 }
 
+TEST(JobPool, ObserverIsToldOfTheLoopsOfTheCaller) {
+    for (const int threads : {1, 3}) {
+        std::vector<LoopTimes> told;
+        const JobPool jobs(threads, {}, [&](const LoopTimes &times) { told.push_back(times); });
+        jobs.For(5, [&](std::int64_t, int) { jobs.For(2, [](std::int64_t, int) {}); });
+        jobs.For(0, [](std::int64_t, int) {});
+        EXPECT_THROW(jobs.For(4, [](std::int64_t, int) { throw std::runtime_error("failed"); }), std::runtime_error);
+        ASSERT_EQ(told.size(), 2u) << "neither those of bodies nor one that failed";
+        EXPECT_EQ(told[0].indices.size(), 5u);
+        EXPECT_GE(told[0].caller, 0);
+        EXPECT_TRUE(told[1].indices.empty());
+    }
+}
+
 } // namespace
 
 } // namespace q3
