@@ -6,6 +6,7 @@
 #include <glib.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -17,6 +18,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <new>
 #include <system_error>
 
 namespace q3 {
@@ -248,3 +250,36 @@ std::optional<std::size_t> Socket::Send(std::string_view bytes) {
 }
 
 } // namespace q3
+
+// ---- Memory ----
+
+#if defined(MADV_HUGEPAGE) && !defined(Q3_SANITIZED)
+
+namespace {
+
+constexpr std::size_t kLargePage = std::size_t(2) << 20; ///< bytes; of x86-64, and of ARM64 with pages of 4 KiB
+
+} // namespace
+
+/// Replaces that of the library, which also serves arrays. Large blocks consist of large pages where the system has
+/// them: the first use of a page costs as much as hundreds of stores to it, and large ones are 512 times fewer.
+void *operator new(std::size_t size) {
+    void *block = nullptr;
+    if (size < kLargePage)
+        block = std::malloc(size > 0 ? size : 1);
+    else if (posix_memalign(&block, kLargePage, size) == 0)
+        madvise(block, size, MADV_HUGEPAGE); // advice: where it fails, pages are small
+    if (block == nullptr)
+        throw std::bad_alloc();
+    return block;
+}
+
+void operator delete(void *block) noexcept {
+    std::free(block);
+}
+
+void operator delete(void *block, std::size_t) noexcept {
+    std::free(block);
+}
+
+#endif
