@@ -243,16 +243,15 @@ void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const Light
 
 namespace {
 
-/// EstimateDeflated packs up to kMaxPieces pieces of kPieceBytes.
-constexpr std::size_t kPieceBytes = std::size_t(1) << 18, kMaxPieces = 16;
+/// EstimateDeflated packs up to kMaxPieces pieces of kPieceBytes, twice what deflate looks back on.
+constexpr std::size_t kPieceBytes = std::size_t(1) << 16, kMaxPieces = 16;
 /// Grids up to this size never give a warning, however small the rest of the file is. Bytes.
 constexpr std::uint64_t kSmallGrid = 1000000;
 
 std::size_t DeflatedSize(std::span<const std::byte> data) {
     uLongf size = compressBound(uLong(data.size()));
     std::vector<Bytef> packed(size);
-    compress2(packed.data(), &size, reinterpret_cast<const Bytef *>(data.data()), uLong(data.size()),
-              Z_BEST_COMPRESSION);
+    compress(packed.data(), &size, reinterpret_cast<const Bytef *>(data.data()), uLong(data.size()));
     return size;
 }
 
@@ -270,24 +269,27 @@ std::array<int, 3> CellForHalfThePoints(const Float3 &cell) {
 
 } // namespace
 
-std::uint64_t EstimateDeflated(std::span<const std::byte> data) {
+std::uint64_t EstimateDeflated(std::span<const std::byte> data, const JobPool &jobs) {
     const std::size_t pieces = (data.size() + kPieceBytes - 1) / kPieceBytes, used = std::min(pieces, kMaxPieces);
-    std::uint64_t sampled = 0, packed = 0;
-    for (std::size_t i = 0; i < used; ++i) {
+    const auto pieceOf = [&](std::size_t i) {
         const std::size_t first = i * pieces / used * kPieceBytes;
-        const auto piece = data.subspan(first, std::min(kPieceBytes, data.size() - first));
-        sampled += piece.size();
-        packed += DeflatedSize(piece);
-    }
+        return data.subspan(first, std::min(kPieceBytes, data.size() - first));
+    };
+    std::vector<std::size_t> sizes(used);
+    jobs.For(std::int64_t(used),
+             [&](std::int64_t i, int) { sizes[std::size_t(i)] = DeflatedSize(pieceOf(std::size_t(i))); });
+    std::uint64_t sampled = 0, packed = 0;
+    for (std::size_t i = 0; i < used; ++i)
+        sampled += pieceOf(i).size(), packed += sizes[i];
     return sampled == 0 ? 0 : packed * data.size() / sampled;
 }
 
-void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
+void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, const JobPool &jobs, Log &log) {
     if (bsp.sparseGridSH) {
         const std::vector<std::byte> lump = EncodeSparseGrid(*bsp.sparseGridSH);
         log.Print("Sparse SH grid: {}, {} of the file's {}, about {} zipped\n",
                   Counted(bsp.sparseGridSH->points.size(), "points"), SizeText(lump.size()), SizeText(fileBytes),
-                  SizeText(EstimateDeflated(lump)));
+                  SizeText(EstimateDeflated(lump, jobs)));
     }
     if (!bsp.gridSH)
         return;
@@ -297,7 +299,7 @@ void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log) {
     const std::array<int, 3> cell = CellForHalfThePoints(grid.header.gridSize);
     log.Print("SH grid: {}, {} of the file's {}, about {} zipped; -gridsh {} {} {} would take about half\n",
               Counted(grid.points.size(), "points"), SizeText(bytes), SizeText(fileBytes),
-              SizeText(EstimateDeflated(points)), cell[0], cell[1], cell[2]);
+              SizeText(EstimateDeflated(points, jobs)), cell[0], cell[1], cell[2]);
     const Float3 &size = grid.header.gridSize;
     const double relativeSize = double(size[0]) * double(size[1]) * double(size[2]) / std::pow(double(kSmallCellSH), 3);
     if (bytes > kSmallGrid && bytes > fileBytes / 2 && relativeSize < 1)

@@ -69,13 +69,14 @@ class LostLightCheck {
 void WarnOfDroppedLight(const Bsp &bsp, const LightOptions &options, const LightmapOptions &lightmap,
                         const GridFormats &formats, Log &log);
 
-/// Estimate of the size of `data` after deflate at level 9, from up to 4 MB of it in evenly spaced pieces. Bytes.
-std::uint64_t EstimateDeflated(std::span<const std::byte> data);
+/// Estimate of the size of `data` after deflate at its usual level, from up to 1 MB of it in evenly spaced pieces.
+/// Bytes.
+std::uint64_t EstimateDeflated(std::span<const std::byte> data, const JobPool &jobs = JobPool(1));
 
 /// Prints points, size and zipped size of the SH grids of a map that was just written, and a cell that would halve
 /// those of the uniform one. Warns when the grid is more than half of the file and over 1 MB, and its cells are smaller
 /// than those of -shsmall, so that this option helps. `fileBytes`: of the .bsp.
-void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, Log &log);
+void PrintGridSHSize(const Bsp &bsp, std::uint64_t fileBytes, const JobPool &jobs, Log &log);
 
 // ---- A light run ----
 

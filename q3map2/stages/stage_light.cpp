@@ -193,7 +193,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const BotCheck bots(bspPath, log);
     WriteBspFile(bspPath, bsp, format, log);
     bots.Report(BotCheck::SameGeometry, options.fixBotFiles ? BotCheck::FixFiles : BotCheck::OnlyWarn);
-    PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), log);
+    PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), jobs, log);
     WarnOfEngineLimits(bspPath, bsp, *context.options.game, log);
     if (lightmap.exportPages && !lightmap.external)
         ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);

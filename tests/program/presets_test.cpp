@@ -111,7 +111,7 @@ TEST(GridSizeReport, SmallGridsNeedNoSmallerOne) {
         bsp.gridSH->header.gridSize = {cell, cell, cell};
         bsp.gridSH->points.resize(20000);
         KeptLog out;
-        PrintGridSHSize(bsp, 3000000, out.log);
+        PrintGridSHSize(bsp, 3000000, JobPool(2), out.log);
         return out.text;
     };
     EXPECT_THAT(text(32), HasSubstr("72 % of the file; -shsmall"));
