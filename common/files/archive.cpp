@@ -8,6 +8,7 @@
 
 #include <minizip/unzip.h>
 #include <minizip/zip.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -29,8 +30,82 @@ namespace {
 constexpr std::uint64_t kMaxEntrySize = 256u << 20; ///< bytes; chosen
 constexpr std::size_t kMaxName = 255;               ///< bytes of a name with its folders; chosen
 constexpr std::size_t kChunk = 1u << 16;            ///< bytes that are unpacked at once, at least
+constexpr std::size_t kLikelyRatio = 8;             ///< most entries of game archives are packed to no less than 1 / 8
 constexpr std::size_t kMinEntryBytes = 46;          ///< of a directory entry, without its name
 constexpr unsigned long kEncryptedFlag = 1;         ///< of an entry
+
+/// A file for minizip, which reads it in small pieces: the system is asked for kChunk bytes at a time.
+struct BufferedFile {
+    zlib_filefunc64_def system; ///< functions for `stream`
+    voidpf stream;
+    std::uint64_t size = 0, at = 0;
+    std::uint64_t bufferedFrom = 0;
+    std::vector<std::byte> buffer{};
+
+    uLong ReadFrom(std::uint64_t from, void *into, std::size_t bytes) const {
+        if (system.zseek64_file(system.opaque, stream, from, ZLIB_FILEFUNC_SEEK_SET) != 0)
+            return 0;
+        return system.zread_file(system.opaque, stream, into, uLong(bytes));
+    }
+    bool IsBuffered(std::uint64_t from, std::size_t bytes) const {
+        return from >= bufferedFrom && from + bytes <= bufferedFrom + buffer.size();
+    }
+};
+
+BufferedFile &BufferedOf(voidpf file) {
+    return *static_cast<BufferedFile *>(file);
+}
+
+/// `name`: a path.
+voidpf OpenBuffered(voidpf, const void *name, int) {
+    auto file = std::make_unique<BufferedFile>();
+    fill_fopen64_filefunc(&file->system);
+    file->stream = OpenFile(*static_cast<const std::filesystem::path *>(name), "rb");
+    if (file->stream == nullptr)
+        return nullptr;
+    file->system.zseek64_file(file->system.opaque, file->stream, 0, ZLIB_FILEFUNC_SEEK_END);
+    file->size = file->system.ztell64_file(file->system.opaque, file->stream);
+    return file.release();
+}
+
+uLong ReadBuffered(voidpf, voidpf stream, void *into, uLong bytes) {
+    BufferedFile &file = BufferedOf(stream);
+    const std::size_t wanted = std::min<std::uint64_t>(bytes, file.size - std::min(file.size, file.at));
+    std::size_t got = wanted;
+    if (wanted >= kChunk) {
+        got = file.ReadFrom(file.at, into, wanted);
+    } else if (wanted > 0) {
+        if (!file.IsBuffered(file.at, wanted)) {
+            file.buffer.resize(std::min<std::uint64_t>(kChunk, file.size - file.at));
+            file.buffer.resize(file.ReadFrom(file.at, file.buffer.data(), file.buffer.size()));
+            file.bufferedFrom = file.at;
+            got = std::min(wanted, file.buffer.size());
+        }
+        std::memcpy(into, file.buffer.data() + (file.at - file.bufferedFrom), got);
+    }
+    file.at += got;
+    return uLong(got);
+}
+
+ZPOS64_T TellBuffered(voidpf, voidpf stream) {
+    return BufferedOf(stream).at;
+}
+
+long SeekBuffered(voidpf, voidpf stream, ZPOS64_T offset, int origin) {
+    BufferedFile &file = BufferedOf(stream);
+    file.at = offset + (origin == ZLIB_FILEFUNC_SEEK_CUR ? file.at : origin == ZLIB_FILEFUNC_SEEK_END ? file.size : 0);
+    return 0;
+}
+
+int CloseBuffered(voidpf, voidpf stream) {
+    const std::unique_ptr<BufferedFile> file(&BufferedOf(stream));
+    return file->system.zclose_file(file->system.opaque, file->stream);
+}
+
+int ErrorOfBuffered(voidpf, voidpf stream) {
+    const BufferedFile &file = BufferedOf(stream);
+    return file.system.zerror_file(file.system.opaque, file.stream);
+}
 
 struct CloseZip {
     void operator()(void *zip) const { unzClose(zip); }
@@ -39,14 +114,40 @@ using Zip = std::unique_ptr<void, CloseZip>;
 
 Zip Open(const std::filesystem::path &path) {
     zlib_filefunc64_def functions{};
-    fill_fopen64_filefunc(&functions);
-    functions.zopen64_file = [](voidpf, const void *name, int) -> voidpf {
-        return OpenFile(*static_cast<const std::filesystem::path *>(name), "rb");
-    };
+    functions.zopen64_file = OpenBuffered;
+    functions.zread_file = ReadBuffered;
+    functions.ztell64_file = TellBuffered;
+    functions.zseek64_file = SeekBuffered;
+    functions.zclose_file = CloseBuffered;
+    functions.zerror_file = ErrorOfBuffered;
     Zip zip(unzOpen2_64(&path, &functions));
     if (!zip)
         throw Error("{}: expected a zip archive", path.string());
     return zip;
+}
+
+/// Replaces the deflated bytes by their contents, or by the first `size` bytes of them. False: damaged.
+bool Inflate(std::vector<std::byte> &bytes, std::size_t size) {
+    constexpr int kNoHeader = -MAX_WBITS;
+    z_stream stream{};
+    stream.next_in = reinterpret_cast<Bytef *>(bytes.data());
+    stream.avail_in = uInt(bytes.size());
+    if (inflateInit2(&stream, kNoHeader) != Z_OK)
+        throw std::bad_alloc();
+    const std::unique_ptr<z_stream, int (*)(z_stream *)> end(&stream, inflateEnd);
+    // Grows with the contents, as the size in the header may be false.
+    std::vector<std::byte> contents;
+    int result = Z_OK;
+    while (result == Z_OK && contents.size() < size) {
+        const std::size_t have = contents.size(), likely = kLikelyRatio * bytes.size();
+        contents.resize(std::min(size, std::max({kChunk, likely, 2 * have})));
+        stream.next_out = reinterpret_cast<Bytef *>(contents.data() + have);
+        stream.avail_out = uInt(contents.size() - have);
+        result = inflate(&stream, Z_NO_FLUSH);
+        contents.resize(contents.size() - stream.avail_out);
+    }
+    bytes = std::move(contents);
+    return result == Z_OK || result == Z_STREAM_END;
 }
 
 } // namespace
@@ -156,6 +257,25 @@ std::vector<std::string> Archive::Names() const {
     return names;
 }
 
+/// Only this part of reading an entry needs the file.
+Archive::PackedEntry Archive::ReadPacked(const Entry &entry) const {
+    constexpr int kRaw = 1; // as stored, without inflating
+    const std::lock_guard lock(reader_->mutex);
+    const Zip &zip = reader_->zip;
+    const unz64_file_pos at{entry.directoryAt, entry.number};
+    PackedEntry packed;
+    int level = 0;
+    if (unzGoToFilePos64(zip.get(), &at) != UNZ_OK ||
+        unzOpenCurrentFile2(zip.get(), &packed.method, &level, kRaw) != UNZ_OK ||
+        (packed.method != 0 && packed.method != Z_DEFLATED))
+        throw Error("{}: the entry is damaged", Location(entry));
+    packed.bytes.resize(std::size_t(entry.packedSize));
+    const int got = unzReadCurrentFile(zip.get(), packed.bytes.data(), unsigned(packed.bytes.size()));
+    if (got < 0 || std::size_t(got) != packed.bytes.size())
+        throw Error("{}: the entry is damaged", Location(entry));
+    return packed;
+}
+
 std::vector<std::byte> Archive::Read(std::string_view name) const {
     const Entry *entry = Find(name);
     if (!entry)
@@ -167,27 +287,13 @@ std::vector<std::byte> Archive::Read(std::string_view name) const {
     if (entry->packedSize > fileSize_ || entry->size > (entry->packedSize + 1) * kMaxDeflateRatio)
         throw Error("{}: {} packed bytes cannot hold {} bytes", Location(*entry), entry->packedSize, entry->size);
 
-    const std::lock_guard lock(reader_->mutex);
-    const Zip &zip = reader_->zip;
-    const unz64_file_pos at{entry->directoryAt, entry->number};
-    if (unzGoToFilePos64(zip.get(), &at) != UNZ_OK || unzOpenCurrentFile(zip.get()) != UNZ_OK)
+    PackedEntry packed = ReadPacked(*entry);
+    std::vector<std::byte> data = std::move(packed.bytes);
+    if (packed.method == Z_DEFLATED && !Inflate(data, std::size_t(entry->size)))
         throw Error("{}: the entry is damaged", Location(*entry));
-    std::vector<std::byte> data;
-    for (;;) {
-        // Grows with the bytes read, as the size in the header may be false.
-        const std::size_t have = data.size();
-        const std::size_t want = std::min<std::size_t>(entry->size - have + 1, std::max(kChunk, have));
-        data.resize(have + want);
-        const int got = unzReadCurrentFile(zip.get(), data.data() + have, unsigned(want));
-        data.resize(have + std::size_t(std::max(got, 0)));
-        if (got < 0 || data.size() > entry->size)
-            throw Error("{}: the entry is damaged", Location(*entry));
-        if (got == 0)
-            break;
-    }
     if (data.size() != entry->size)
         throw Error("{}: the entry ends after {} of {} bytes", Location(*entry), data.size(), entry->size);
-    if (unzCloseCurrentFile(zip.get()) != UNZ_OK)
+    if (crc32_z(0, reinterpret_cast<const Bytef *>(data.data()), data.size()) != entry->checksum)
         throw Error("{}: the checksum of the entry is wrong", Location(*entry));
     return data;
 }

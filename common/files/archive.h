@@ -16,7 +16,8 @@ namespace q3 {
 /// Stands between the path of an archive and the name of an entry where a location is printed.
 inline constexpr std::string_view kInArchive = " :: ";
 
-/// One open archive: its directory in memory, contents read on demand. Safe for concurrent reads, which take turns.
+/// One open archive: its directory in memory, contents read on demand. Safe for concurrent reads, which take turns only
+/// at the file.
 class Archive {
   public:
     /// Reads the directory. Error: missing, not an archive, or damaged.
@@ -46,7 +47,13 @@ class Archive {
 
     struct Reader;
 
+    struct PackedEntry {
+        int method = 0; ///< as the zip format numbers them
+        std::vector<std::byte> bytes;
+    };
+
     void ReadDirectory();
+    PackedEntry ReadPacked(const Entry &entry) const;
     void Add(std::string_view name, Entry entry);
     const Entry *Find(std::string_view name) const;
     /// "archive.pk3 :: inner name", for messages.

@@ -269,6 +269,22 @@ std::optional<std::vector<std::byte>> VirtualFileSystem::Read(std::string_view n
     return std::move(found.front());
 }
 
+std::optional<std::vector<std::byte>> VirtualFileSystem::ReadStrictly(std::string_view name) const {
+    std::optional<std::vector<std::byte>> found;
+    const std::string safe = SafeName(name);
+    state_->Visit(
+        safe,
+        [&](const fs::path &path) {
+            found = ReadFile(path);
+            return true;
+        },
+        [&](const Archive &archive) {
+            found = archive.Read(safe);
+            return true;
+        });
+    return found;
+}
+
 std::vector<std::vector<std::byte>> VirtualFileSystem::ReadAll(std::string_view name) const {
     state_->Note(kRequestAll, name);
     return state_->Contents(name, State::Occurrences::All);

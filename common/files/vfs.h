@@ -39,6 +39,8 @@ class VirtualFileSystem {
     /// Contents of the winning file of that name, or nothing. A damaged archive entry is a warning and counts as
     /// absent.
     std::optional<std::vector<std::byte>> Read(std::string_view name) const;
+    /// The same, but without warnings. Error: where Read would warn.
+    std::optional<std::vector<std::byte>> ReadStrictly(std::string_view name) const;
     /// Contents of every occurrence of that name, the winner first.
     std::vector<std::vector<std::byte>> ReadAll(std::string_view name) const;
     bool Exists(std::string_view name) const;

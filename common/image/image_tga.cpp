@@ -38,11 +38,12 @@ class TgaDecoder {
         const std::size_t packets = (pixels + kMaxPacket - 1) / kMaxPacket;
         Need(packed_ ? packets * (1 + pixelBytes_) : pixels * pixelBytes_, "pixels");
         image_.rgba.resize(4 * pixels);
+        BeginRow();
         if (packed_)
             ReadRuns(pixels);
         else
             for (std::size_t i = 0; i < pixels; ++i)
-                Put(i, ReadPixel());
+                Append(ReadPixel());
         return std::move(image_);
     }
 
@@ -135,15 +136,24 @@ class TgaDecoder {
             for (std::size_t k = 0; k < length; ++k) {
                 if (k > 0 && !isRepeat)
                     pixel = ReadPixel();
-                Put(i++, pixel);
+                Append(pixel), ++i;
             }
         }
     }
 
-    void Put(std::size_t index, const Rgba &pixel) {
-        const std::size_t width = std::size_t(image_.width), row = index / width;
-        const std::size_t outRow = topDown_ ? row : std::size_t(image_.height) - 1 - row;
-        std::copy(pixel.begin(), pixel.end(), image_.rgba.begin() + 4 * (outRow * width + index % width));
+    /// Sets out_ to the start of the next row; after the last one it is not used any more.
+    void BeginRow() {
+        const std::size_t width = std::size_t(image_.width), height = std::size_t(image_.height);
+        if (row_ < height)
+            out_ = image_.rgba.data() + 4 * width * (topDown_ ? row_ : height - 1 - row_);
+        rowEnd_ = out_ + 4 * width;
+        ++row_;
+    }
+
+    void Append(const Rgba &pixel) {
+        out_ = std::copy(pixel.begin(), pixel.end(), out_);
+        if (out_ == rowEnd_)
+            BeginRow();
     }
 
     std::span<const std::byte> file_;
@@ -153,6 +163,8 @@ class TgaDecoder {
     bool packed_ = false, hasAlpha_ = false, topDown_ = false;
     std::vector<Rgba> palette_;
     Image image_;
+    std::uint8_t *out_ = nullptr, *rowEnd_ = nullptr; ///< where the next pixel goes, and the end of its row
+    std::size_t row_ = 0;                             ///< that follows in the file
 };
 
 } // namespace

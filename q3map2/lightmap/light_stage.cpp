@@ -330,6 +330,10 @@ void LightStaticProps(const LightSetup &setup, const LightmapOptions &lightmap, 
 
 LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &options,
                        const LightmapOptions &lightmap, ShaderLibrary &library, const JobPool &jobs, Log &log) {
+    std::vector<std::string> shaders;
+    for (const bspShader_t &shader : bsp.shaders)
+        shaders.emplace_back(FieldName(shader.shader));
+    library.ReadAhead(shaders, jobs);
     LightSetup setup(bsp, inputs, options, SurfaceDefaultsOf(lightmap), library, log);
     const PartOfRun part = PartOf(inputs.units, options, lightmap);
     // Bounced light comes from lit surfaces, whether or not they are stored.
@@ -337,7 +341,7 @@ LightResult LightWorld(Bsp &bsp, const LightInputs &inputs, const LightOptions &
     const bool lightSurfaces =
         !lightmap.onlyGrid || gridBounces || (lightmap.bounces > 0 && setup.options.staticPropLighting);
     const bool bounces = lightmap.bounces > 0 && lightSurfaces;
-    library.ReleaseImages(bounces ? KeptImages::OfReflectors : KeptImages::SeeThrough);
+    library.ReleaseImages(bounces ? KeptImages::OfReflectors : KeptImages::SeeThrough, jobs);
     LightResult result;
     std::optional<SurfacePasses> surfaces;
     BouncedLight bounced;

@@ -24,6 +24,8 @@ constexpr std::string_view kMissingName = "missing";   ///< of the shader in pla
 constexpr std::string_view kNoShader = "noshader";     ///< of brush sides without a shader: it has no image
 constexpr std::uint32_t kSeeThrough = C_ALPHASHADOW | C_LIGHTFILTER;
 
+constexpr std::string_view kCrunch = ".crn"; ///< extension of images of which only the size is read
+
 /// Whether direct light needs the image: the shader emits or transmits light.
 bool NeedsImage(const ShaderInfo &info) {
     return info.surfaceLight != 0 || !info.suns.empty() || !info.skyLights.empty() ||
@@ -39,6 +41,30 @@ std::shared_ptr<const Image> WhiteImage() {
     Image image{kDefaultImageSize, kDefaultImageSize, {}};
     image.rgba.assign(4 * kDefaultImageSize * kDefaultImageSize, 255);
     return std::make_shared<const Image>(std::move(image));
+}
+
+/// 0 to 255.
+Vec3f MeanColor(const Image &image) {
+    std::array<std::uint64_t, 3> sum{};
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+        for (std::size_t channel = 0; channel < 3; ++channel)
+            sum[channel] += image.rgba[i + channel];
+    return Vec3f(Vec3d{double(sum[0]), double(sum[1]), double(sum[2])} / (double(image.rgba.size()) / 4));
+}
+
+/// The images that may give a shader its light, the first that exists counts. Without extension; none is empty.
+std::vector<std::string> LightImageNames(const ParsedShader &shader) {
+    std::vector<std::string> names{shader.lightImage, shader.editorImage, shader.info.name, shader.implicitImage};
+    std::erase(names, "");
+    return names;
+}
+
+/// The images of the six sides of a sky.
+std::vector<std::string> SkyImageNames(const ShaderInfo &shader) {
+    std::vector<std::string> names;
+    for (const char *side : kSkyImageSides)
+        names.push_back(shader.skyImageBase + side);
+    return names;
 }
 
 /// Names of the shaders that a script defines.
@@ -61,6 +87,7 @@ struct ShaderLibrary::State {
     Log &log;
     ShaderTable table;
     std::unordered_map<std::string, std::shared_ptr<const Image>> images{}; ///< by lower-case name; null: not found
+    std::unordered_map<const Image *, Vec3f> means{};                       ///< mean colors of some of `images`
     std::shared_ptr<const Image> white = WhiteImage();
     std::vector<std::string> unlistedScripts{};                             ///< that shaderlist.txt leaves out
     std::optional<std::unordered_map<std::string, std::string>> unlisted{}; ///< their shaders, lower case: the script
@@ -71,21 +98,31 @@ struct ShaderLibrary::State {
     void ReadScripts();
     void WarnIfUnlisted(const std::string &name);
     void ReadCustomParms();
-    std::shared_ptr<const Image> FindImage(const std::string &name) const;
     std::shared_ptr<const Image> ReadImage(const std::string &name) const;
     struct ImageBytes {
         std::string name; ///< of the file
         std::vector<std::byte> bytes;
     };
+    struct ImageAhead {
+        std::string name; ///< lower case; empty: none
+        std::shared_ptr<const Image> image{};
+        Vec3f mean{};
+    };
+    /// How VirtualFileSystem reads a file: with its warnings, or without them.
+    using Read = std::optional<std::vector<std::byte>> (VirtualFileSystem::*)(std::string_view) const;
     std::vector<std::string> FileNames(const std::string &image) const {
         return ImageFileNames(image, table.GameRules().imageFiles);
     }
-    std::optional<ImageBytes> FindBytes(const std::string &name) const;
+    std::optional<ImageBytes> FindBytes(const std::string &name, Read read = &VirtualFileSystem::Read) const;
+    Image Decoded(const std::string &name, const ImageBytes &file, Read read) const;
+    std::shared_ptr<const Image> FindImage(const std::string &name) const;
     std::string FileOfImage(const std::string &name) const;
     void WarnIfOpenExr(const std::string &image) const;
-    void AddJpegAlpha(const std::string &name, Image &image) const;
+    void AddJpegAlpha(const std::string &name, Read read, Image &image) const;
     const std::shared_ptr<const Image> &CachedImage(std::string_view name);
     std::shared_ptr<const Image> LightImageOf(const ParsedShader &shader);
+    ImageAhead ReadFirst(const std::vector<std::string> &names) const;
+    void ReadAhead(const std::vector<const ParsedShader *> &shaders, const JobPool &jobs);
     void Complete(ParsedShader &shader);
     std::optional<std::array<int, 2>> ImageSize(const std::string &name) const;
     std::string ImageFile(const ParsedShader &shader) const;
@@ -210,9 +247,9 @@ void ShaderLibrary::State::ReadScripts() {
 }
 
 /// JPEG has no alpha: games take it from a second image.
-void ShaderLibrary::State::AddJpegAlpha(const std::string &name, Image &image) const {
+void ShaderLibrary::State::AddJpegAlpha(const std::string &name, Read read, Image &image) const {
     const std::string alphaName = name + "_alpha.jpg";
-    const auto alphaBytes = vfs.Read(alphaName);
+    const auto alphaBytes = (vfs.*read)(alphaName);
     if (!alphaBytes)
         return;
     const Image alpha = DecodeJpeg(*alphaBytes, alphaName);
@@ -222,9 +259,10 @@ void ShaderLibrary::State::AddJpegAlpha(const std::string &name, Image &image) c
 }
 
 /// The first file in which the image exists.
-std::optional<ShaderLibrary::State::ImageBytes> ShaderLibrary::State::FindBytes(const std::string &name) const {
+std::optional<ShaderLibrary::State::ImageBytes> ShaderLibrary::State::FindBytes(const std::string &name,
+                                                                                Read read) const {
     for (std::string &file : FileNames(name))
-        if (auto bytes = vfs.Read(file))
+        if (auto bytes = (vfs.*read)(file))
             return ImageBytes{std::move(file), std::move(*bytes)};
     return std::nullopt;
 }
@@ -236,6 +274,14 @@ void ShaderLibrary::State::WarnIfOpenExr(const std::string &image) const {
                  "{}: game files in this format are not read; save the image as .tga or .png next to it", file);
 }
 
+/// `name`: without extension. Error: the file is damaged.
+Image ShaderLibrary::State::Decoded(const std::string &name, const ImageBytes &file, Read read) const {
+    Image image = FindImageFormat(file.name)->decode(file.bytes, file.name);
+    if (EndsWithNoCase(file.name, ".jpg"))
+        AddJpegAlpha(name, read, image);
+    return image;
+}
+
 /// Decodes the first existing file; null: none. Error: it is damaged.
 std::shared_ptr<const Image> ShaderLibrary::State::FindImage(const std::string &name) const {
     const auto found = FindBytes(name);
@@ -243,10 +289,8 @@ std::shared_ptr<const Image> ShaderLibrary::State::FindImage(const std::string &
         WarnIfOpenExr(name);
         return nullptr;
     }
-    Image image = FindImageFormat(found->name)->decode(found->bytes, found->name);
-    if (EndsWithNoCase(found->name, ".jpg"))
-        AddJpegAlpha(name, image);
-    if (EndsWithNoCase(found->name, ".crn"))
+    Image image = Decoded(name, *found, &VirtualFileSystem::Read);
+    if (EndsWithNoCase(found->name, kCrunch))
         log.Warn("colors of Crunch images",
                  "{}: of .crn files only the size is read, middle gray (128) stands for the colors; save the image as "
                  ".tga or .png next to it",
@@ -274,11 +318,53 @@ const std::shared_ptr<const Image> &ShaderLibrary::State::CachedImage(std::strin
 
 /// The image that gives the shader its light, or null.
 std::shared_ptr<const Image> ShaderLibrary::State::LightImageOf(const ParsedShader &shader) {
-    for (const std::string &name : {shader.lightImage, shader.editorImage, shader.info.name, shader.implicitImage})
-        if (!name.empty())
-            if (auto image = CachedImage(name))
-                return image;
+    for (const std::string &name : LightImageNames(shader))
+        if (auto image = CachedImage(name))
+            return image;
     return nullptr;
+}
+
+/// The first of the images that exists, unless there is something to warn of: then none.
+ShaderLibrary::State::ImageAhead ShaderLibrary::State::ReadFirst(const std::vector<std::string> &names) const {
+    constexpr Read kStrictly = &VirtualFileSystem::ReadStrictly;
+    try {
+        for (const std::string &name : names)
+            if (const auto found = FindBytes(name, kStrictly)) {
+                if (EndsWithNoCase(found->name, kCrunch))
+                    return {};
+                auto image = std::make_shared<const Image>(Decoded(name, *found, kStrictly));
+                const Vec3f mean = MeanColor(*image);
+                return {LowerCase(name), std::move(image), mean};
+            }
+    } catch (const Error &) { // Get warns of it
+    }
+    return {};
+}
+
+/// Reads light images, and those of skies that give light.
+void ShaderLibrary::State::ReadAhead(const std::vector<const ParsedShader *> &shaders, const JobPool &jobs) {
+    std::vector<std::vector<std::string>> wanted;
+    std::set<std::string> known; // the first name of each, lower case
+    const auto want = [&](std::vector<std::string> names) {
+        if (!names.empty() && !images.contains(LowerCase(names.front())) &&
+            known.insert(LowerCase(names.front())).second)
+            wanted.push_back(std::move(names));
+    };
+    for (const ParsedShader *shader : shaders) {
+        const auto samplesSky = [](const SkyLightDirective &sky) { return sky.sampleColor; };
+        if (!shader->info.skyImageBase.empty() && std::ranges::any_of(shader->info.skyLights, samplesSky))
+            for (std::string &side : SkyImageNames(shader->info))
+                want({std::move(side)});
+        want(LightImageNames(*shader));
+    }
+    std::vector<ImageAhead> ahead(wanted.size());
+    jobs.For(std::int64_t(wanted.size()),
+             [&](std::int64_t i, int) { ahead[std::size_t(i)] = ReadFirst(wanted[std::size_t(i)]); });
+    for (ImageAhead &one : ahead)
+        if (!one.name.empty()) {
+            means[one.image.get()] = one.mean;
+            images.try_emplace(std::move(one.name), std::move(one.image));
+        }
 }
 
 void ShaderLibrary::State::Complete(ParsedShader &shader) {
@@ -301,13 +387,8 @@ void ShaderLibrary::State::Complete(ParsedShader &shader) {
     if (shader.colorGiven) {
         info.averageColor = info.color * 255;
     } else {
-        std::array<std::uint64_t, 3> sum{};
-        const std::vector<std::uint8_t> &rgba = info.lightImage->rgba;
-        for (std::size_t i = 0; i < rgba.size(); i += 4)
-            for (std::size_t channel = 0; channel < 3; ++channel)
-                sum[channel] += rgba[i + channel];
-        const Vec3d mean = Vec3d{double(sum[0]), double(sum[1]), double(sum[2])} / (double(rgba.size()) / 4);
-        info.averageColor = Vec3f(mean);
+        const auto known = means.find(info.lightImage.get());
+        info.averageColor = known != means.end() ? known->second : MeanColor(*info.lightImage);
         info.color = NormalizeColor(info.averageColor);
     }
     shader.imagesReady = true;
@@ -419,6 +500,16 @@ const ShaderInfo &ShaderLibrary::GetWithImage(std::string_view name) {
     return shader.info;
 }
 
+void ShaderLibrary::ReadAhead(std::span<const std::string> names, const JobPool &jobs) {
+    Log quiet(Log::Nowhere()); // Get warns
+    std::vector<const ParsedShader *> shaders;
+    for (const std::string &name : names)
+        if (const ParsedShader *shader = state_->table.Find(name, quiet);
+            shader && (shader->info.compileFlags & C_NODRAW) == 0 && NeedsImage(shader->info))
+            shaders.push_back(shader);
+    state_->ReadAhead(shaders, jobs);
+}
+
 std::string ShaderLibrary::ImageFile(std::string_view name) {
     return state_->ImageFile(state_->table.FindOrAdd(Get(name).name, state_->log));
 }
@@ -453,15 +544,26 @@ std::shared_ptr<const Image> ShaderLibrary::LoadImage(std::string_view nameWitho
     return state_->CachedImage(nameWithoutExtension);
 }
 
-void ShaderLibrary::ReleaseImages(KeptImages kept) {
+void ShaderLibrary::ReleaseImages(KeptImages kept, const JobPool &jobs) {
+    const auto isReflecting = [kept](const ShaderInfo &info) {
+        return kept == KeptImages::OfReflectors && Reflects(info);
+    };
+    std::vector<const ParsedShader *> added;
+    state_->table.ForEach([&](const ParsedShader &shader) {
+        if (isReflecting(shader.info) && shader.lookedUp && !shader.imagesReady &&
+            (shader.info.compileFlags & C_NODRAW) == 0)
+            added.push_back(&shader);
+    });
+    state_->ReadAhead(added, jobs);
     state_->table.ForEach([&](ParsedShader &shader) {
-        const bool isReflector = kept == KeptImages::OfReflectors && Reflects(shader.info);
+        const bool isReflector = isReflecting(shader.info);
         if (isReflector && shader.lookedUp && !shader.imagesReady)
             state_->Complete(shader);
         if (shader.imagesReady && !isReflector && (shader.info.compileFlags & kSeeThrough) == 0)
             shader.info.lightImage = state_->white;
     });
     state_->images.clear();
+    state_->means.clear();
 }
 
 std::size_t ShaderLibrary::DefinedCount() const {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "common/files/vfs.h"
+#include "common/jobs.h"
 #include "q3map2/shader/shader_table.h"
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,7 +19,8 @@ enum class KeptImages {
     OfReflectors ///< those, and of all reflecting shaders that were looked up, for bounces
 };
 
-/// All scripts and images, looked up by name. Not thread safe: look up everything before workers start.
+/// All scripts and images, looked up by name. Not thread safe: look up everything before workers start. Where a
+/// function takes a pool, it reads images on all workers.
 class ShaderLibrary {
   public:
     /// Reads every script that shaderlist.txt files name (or, without any, all *.shader files of the shader folder).
@@ -30,6 +33,9 @@ class ShaderLibrary {
     /// for shaders that emit or transmit light; with ShaderOptions::imageSizes (the bsp stage) only for those with a
     /// flare shader. For others see ReleaseImages.
     const ShaderInfo &Get(std::string_view name);
+    /// Reads the images that Get needs for these shaders, so that it finds them. To be called before Get, which warns
+    /// of those that are damaged.
+    void ReadAhead(std::span<const std::string> names, const JobPool &jobs);
     /// As Get, with the light image and the colors of any shader that is drawn.
     const ShaderInfo &GetWithImage(std::string_view name);
     /// The image file, with extension, that editors show for the shader: the first that exists of editor image, the
@@ -46,7 +52,7 @@ class ShaderLibrary {
     std::size_t DefinedCount() const;
     /// To be called once the lights are made. Frees all images except those of `kept`, which are read if they were not.
     /// A ShaderInfo whose image is freed keeps its colors and refers to the white default image.
-    void ReleaseImages(KeptImages kept);
+    void ReleaseImages(KeptImages kept, const JobPool &jobs = JobPool(1));
 
   private:
     struct State;

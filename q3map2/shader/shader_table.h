@@ -223,6 +223,9 @@ class ShaderTable {
     std::size_t definedCount_ = 0;
 };
 
+/// What the names of the images of a sky have after ShaderInfo::skyImageBase: left, right, front, back, up, down.
+inline constexpr std::array<const char *, 6> kSkyImageSides = {"_lf", "_rt", "_ft", "_bk", "_up", "_dn"};
+
 /// Copy up to the last '.' that follows the last slash.
 std::string WithoutExtension(std::string_view name);
 

@@ -242,6 +242,31 @@ TEST_F(ShaderImages, FormatsAreTriedInTheOrderOfTheGame) {
     EXPECT_EQ(Warnings("damaged image"), 1);
 }
 
+TEST_F(ShaderImages, ReadAheadAreThoseThatGetReads) {
+    const std::string sky = "sky\n{\nq3map_skylight 100 3\nskyparms env/dusk - -\n}\n";
+    WriteTga("env/dusk_up.tga", {{0, 0, 255, 255}});
+    WriteTga("lamp.tga", {{200, 100, 50, 255}});
+    WriteTga("second.tga", {{0, 255, 0, 255}});
+    folder.Write("broken.tga", "no tga");
+    folder.Write("odd.crn", Crn(512));
+    LoadScript(sky + "lamp\n{\nq3map_surfacelight 100\n}\nwall\n{\nqer_editorImage lamp\n}\n"
+                     "other\n{\nq3map_surfacelight 100\nq3map_lightImage absent\nqer_editorImage second\n}\n"
+                     "broken\n{\nq3map_surfacelight 100\n}\nodd\n{\nq3map_surfacelight 100\n}\n");
+    const std::vector<std::string> names{"sky", "lamp", "wall", "other", "broken", "odd", "unknown"};
+    library->ReadAhead(names, JobPool(3));
+    EXPECT_EQ(out.text.find("WARNING"), std::string::npos) << "that is for Get";
+    // What has been read is not read again.
+    for (const char *file : {"env/dusk_up.tga", "lamp.tga", "second.tga"})
+        std::filesystem::remove(folder / file);
+    EXPECT_EQ(library->Get("lamp").averageColor, Vec3f(200, 100, 50));
+    EXPECT_EQ(library->Get("other").averageColor, Vec3f(0, 255, 0));
+    ASSERT_NE(library->LoadImage("env/dusk_up"), nullptr);
+    EXPECT_FALSE(library->Get("broken").imageFound);
+    EXPECT_EQ(Warnings("damaged image"), 1);
+    EXPECT_EQ(library->Get("odd").averageColor, Vec3f(128, 128, 128));
+    EXPECT_EQ(Warnings("colors of Crunch images"), 1);
+}
+
 TEST_F(ShaderImages, CrunchGivesItsSizeAndGray) {
     folder.Write("textures/c.crn", Crn(512));
     options.imageSizes = true;

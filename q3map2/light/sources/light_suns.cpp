@@ -75,13 +75,12 @@ Vec3f CellMean(const Image &image, int u, int v) {
 
 /// Probes of all six images, or none when one is missing.
 std::vector<SkyProbe> SkyProbes(const std::string &base, ShaderLibrary &library, Log &log) {
-    static constexpr std::array<const char *, 6> kSuffixes = {"_lf", "_rt", "_ft", "_bk", "_up", "_dn"};
     std::vector<SkyProbe> probes;
-    for (std::size_t face = 0; face < kSuffixes.size(); ++face) {
-        const auto image = library.LoadImage(base + kSuffixes[face]);
+    for (std::size_t face = 0; face < kSkyImageSides.size(); ++face) {
+        const auto image = library.LoadImage(base + kSkyImageSides[face]);
         if (!image) {
             log.Warn("sky image", "{}{}: sky image not found, the sky light uses the shader's color", base,
-                     kSuffixes[face]);
+                     kSkyImageSides[face]);
             return {};
         }
         for (int v = 0; v < kSkyCells; ++v)
@@ -94,14 +93,13 @@ std::vector<SkyProbe> SkyProbes(const std::string &base, ShaderLibrary &library,
     return probes;
 }
 
-/// Mean color of the sky around a direction, weighted by the cosine to it. half: 1 or -1 for the upper or lower half of
-/// the sky alone, 0 for all.
-Vec3f SampleSky(const std::vector<SkyProbe> &probes, const Vec3f &direction, float half) {
+/// Mean color of the sky around a direction, weighted by the cosine to it.
+Vec3f SampleSky(const std::vector<SkyProbe> &probes, const Vec3f &direction) {
     Vec3d sum;
     double weight = 0;
     for (const SkyProbe &probe : probes) {
         const float cosine = Dot(probe.direction, direction);
-        if (cosine <= 0 || probe.direction.z * half < 0)
+        if (cosine <= 0)
             continue;
         sum += Vec3d(probe.color) * double(cosine);
         weight += cosine;
@@ -197,12 +195,14 @@ std::vector<SunDirective> SkyLightSuns(const SkyLightDirective &sky, const Shade
     std::vector<SkyProbe> probes;
     if (sky.sampleColor && !shader.skyImageBase.empty())
         probes = SkyProbes(shader.skyImageBase, library, log);
+    // Suns of one half of the sky take their color from that half alone.
     const float half = sky.horizonMin >= 0 ? 1.0f : sky.horizonMax <= 0 ? -1.0f : 0.0f;
+    std::erase_if(probes, [half](const SkyProbe &probe) { return probe.direction.z * half < 0; });
 
     std::vector<SunDirective> suns;
     float brightest = 0;
     for (const Vec3f &direction : directions) {
-        const Vec3f color = probes.empty() ? shader.color : SampleSky(probes, direction, half);
+        const Vec3f color = probes.empty() ? shader.color : SampleSky(probes, direction);
         brightest = std::max(brightest, MaxComponent(color));
         suns.push_back({.direction = direction,
                         .color = color,

@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. The virtual file system.
+#include "common/error.h"
 #include "common/files/dependencies.h"
 #include "common/files/vfs.h"
 #include "common/text/text.h"
@@ -225,6 +226,9 @@ TEST_F(Vfs, DamagedEntryIsAWarningAndTheNextOccurrenceCounts) {
     bytes[bytes.find("text of")] = 'T';
     folder.Write("b.pk3", bytes);
     vfs.Mount(folder.Root(), "pk3");
+    EXPECT_THROW(vfs.ReadStrictly("a.txt"), Error);
+    EXPECT_EQ(vfs.ReadStrictly("b.txt"), std::nullopt);
+    EXPECT_EQ(out.log.WarningCount("unreadable game file"), 0);
     EXPECT_EQ(Read("a.txt"), "whole");
     EXPECT_EQ(out.log.WarningCount("unreadable game file"), 1);
     EXPECT_THAT(out.text, HasSubstr("b.pk3 :: a.txt"));
