@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. SH grid points fitted to the light between them.
 #include "q3map2/light/grid/gridsh_fit.h"
 
+#include "common/parallel_memory.h"
 #include "libs/math/elementary.h"
 #include "libs/math/sampling.h"
 #include "libs/sh/sh.h"
@@ -102,12 +103,18 @@ GridFit::GridFit(const GridInputs &in, const GridLayout &layout, const std::vect
       rowOf_(states.size(), -1) {
     if (!in.options.shFill)
         return;
+    const auto isFitted = [&](std::size_t i) {
+        return states[i] != PointState::Exterior && !isSplit[i] &&
+               (in.options.shFit > 0 || states[i] != PointState::Open);
+    };
+    std::int32_t rows = 0;
     for (std::size_t i = 0; i < states.size(); ++i)
-        if (states[i] != PointState::Exterior && !isSplit[i] &&
-            (in.options.shFit > 0 || states[i] != PointState::Open)) {
-            rowOf_[i] = std::int32_t(rows_.size());
+        if (isFitted(i))
+            rowOf_[i] = rows++;
+    ReserveInParallel(std::size_t(rows), in.jobs, rows_);
+    for (std::size_t i = 0; i < states.size(); ++i)
+        if (rowOf_[i] >= 0)
             rows_.push_back({std::uint32_t(i)});
-        }
 }
 
 std::array<GridFit::Corner, 8> GridFit::CornersAt(const Vec3f &p) const {

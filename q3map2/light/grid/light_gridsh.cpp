@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The SH light grid: the light of its points, and its form without negative lobes.
 #include "q3map2/light/grid/light_gridsh.h"
 
+#include "common/parallel_memory.h"
 #include "libs/sh/sh.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/grid/gridsh_fill.h"
@@ -116,8 +117,9 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
 
 GridSHTracer::GridSHTracer(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights)
     : in_(in), layout_(layout), lightCount_(lights.size()), bricks_(layout), lit_(in, layout, bricks_),
-      integrator_(in, lights), weak_(in.space, layout, lit_.States(),
-                                     DisplayedChange(in.options.shRadiance, 255 * in.options.PositiveGridScale())) {
+      integrator_(in, lights),
+      weak_(in.space, layout, lit_.States(),
+            DisplayedChange(in.options.shRadiance, 255 * in.options.PositiveGridScale()), in.jobs) {
     lit_.FindOnEmitters(lights);
     FindOwn();
 }
@@ -164,7 +166,7 @@ void GridSHTracer::FindOwn() {
 LightGridSH GridSHTracer::EmptyGrid(GridStats &stats) const {
     LightGridSH grid;
     grid.header = {layout_.mins, layout_.size, layout_.bounds, std::int32_t(layout_.Count())};
-    grid.points.assign(std::size_t(layout_.Count()), bspGridPointSH_t{});
+    grid.points = VectorInParallel<bspGridPointSH_t>(std::size_t(layout_.Count()), in_.jobs);
     stats.points = layout_.Count();
     return grid;
 }

@@ -2,6 +2,7 @@
 // interpolated; light between the points.
 #include "q3map2/light/grid/weak_field.h"
 
+#include "common/parallel_memory.h"
 #include "libs/math/elementary.h"
 #include "libs/math/morton.h"
 #include "libs/math/sampling.h"
@@ -102,9 +103,9 @@ int WeakField::LevelOf(int x, int y, int z) {
 }
 
 WeakField::WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
-                     const DisplayedChange &change)
-    : space_(space), layout_(layout), states_(states), change_(change), light_(states.size()),
-      error_(states.size(), kUntested) {}
+                     const DisplayedChange &change, const JobPool &jobs)
+    : space_(space), layout_(layout), states_(states), change_(change),
+      light_(VectorInParallel<WeakLight>(states.size(), jobs)), error_(states.size(), kUntested) {}
 
 bool WeakField::Prediction::IsGood() const {
     return pairs > 0 && isTested && error <= kMaxPredictionError;

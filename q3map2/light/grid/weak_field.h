@@ -60,7 +60,7 @@ class WeakField {
     /// states: of the points; those that are not Open predict nothing and are not predicted. change: on the byte scale.
     /// Keeps references.
     WeakField(const BspSpace &space, const GridLayout &layout, const std::vector<PointState> &states,
-              const DisplayedChange &change);
+              const DisplayedChange &change, const JobPool &jobs);
 
     /// Light at a point, predicted from points of lower levels.
     struct Prediction {
