@@ -30,14 +30,6 @@ std::vector<LatticePoint> ParentsOf(const LatticePoint &p) {
     return parents;
 }
 
-CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules)
-    : tree_(tree), points_(points), rules_(std::move(rules)), storedOf_(points.Size(), LatticePoints::kUnknown),
-      terms_(points.Size()) {
-    for (const std::size_t leaf : tree.OpenLeafs())
-        for (std::size_t c = 0; c < 8; ++c)
-            TermsOf(tree[leaf].Corner(c));
-}
-
 std::size_t LeafHungOn(const Octree &tree, const LatticePoint &p) {
     std::size_t largest = Octree::kNone;
     for (const std::size_t leaf : tree.LeafsAround(p))
@@ -47,14 +39,71 @@ std::size_t LeafHungOn(const Octree &tree, const LatticePoint &p) {
     return largest;
 }
 
+namespace {
+
+/// Leafs, corners or points of one job.
+constexpr std::size_t kJobSize = 1024;
+
+/// Calls use(i) for i from 0 to count - 1, on all workers.
+template <typename Use> void ForAll(const JobPool &jobs, std::size_t count, const Use &use) {
+    jobs.For(std::int64_t((count + kJobSize - 1) / kJobSize), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kJobSize, end = std::min(count, first + kJobSize);
+        for (std::size_t i = first; i < end; ++i)
+            use(i);
+    });
+}
+
+/// Corners of the open leafs, each once, in the order of the leafs.
+struct LeafCorners {
+    std::vector<std::uint32_t> numbers;
+    std::vector<std::size_t> hungOn; ///< LeafHungOn of each
+};
+
+LeafCorners CornersOfLeafs(const Octree &tree, const LatticePoints &points, const JobPool &jobs) {
+    const std::vector<std::size_t> leafs = tree.OpenLeafs();
+    std::vector<std::uint32_t> all(8 * leafs.size());
+    ForAll(jobs, leafs.size(), [&](std::size_t i) {
+        for (std::size_t c = 0; c < 8; ++c)
+            all[8 * i + c] = points.Find(tree[leafs[i]].Corner(c));
+    });
+    LeafCorners corners;
+    std::vector<bool> known(points.Size());
+    for (const std::uint32_t number : all)
+        if (!known[number]) {
+            known[number] = true;
+            corners.numbers.push_back(number);
+        }
+    corners.hungOn.resize(corners.numbers.size());
+    ForAll(jobs, corners.numbers.size(),
+           [&](std::size_t i) { corners.hungOn[i] = LeafHungOn(tree, points[corners.numbers[i]].at); });
+    return corners;
+}
+
+} // namespace
+
+CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules,
+                             const JobPool &jobs)
+    : tree_(tree), points_(points), rules_(std::move(rules)), storedOf_(points.Size(), LatticePoints::kUnknown),
+      terms_(points.Size()), hungOn_(points.Size(), Octree::kNone) {
+    const LeafCorners corners = CornersOfLeafs(tree, points, jobs);
+    for (std::size_t i = 0; i < corners.numbers.size(); ++i)
+        hungOn_[corners.numbers[i]] = corners.hungOn[i];
+    for (const std::uint32_t number : corners.numbers)
+        TermsOf(points[number].at);
+    hungOn_ = {};
+}
+
+std::size_t CountStoredCorners(const Octree &tree, const LatticePoints &points, const JobPool &jobs) {
+    return std::size_t(std::ranges::count(CornersOfLeafs(tree, points, jobs).hungOn, Octree::kNone));
+}
+
 const std::vector<CornerTerm> &CornerWeights::TermsOf(const LatticePoint &corner) {
     const std::uint32_t number = points_.Find(corner);
     if (!terms_[number].empty() || IsLeftOut(number))
         return terms_[number];
-    const std::size_t leaf =
-        !rules_.empty() && rules_[number] == Rule::Store ? Octree::kNone : LeafHungOn(tree_, corner);
+    const std::size_t leaf = !rules_.empty() && rules_[number] == Rule::Store ? Octree::kNone : hungOn_[number];
     if (leaf != Octree::kNone)
-        return terms_[number] = rules_.empty() ? TermsIn(tree_[leaf], corner) : TermsOfParents(corner);
+        return terms_[number] = rules_.empty() ? FindTermsIn(tree_[leaf], corner) : TermsOfParents(corner);
     storedOf_[number] = std::uint32_t(stored_.size());
     stored_.push_back(number);
     return terms_[number] = {{storedOf_[number], 1.0f}};
@@ -86,11 +135,19 @@ std::vector<CornerTerm> CornerWeights::TermsOfParents(const LatticePoint &p) {
     return sum;
 }
 
-std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec3f &at) {
+std::vector<CornerTerm> CornerWeights::FindTermsIn(const OctreeCell &leaf, const LatticePoint &p) {
+    std::vector<CornerTerm> combined;
+    for (std::size_t c = 0; c < 8; ++c)
+        if (const float weight = leaf.Weight(c, LatticePosition(p)); weight != 0)
+            AddTerms(weight, TermsOf(leaf.Corner(c)), combined);
+    return combined;
+}
+
+std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec3f &at) const {
     std::vector<CornerTerm> combined;
     for (std::size_t c = 0; c < 8; ++c)
         if (const float weight = leaf.Weight(c, at); weight != 0)
-            AddTerms(weight, TermsOf(leaf.Corner(c)), combined);
+            AddTerms(weight, terms_[points_.Find(leaf.Corner(c))], combined);
     return combined;
 }
 
@@ -128,49 +185,89 @@ void LimitChange(const SHFloats &before, SHFloats &value) {
         value[k] = before[k] + (value[k] - before[k]) * (maxChange / change);
 }
 
+/// Samples of the fit, from which LeastSquares takes them in order.
+struct FitSamples {
+    std::vector<const SHFloats *> lights;
+    std::vector<float> weights;
+    std::vector<std::uint32_t> termCounts;
+    std::vector<UnknownTerm> terms;
+
+    void Add(const SHFloats &light, std::span<const CornerTerm> of) {
+        lights.push_back(&light);
+        weights.push_back(FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All));
+        termCounts.push_back(std::uint32_t(of.size()));
+        for (const CornerTerm &term : of)
+            terms.push_back({term.stored, term.weight});
+    }
+};
+
+/// What FitCorners fits.
+class FitInputs {
+  public:
+    FitInputs(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
+              const SparseLattice &lattice, const BspSpace &space, const JobPool &jobs)
+        : tree_(tree), points_(points), corners_(corners), withoutSolid_(tree.Size()) {
+        const std::vector<std::size_t> leafs = tree.OpenLeafs();
+        ForAll(jobs, leafs.size(), [&](std::size_t i) {
+            const OctreeCell &leaf = tree[leafs[i]];
+            withoutSolid_[leafs[i]] =
+                !space.AnySolid(lattice.PositionOf(leaf.origin), lattice.PositionOf(leaf.Corner(7)));
+        });
+    }
+    /// Adds point number i if it is in the open, and stored or away from solids.
+    void AddPoint(std::size_t i, FitSamples &samples) const {
+        const LatticeSample &point = points_[i];
+        if (!point.traced)
+            return;
+        std::size_t inside = Octree::kNone;
+        bool nearSolid = false;
+        for (const std::size_t leaf : tree_.LeafsAround(point.at))
+            if (leaf != Octree::kNone && tree_[leaf].openFraction > 0) {
+                inside = leaf; // any of the leafs that touch the point will do: light is continuous
+                nearSolid = nearSolid || withoutSolid_[leaf] == 0;
+            }
+        if (inside != Octree::kNone && (corners_.IsStored(std::uint32_t(i)) || !nearSolid))
+            samples.Add(point.value, corners_.TermsIn(tree_[inside], point.at));
+    }
+    void AddNearLight(const NearLightSample &sample, FitSamples &samples) const {
+        const std::size_t leaf = tree_.LeafAt(CellAt(sample.at));
+        if (leaf != Octree::kNone && tree_[leaf].openFraction > 0 && withoutSolid_[leaf] != 0)
+            samples.Add(sample.light, corners_.TermsIn(tree_[leaf], sample.at));
+    }
+
+  private:
+    const Octree &tree_;
+    const LatticePoints &points_;
+    const CornerWeights &corners_;
+    std::vector<std::uint8_t> withoutSolid_; ///< by leaf: 1 or 0
+};
+
 } // namespace
 
-std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, CornerWeights &corners,
+std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
-                                 std::span<const NearLightSample> nearLights) {
+                                 std::span<const NearLightSample> nearLights, const JobPool &jobs) {
+    const FitInputs inputs(tree, points, corners, lattice, space, jobs);
+    const std::size_t count = points.Size() + nearLights.size();
+    std::vector<FitSamples> samples((count + kJobSize - 1) / kJobSize); // by job
+    ForAll(jobs, count, [&](std::size_t i) {
+        if (i < points.Size())
+            inputs.AddPoint(i, samples[i / kJobSize]);
+        else
+            inputs.AddNearLight(nearLights[i - points.Size()], samples[i / kJobSize]);
+    });
     std::vector<SHFloats> values;
     for (const std::uint32_t number : corners.Stored())
         values.push_back(points[number].value);
-    std::vector<bool> withoutSolid(tree.Size()); // by leaf
-    for (const std::size_t leaf : tree.OpenLeafs())
-        withoutSolid[leaf] =
-            !space.AnySolid(lattice.PositionOf(tree[leaf].origin), lattice.PositionOf(tree[leaf].Corner(7)));
     LeastSquares<SHFloats> system(values.size());
-    std::vector<UnknownTerm> unknowns;
-    const auto addSample = [&](const SHFloats &light, std::span<const CornerTerm> terms) {
-        unknowns.clear();
-        for (const CornerTerm &term : terms)
-            unknowns.push_back({term.stored, term.weight});
-        system.AddSample(light, FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All), unknowns);
-    };
-    for (std::size_t i = 0; i < points.Size(); ++i) {
-        const LatticeSample &point = points[i];
-        if (!point.traced)
-            continue;
-        std::size_t inside = Octree::kNone;
-        bool nearSolid = false;
-        for (const std::size_t leaf : tree.LeafsAround(point.at))
-            if (leaf != Octree::kNone && tree[leaf].openFraction > 0) {
-                inside = leaf; // any of the leafs that touch the point will do: light is continuous
-                nearSolid = nearSolid || !withoutSolid[leaf];
-            }
-        const bool stored = corners.IsStored(std::uint32_t(i));
-        if (inside != Octree::kNone && (stored || !nearSolid))
-            addSample(point.value, corners.TermsIn(tree[inside], point.at));
-    }
-    for (const NearLightSample &sample : nearLights) {
-        const std::size_t leaf = tree.LeafAt(CellAt(sample.at));
-        if (leaf != Octree::kNone && tree[leaf].openFraction > 0 && withoutSolid[leaf])
-            addSample(sample.light, corners.TermsIn(tree[leaf], sample.at));
+    for (FitSamples &part : samples) {
+        for (std::size_t i = 0, term = 0; i < part.lights.size(); term += part.termCounts[i++])
+            system.AddSample(*part.lights[i], part.weights[i], std::span(part.terms).subspan(term, part.termCounts[i]));
+        part = {};
     }
     for (std::size_t i = 0; i < values.size(); ++i)
         system.SetPull(i, kRegularization * system.WeightOf(i));
-    system.Solve(values, kIterations);
+    system.Solve(values, kIterations, jobs);
     for (std::size_t i = 0; i < values.size(); ++i)
         LimitChange(points[corners.Stored()[i]].value, values[i]);
     return values;
@@ -187,17 +284,23 @@ enum class CornerRecord : std::uint8_t { Nothing, Stored, Hanging, LeftOut };
 /// cell is the only one that the cell can record.
 class TreeWriter {
   public:
-    TreeWriter(Octree tree, const LatticePoints &points, const CornerWeights &corners)
+    TreeWriter(Octree tree, const LatticePoints &points, const CornerWeights &corners, const JobPool &jobs)
         : tree_(std::move(tree)), points_(points), corners_(corners) {
+        const std::vector<std::size_t> leafs = tree_.OpenLeafs();
+        std::vector<std::uint8_t> unstored(leafs.size()); // by leaf: bit c is set if corner c is not stored
+        ForAll(jobs, leafs.size(), [&](std::size_t i) {
+            for (std::size_t c = 0; c < 8; ++c)
+                if (!corners.IsStored(points.Find(tree_[leafs[i]].Corner(c))))
+                    unstored[i] |= std::uint8_t(1u << c);
+        });
         for (const std::uint32_t number : corners.Stored())
             Place(points[number].at, CornerRecord::Stored);
-        for (const std::size_t leaf : tree_.OpenLeafs())
-            for (std::size_t c = 0; c < 8; ++c) {
-                const LatticePoint p = tree_[leaf].Corner(c);
-                const std::uint32_t number = points.Find(p);
-                if (corners.IsLeftOut(number))
+        for (std::size_t i = 0; i < leafs.size(); ++i)
+            for (unsigned left = unstored[i]; left != 0; left &= left - 1) {
+                const LatticePoint p = tree_[leafs[i]].Corner(std::size_t(std::countr_zero(left)));
+                if (corners.IsLeftOut(points.Find(p)))
                     Place(p, CornerRecord::LeftOut);
-                else if (!corners.IsStored(number))
+                else
                     PlaceHanging(p);
             }
     }
@@ -289,13 +392,13 @@ StoredTree TreeWriter::Write() const {
 
 } // namespace
 
-StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners) {
-    return TreeWriter(std::move(tree), points, corners).Write();
+StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners, const JobPool &jobs) {
+    return TreeWriter(std::move(tree), points, corners, jobs).Write();
 }
 
 SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
-                              const SparseLattice &lattice, const std::vector<SHFloats> &values) {
-    StoredTree stored = StoreTree(std::move(tree), points, corners);
+                              const SparseLattice &lattice, const std::vector<SHFloats> &values, const JobPool &jobs) {
+    StoredTree stored = StoreTree(std::move(tree), points, corners, jobs);
     SparseGridTree file;
     file.nodes = std::move(stored.nodes);
     for (const std::uint32_t i : stored.order)

@@ -36,22 +36,24 @@ class CornerWeights {
   public:
     enum class Rule : std::uint8_t { HangOrStore, Store, LeaveOut };
     /// rules: by point; empty: HangOrStore for all.
-    CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules = {});
+    CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules = {},
+                  const JobPool &jobs = JobPool(1));
     /// Numbers, in LatticePoints, of the stored points.
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
     bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
     bool IsLeftOut(std::uint32_t point) const { return !rules_.empty() && rules_[point] == Rule::LeaveOut; }
     /// The interpolated value at a point inside or on the boundary of an open leaf, as a combination of stored values.
     /// Where corners are left out, the weights add up to less than 1.
-    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const LatticePoint &p) {
+    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const LatticePoint &p) const {
         return TermsIn(leaf, LatticePosition(p));
     }
-    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const Vec3f &at);
+    std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const Vec3f &at) const;
 
   private:
     /// The value of a corner as a combination of stored values. A corner that does not hang becomes a stored one when
     /// it is met first.
     const std::vector<CornerTerm> &TermsOf(const LatticePoint &corner);
+    std::vector<CornerTerm> FindTermsIn(const OctreeCell &leaf, const LatticePoint &p);
     std::vector<CornerTerm> TermsOfParents(const LatticePoint &p);
     bool LeafHasCorner(const LatticePoint &p) const;
     static void AddTerms(float weight, std::span<const CornerTerm> terms, std::vector<CornerTerm> &sum);
@@ -62,15 +64,19 @@ class CornerWeights {
     std::vector<std::uint32_t> stored_;
     std::vector<std::uint32_t> storedOf_;        ///< by point: index in stored_, or kUnknown
     std::vector<std::vector<CornerTerm>> terms_; ///< by point; empty: not yet known
+    std::vector<std::size_t> hungOn_;            ///< LeafHungOn, by point; only for corners, only while they are found
 };
+
+/// Number of corners that CornerWeights stores without rules.
+std::size_t CountStoredCorners(const Octree &tree, const LatticePoints &points, const JobPool &jobs);
 
 /// Least-squares values of the stored corners, in the order of corners.Stored(). Minimizes the sum over all points s of
 /// `points` in the open, and over `nearLights`, of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull
 /// towards its own light, by conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they
 /// are stored corners, so that no light is fitted through a wall.
-std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, CornerWeights &corners,
+std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
-                                 std::span<const NearLightSample> nearLights = {});
+                                 std::span<const NearLightSample> nearLights = {}, const JobPool &jobs = JobPool(1));
 
 /// The nodes that a file has, and for each stored cell, in their order, the index of its point in corners.Stored().
 struct StoredTree {
@@ -79,10 +85,12 @@ struct StoredTree {
 };
 /// A cell owns its lower corner alone, so cells without open space are split where a stored or hanging corner is not
 /// theirs.
-StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners);
+StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
+                     const JobPool &jobs = JobPool(1));
 /// The nodes and values that the file has. values: of the stored corners, in the order of
 /// corners.Stored().
 SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
-                              const SparseLattice &lattice, const std::vector<SHFloats> &values);
+                              const SparseLattice &lattice, const std::vector<SHFloats> &values,
+                              const JobPool &jobs = JobPool(1));
 
 } // namespace q3

@@ -1,8 +1,10 @@
 // GPL-2.0-or-later. Sparse linear least squares with a pull towards initial values, by conjugate gradients.
 #pragma once
 
+#include "common/jobs.h"
 #include "q3map2/light/grid/probe_integrator.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -38,8 +40,9 @@ inline float DotOfValues(float a, float b) {
 ///     sum over s of w(s) |sum over i of a(s, i) x(i) - value(s)|^2 + sum over i of pull(i) |x(i) - x0(i)|^2
 ///
 /// x0: initial values (Tikhonov regularization); a(s, i): weight of UnknownTerm i of s. The normal equations are
-/// (A^T W A + R) x = A^T W value + R x0, with W = diag(w) and R = diag(pull). Matrix-free: products are sums over the
-/// samples.
+/// (A^T W A + R) x = A^T W value + R x0, with W = diag(w) and R = diag(pull). Matrix-free: products with A and A^T W
+/// are sums over the terms of a sample, and of an unknown in the order of samples, so any number of workers rounds
+/// alike.
 template <typename Value> class LeastSquares {
   public:
     explicit LeastSquares(std::size_t unknowns) : pull_(unknowns), diagonal_(unknowns), weights_(unknowns) {}
@@ -59,27 +62,38 @@ template <typename Value> class LeastSquares {
     /// Conjugate gradients with Jacobi's preconditioner M, at most `steps` of them. x: x0, replaced by the result. As
     /// usual r is the residual, z = M^-1 r, rho = r . z, alpha the step length, and beta the factor of the last
     /// direction in the next one.
-    void Solve(std::vector<Value> &x, int steps) const {
-        Vector r = ResidualAtStart(x), z = Preconditioned(r), direction = z, product(x.size());
-        double rho = Dot(r, z);
+    void Solve(std::vector<Value> &x, int steps, const JobPool &jobs = JobPool(1)) const {
+        const Columns columns = ColumnsOfSamples();
+        Vector differences(samples_.size()), r(x.size()), z(x.size()), direction, product(x.size());
+        ForParts(jobs, samples_.size(), [&](std::size_t s) {
+            differences[s] = samples_[s].value;
+            AddScaledValue(-1, Combined(samples_[s], x), differences[s]);
+        });
+        // A^T W (value - A x) for x = x0, where the pull is 0; and z.
+        ForParts(jobs, x.size(), [&](std::size_t i) {
+            AddColumn(columns, i, differences, r[i]);
+            z[i] = Preconditioned(i, r[i]);
+        });
+        direction = z;
+        double rho = Dot(r, z, jobs);
         for (int step = 0; step < steps && rho > 0; ++step) {
-            Apply(direction, product);
-            const double curvature = Dot(direction, product);
+            Apply(columns, direction, differences, product, jobs);
+            const double curvature = Dot(direction, product, jobs);
             if (!(curvature > 0))
                 return;
             const auto alpha = float(rho / curvature);
-            for (std::size_t i = 0; i < x.size(); ++i) {
+            ForParts(jobs, x.size(), [&](std::size_t i) {
                 AddScaledValue(alpha, direction[i], x[i]);
                 AddScaledValue(-alpha, product[i], r[i]);
-            }
-            z = Preconditioned(r);
-            const double nextRho = Dot(r, z);
+                z[i] = Preconditioned(i, r[i]);
+            });
+            const double nextRho = Dot(r, z, jobs);
             const auto beta = float(nextRho / rho);
-            for (std::size_t i = 0; i < x.size(); ++i) {
+            ForParts(jobs, x.size(), [&](std::size_t i) {
                 Value next = z[i];
                 AddScaledValue(beta, direction[i], next);
                 direction[i] = next;
-            }
+            });
             rho = nextRho;
         }
     }
@@ -91,6 +105,38 @@ template <typename Value> class LeastSquares {
         float weight;
         std::uint32_t firstTerm, termCount;
     };
+    /// A sample in which an unknown has a term, and w(s) a(s, unknown).
+    struct Entry {
+        std::uint32_t sample;
+        float weight;
+    };
+    /// A^T W: for each unknown its entries, in the order of samples.
+    struct Columns {
+        std::vector<std::uint32_t> ends; ///< by unknown: end of its entries
+        std::vector<Entry> entries;
+    };
+
+    /// Calls use(i) for i from 0 to count - 1, on all workers.
+    template <typename Use> static void ForParts(const JobPool &jobs, std::size_t count, const Use &use) {
+        constexpr std::size_t kPart = 2048;
+        jobs.For(std::int64_t((count + kPart - 1) / kPart), [&](std::int64_t part, int) {
+            const std::size_t first = std::size_t(part) * kPart, end = std::min(count, first + kPart);
+            for (std::size_t i = first; i < end; ++i)
+                use(i);
+        });
+    }
+    Columns ColumnsOfSamples() const {
+        Columns columns{std::vector<std::uint32_t>(pull_.size() + 1), std::vector<Entry>(terms_.size())};
+        for (const UnknownTerm &term : terms_)
+            ++columns.ends[term.unknown + 1];
+        for (std::size_t i = 1; i < columns.ends.size(); ++i)
+            columns.ends[i] += columns.ends[i - 1];
+        for (std::size_t s = 0; s < samples_.size(); ++s)
+            for (std::uint32_t t = samples_[s].firstTerm; t < samples_[s].firstTerm + samples_[s].termCount; ++t)
+                columns.entries[columns.ends[terms_[t].unknown]++] = {std::uint32_t(s),
+                                                                      samples_[s].weight * terms_[t].weight};
+        return columns;
+    }
     /// (A x)(s).
     Value Combined(const Sample &sample, const Vector &x) const {
         Value sum{};
@@ -98,42 +144,34 @@ template <typename Value> class LeastSquares {
             AddScaledValue(terms_[t].weight, x[terms_[t].unknown], sum);
         return sum;
     }
-    /// to += A^T W of a vector that is `value` at s, and 0 at all other samples.
-    void Scatter(const Sample &sample, const Value &value, Vector &to) const {
-        for (std::uint32_t t = sample.firstTerm; t < sample.firstTerm + sample.termCount; ++t)
-            AddScaledValue(sample.weight * terms_[t].weight, value, to[terms_[t].unknown]);
+    /// to += (A^T W ofSamples)(unknown).
+    static void AddColumn(const Columns &columns, std::size_t unknown, const Vector &ofSamples, Value &to) {
+        for (std::uint32_t e = unknown > 0 ? columns.ends[unknown - 1] : 0; e < columns.ends[unknown]; ++e)
+            AddScaledValue(columns.entries[e].weight, ofSamples[columns.entries[e].sample], to);
     }
-    /// product = (A^T W A + R) x.
-    void Apply(const Vector &x, Vector &product) const {
-        for (std::size_t i = 0; i < x.size(); ++i) {
+    /// product = (A^T W A + R) x. `ofSamples`: scratch memory.
+    void Apply(const Columns &columns, const Vector &x, Vector &ofSamples, Vector &product, const JobPool &jobs) const {
+        ForParts(jobs, samples_.size(), [&](std::size_t s) { ofSamples[s] = Combined(samples_[s], x); });
+        ForParts(jobs, x.size(), [&](std::size_t i) {
             product[i] = {};
             AddScaledValue(pull_[i], x[i], product[i]);
-        }
-        for (const Sample &sample : samples_)
-            Scatter(sample, Combined(sample, x), product);
+            AddColumn(columns, i, ofSamples, product[i]);
+        });
     }
-    /// A^T W (value - A x) for x = x0, where the pull is 0.
-    Vector ResidualAtStart(const Vector &x) const {
-        Vector residual(x.size());
-        for (const Sample &sample : samples_) {
-            Value difference = sample.value;
-            AddScaledValue(-1, Combined(sample, x), difference);
-            Scatter(sample, difference, residual);
-        }
-        return residual;
-    }
-    static double Dot(const Vector &a, const Vector &b) {
+    /// The sum is made in order.
+    static double Dot(const Vector &a, const Vector &b, const JobPool &jobs) {
+        std::vector<float> products(a.size());
+        ForParts(jobs, a.size(), [&](std::size_t i) { products[i] = DotOfValues(a[i], b[i]); });
         double sum = 0;
-        for (std::size_t i = 0; i < a.size(); ++i)
-            sum += double(DotOfValues(a[i], b[i]));
+        for (const float product : products)
+            sum += double(product);
         return sum;
     }
-    /// M^-1 r, M the diagonal of A^T W A + R.
-    Vector Preconditioned(const Vector &r) const {
-        Vector z(r.size());
-        for (std::size_t i = 0; i < r.size(); ++i)
-            if (const float diagonal = diagonal_[i] + pull_[i]; diagonal > 0)
-                AddScaledValue(1 / diagonal, r[i], z[i]);
+    /// M^-1 r, M the diagonal of A^T W A + R, for one unknown.
+    Value Preconditioned(std::size_t unknown, const Value &r) const {
+        Value z{};
+        if (const float diagonal = diagonal_[unknown] + pull_[unknown]; diagonal > 0)
+            AddScaledValue(1 / diagonal, r, z);
         return z;
     }
 

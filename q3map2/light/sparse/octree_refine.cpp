@@ -5,6 +5,7 @@
 #include "q3map2/light/sparse/display_error.h"
 
 #include <array>
+#include <bit>
 #include <limits>
 
 namespace q3 {
@@ -115,11 +116,10 @@ void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) 
     points_.Reserve(uniform.points.size());
     for (std::size_t i = 0; i < tree_.Size(); ++i)
         if (tree_[i].level == lattice_.BaseLevel() && tree_[i].openFraction > 0)
-            ForUniformPoints(lattice_, tree_[i], [&](const LatticePoint &p) {
-                points_[points_.Add(p)].value = ToDisplayed(uniform.points[lattice_.UniformIndex(p)], radiance);
-            });
+            ForUniformPoints(lattice_, tree_[i], [&](const LatticePoint &p) { points_.Add(p); });
     ForEach(jobs_, points_.Size() - first, [&](std::size_t i) {
         LatticeSample &point = points_[first + i];
+        point.value = ToDisplayed(uniform.points[lattice_.UniformIndex(point.at)], radiance);
         point.traced = PlaceInOpen(space_, lattice_.PositionOf(point.at)).state == PointState::Open;
     });
 }
@@ -197,9 +197,14 @@ void OctreeRefiner::Refine(float threshold, const LatticeTracer &tracer, GridSta
 
 void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTracer &tracer, GridStats &stats) {
     const std::size_t firstNew = points_.Size();
-    for (const std::size_t i : cells)
+    std::vector<std::uint32_t> unknown(cells.size()); // by cell: bit n is set if ChildCorner n is not in points_
+    ForEach(jobs_, cells.size(), [&](std::size_t i) {
         for (std::size_t n = 0; n < 27; ++n)
-            points_.Add(ChildCorner(tree_[i], n));
+            unknown[i] |= std::uint32_t(points_.Find(ChildCorner(tree_[cells[i]], n)) == LatticePoints::kUnknown) << n;
+    });
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        for (std::uint32_t left = unknown[i]; left != 0; left &= left - 1)
+            points_.Add(ChildCorner(tree_[cells[i]], std::size_t(std::countr_zero(left))));
     tracer.Trace(points_, firstNew, stats);
     FillSolids(cells, firstNew);
     for (const std::size_t i : cells)

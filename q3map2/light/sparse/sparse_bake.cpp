@@ -54,6 +54,9 @@ constexpr double kTargetSlack = 1.02;
 /// The expected error may be this many targets: where light changes little, it is above the measured one.
 constexpr double kExpectedSlack = 1.3;
 
+/// Receivers of one job.
+constexpr std::size_t kReceiversOfJob = 256;
+
 float Squared(float x) {
     return x * x;
 }
@@ -64,8 +67,9 @@ class SparseGridBuilder {
     /// radiance: as light is stored, see ToDisplayed.
     SparseGridBuilder(const BspSpace &space, const JobPool &jobs, const SparseLattice &lattice, const SparseGoal &goal,
                       bool radiance)
-        : space_(space), lattice_(lattice), goal_(goal), radiance_(radiance), points_(lattice), tree_(lattice),
-          refiner_(space, jobs, lattice, tree_, points_), maxNearLightError_(Squared(kNearLightTargets * goal.error)) {}
+        : space_(space), jobs_(jobs), lattice_(lattice), goal_(goal), radiance_(radiance), points_(lattice),
+          tree_(lattice), refiner_(space, jobs, lattice, tree_, points_),
+          maxNearLightError_(Squared(kNearLightTargets * goal.error)) {}
     /// Makes the tree of the uniform grid's cells. Call it first.
     void Start(const LightGridSH &uniform) {
         refiner_.Start(uniform, radiance_);
@@ -92,7 +96,12 @@ class SparseGridBuilder {
         Octree tree;
         PruningStats stats;
     };
-    PrunedTree Pruned(float price) const;
+    void Prune(float price, PrunedTree &pruned) const;
+    PrunedTree Pruned(float price) const {
+        PrunedTree pruned{tree_, {}};
+        Prune(price, pruned);
+        return pruned;
+    }
     bool MeetsGoal(const PrunedTree &pruned) const;
     double EstimatedBytes(const PrunedTree &pruned) const;
     bool NearLightsTakeTooMuch(const PrunedTree &pruned) const;
@@ -104,6 +113,7 @@ class SparseGridBuilder {
     void MeasureNearLights(const SparseGridSH &grid, SparseStats &result) const;
 
     const BspSpace &space_;
+    const JobPool &jobs_;
     const SparseLattice &lattice_;
     SparseGoal goal_;
     bool radiance_;
@@ -126,33 +136,40 @@ class SparseGridBuilder {
     float leastErrorPrice_ = kMinPrice; ///< minPrice_ of that tree
 };
 
-SparseGridBuilder::PrunedTree SparseGridBuilder::Pruned(float price) const {
+/// `pruned`: replaced, but for its memory.
+void SparseGridBuilder::Prune(float price, PrunedTree &pruned) const {
     float maxNearLightError = maxNearLightError_;
     if (goal_.budget && !nearLights_.empty()) { // no error target: the expected error at that price serves as one
-        Octree tree = tree_;
-        maxNearLightError = Squared(kNearLightTargets * float(PruneOctree(tree, price).error));
+        pruned.tree = tree_;
+        maxNearLightError = Squared(kNearLightTargets * float(PruneOctree(pruned.tree, price).error));
     }
-    PrunedTree pruned{tree_, {}};
+    pruned.tree = tree_;
     pruned.stats = PruneOctree(pruned.tree, price, maxNearLightError * nearLightSlack_);
-    return pruned;
 }
 
 /// RMS error of interpolation between the corners' own light, which is not fitted, at the receivers; 0 without
 /// receivers.
 double SparseGridBuilder::InterpolationError(const Octree &tree) const {
+    constexpr float kNoCell = -1; // of a receiver outside of cells whose light is known
+    std::vector<float> squared(exact_ ? exact_->Size() : 0, kNoCell);
+    jobs_.For(std::int64_t((squared.size() + kReceiversOfJob - 1) / kReceiversOfJob), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kReceiversOfJob;
+        for (std::size_t i = first; i < std::min(squared.size(), first + kReceiversOfJob); ++i) {
+            const Vec3f at = lattice_.InCells(exact_->Position(i));
+            const std::size_t leaf = tree.LeafAt(CellAt(at));
+            if (leaf == Octree::kNone || tree[leaf].openFraction <= 0)
+                continue;
+            const CornerLight corners = CornersOf(points_, tree[leaf]);
+            if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
+                continue;
+            squared[i] =
+                screen_.Squared(InterpolatedLight(tree[leaf], corners, at), ToDisplayed(exact_->At(i), radiance_));
+        }
+    });
     double sum = 0, count = 0;
-    for (std::size_t i = 0; exact_ && i < exact_->Size(); ++i) {
-        const Vec3f at = lattice_.InCells(exact_->Position(i));
-        const std::size_t leaf = tree.LeafAt(CellAt(at));
-        if (leaf == Octree::kNone || tree[leaf].openFraction <= 0)
-            continue;
-        const CornerLight corners = CornersOf(points_, tree[leaf]);
-        if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
-            continue;
-        sum +=
-            double(screen_.Squared(InterpolatedLight(tree[leaf], corners, at), ToDisplayed(exact_->At(i), radiance_)));
-        ++count;
-    }
+    for (const float one : squared)
+        if (one != kNoCell)
+            sum += double(one), ++count;
     return count > 0 ? std::sqrt(std::max(0.0, sum / count - exact_->Noise())) : 0;
 }
 
@@ -171,7 +188,7 @@ double SparseGridBuilder::EstimatedBytes(const PrunedTree &pruned) const {
     const auto leafs = double(pruned.stats.leafs);
     if (leafs * kBytesPerLeaf < maxBytes_)
         return leafs * kBytesPerLeaf;
-    return double(CornerWeights(pruned.tree, points_).Stored().size()) * kBytesPerPoint + leafs * kNodeBytesPerLeaf;
+    return double(CountStoredCorners(pruned.tree, points_, jobs_)) * kBytesPerPoint + leafs * kNodeBytesPerLeaf;
 }
 
 /// Whether cells near lights take more than kMaxNearLightFraction of the leafs.
@@ -216,9 +233,11 @@ RefinementStop SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats 
 /// Highest price of a leaf at which the pruned tree still meets the goal.
 float SparseGridBuilder::FindPrice() const {
     float low = minPrice_, high = minPrice_ * kPriceRange;
+    PrunedTree pruned{tree_, {}};
     for (int i = 0; i < kBisections; ++i) {
         const float middle = std::sqrt(low * high);
-        (MeetsGoal(Pruned(middle)) ? low : high) = middle;
+        Prune(middle, pruned);
+        (MeetsGoal(pruned) ? low : high) = middle;
     }
     return low;
 }
@@ -226,8 +245,9 @@ float SparseGridBuilder::FindPrice() const {
 /// The grid at that price, or at the lowest higher one at which its lump keeps the limit.
 SparseGridSH SparseGridBuilder::GridAtPrice(float price, SparseStats &result) {
     double bytesPerLeaf = 0;
+    PrunedTree pruned{tree_, {}};
     for (;; price *= kPriceStep, nearLightSlack_ *= Squared(kPriceStep)) {
-        const PrunedTree pruned = Pruned(price);
+        Prune(price, pruned);
         const bool isCoarsest = price > kMaxPrice;
         if (double(pruned.stats.leafs) * bytesPerLeaf > maxBytes_ && !isCoarsest)
             continue;
@@ -242,9 +262,10 @@ SparseGridSH SparseGridBuilder::GridAtPrice(float price, SparseStats &result) {
 
 /// The grid of a pruned tree, with its size and errors in `result`.
 SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &result) const {
-    CornerWeights corners(pruned.tree, points_);
-    const std::vector<SHFloats> values = FitCorners(pruned.tree, points_, corners, lattice_, space_, nearLights_);
-    SparseGridTree tree = MakeSparseTree(pruned.tree, points_, corners, lattice_, values);
+    const CornerWeights corners(pruned.tree, points_, {}, jobs_);
+    const std::vector<SHFloats> values =
+        FitCorners(pruned.tree, points_, corners, lattice_, space_, nearLights_, jobs_);
+    SparseGridTree tree = MakeSparseTree(pruned.tree, points_, corners, lattice_, values, jobs_);
     DeringStats dering;
     for (bspGridPointSH_t &value : tree.values) {
         value = ToStored(std::bit_cast<SHFloats>(value), radiance_);
@@ -264,18 +285,24 @@ SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &re
 void SparseGridBuilder::MeasureNearLights(const SparseGridSH &grid, SparseStats &result) const {
     const std::vector<std::byte> lump = EncodeSparseGrid(grid);
     const shgrid_grid reader = SparseReader(lump);
+    std::vector<float> squared(nearLights_.size());
+    jobs_.For(std::int64_t((squared.size() + kReceiversOfJob - 1) / kReceiversOfJob), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kReceiversOfJob;
+        for (std::size_t i = first; i < std::min(squared.size(), first + kReceiversOfJob); ++i) {
+            const Vec3f p = lattice_.PositionOf(nearLights_[i].at);
+            const float position[3] = {p.x, p.y, p.z};
+            shgrid_coeffs read;
+            shgrid_sample(&reader, position, &read);
+            bspGridPointSH_t value;
+            for (std::size_t k = 0; k < 9; ++k)
+                for (std::size_t channel = 0; channel < 3; ++channel)
+                    value.coeffs[k][channel] = read.c[k][channel];
+            squared[i] = screen_.Squared(ToDisplayed(value, radiance_), nearLights_[i].light);
+        }
+    });
     double sum = 0;
-    for (const NearLightSample &sample : nearLights_) {
-        const Vec3f p = lattice_.PositionOf(sample.at);
-        const float position[3] = {p.x, p.y, p.z};
-        shgrid_coeffs read;
-        shgrid_sample(&reader, position, &read);
-        bspGridPointSH_t value;
-        for (std::size_t k = 0; k < 9; ++k)
-            for (std::size_t channel = 0; channel < 3; ++channel)
-                value.coeffs[k][channel] = read.c[k][channel];
-        sum += double(screen_.Squared(ToDisplayed(value, radiance_), sample.light));
-    }
+    for (const float one : squared)
+        sum += double(one);
     result.nearLightSamples = nearLights_.size();
     result.nearLightError = nearLights_.empty() ? 0 : std::sqrt(sum / double(nearLights_.size()));
 }
