@@ -171,7 +171,7 @@ FlowStart StartFlow(const VisMap &map, const VisOptions &options, const VisUnits
     const bool hasPassages = !options.noPassage && Passages::BytesFor(map) <= kMaxPassageBytes;
     if (units.HasFirstRound()) {
         FlowStart known{MightSeeTable(count, count), Passages(map)};
-        if (units.FindState(known.mightSee.All(), hasPassages ? known.passages->Table().All() : std::span<BitWord>())) {
+        if (units.FindState(known.mightSee.All(), hasPassages ? known.passages->All() : std::span<BitWord>())) {
             if (!hasPassages)
                 known.passages.reset();
             return known;
@@ -180,7 +180,7 @@ FlowStart StartFlow(const VisMap &map, const VisOptions &options, const VisUnits
     log.Section(fmt::format("BasePortalVis ({})", count));
     FlowStart start{FloodMightSee(map, options.farPlane, units, jobs, log), {}};
     if (!options.plain && !units.IsFirstPart())
-        ApplySymmetry(map, start.mightSee);
+        ApplySymmetry(map, jobs, start.mightSee);
     if (!options.fast)
         start.passages = MakePassages(map, options, units, jobs, log, start.mightSee);
     return start;
@@ -195,8 +195,7 @@ std::optional<MightSeeTable> PortalVisibility(const VisMap &map, const VisOption
     if (units.IsFirstPart())
         return std::nullopt;
     if (units.EndsBeforeFlow()) {
-        units.KeepState(start.mightSee.All(),
-                        start.passages ? start.passages->Table().All() : std::span<const BitWord>());
+        units.KeepState(start.mightSee.All(), start.passages ? start.passages->All() : std::span<const BitWord>());
         return std::nullopt;
     }
     if (options.fast)

@@ -192,14 +192,13 @@ MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const V
     return mightSee;
 }
 
-void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee) {
+void ApplySymmetry(const VisMap &map, const JobPool &jobs, MightSeeTable &mightSee) {
     const std::size_t count = map.NumPortals(), words = mightSee.Words();
     std::vector<BitWord> twins(words);
     for (std::size_t p = 0; p < count; ++p)
         if (map.Portal(p).hasTwin)
             SetBit(twins.data(), p);
     // Compares bit q of row p with bit p ^ 1 of row q ^ 1: each block of 64 x 64 bits with its mirror image.
-    std::array<BitWord, 64> block, across;
     const auto load = [&](std::size_t row, std::size_t word, std::array<BitWord, 64> &into) {
         for (std::size_t k = 0; k < 64; ++k)
             into[k] = 64 * row + k < count ? mightSee.Row(64 * row + k)[word] : 0;
@@ -209,7 +208,9 @@ void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee) {
             if (TestBit(twins.data(), 64 * row + k))
                 mightSee.Row(64 * row + k)[word] &= SwapPairs(by[k ^ 1]) | ~twins[word];
     };
-    for (std::size_t row = 0; row < words; ++row)
+    jobs.For(std::int64_t(words), [&](std::int64_t index, int) {
+        std::array<BitWord, 64> block, across;
+        const auto row = std::size_t(index);
         for (std::size_t word = row; word < words; ++word) {
             load(row, word, block);
             load(word, row, across);
@@ -218,6 +219,7 @@ void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee) {
             restrict(row, word, across);
             restrict(word, row, block);
         }
+    });
 }
 
 std::vector<int> OrderPortals(const VisMap &map, const MightSeeTable &mightSee, bool sorted) {
@@ -292,7 +294,9 @@ Passages::Passages(const VisMap &map) {
         start_[p] = rows;
         rows += map.Portal(p).removed ? 0 : map.PortalsAfter(p).size();
     }
-    table_ = BitTable(rows, count);
+    rows_ = rows, words_ = WordsOf(count);
+    // Workers set their rows first: the system gives each the memory that it uses.
+    table_ = std::make_unique_for_overwrite<BitWord[]>(rows_ * words_);
 }
 
 /// Makes the rows of a portal.
@@ -300,12 +304,12 @@ void Passages::Make(const VisMap &map, const MightSeeTable &mightSee, std::size_
     const auto after = map.PortalsAfter(p);
     for (std::size_t next = 0; next < after.size(); ++next) {
         const auto t = std::size_t(after[next]);
-        BitWord *const row = table_.Row(start_[p] + next);
+        BitWord *const row = &table_[(start_[p] + next) * words_];
         const BitWord *const a = mightSee.Row(p), *const b = mightSee.Row(t);
-        for (std::size_t i = 0; i < table_.Words(); ++i)
+        for (std::size_t i = 0; i < words_; ++i)
             row[i] = a[i] & b[i];
         const PassagePlanes planes(map.Portal(p).winding, map.Portal(t).winding);
-        ForEachBit(table_.Bits(start_[p] + next), [&](std::size_t q) {
+        ForEachBit(std::span<const BitWord>(row, words_), [&](std::size_t q) {
             if (!planes.MaySee(map.Portal(q)))
                 ClearBit(row, q);
         });
@@ -326,7 +330,7 @@ Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, const VisUn
             if (map.Portal(p).removed || own[p] == 0)
                 return;
             const auto after = map.PortalsAfter(p);
-            const std::span<BitWord> rows(table_.Row(start_[p]), after.size() * table_.Words());
+            const std::span<BitWord> rows(table_.get() + start_[p] * words_, after.size() * words_);
             if (!units.Find(VisUnits::Row::Passage, p, rows)) {
                 Make(map, mightSee, p);
                 if (isPart)
@@ -335,8 +339,8 @@ Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, const VisUn
             }
             // The part did not know yet what symmetry has cleared.
             for (std::size_t next = 0; next < after.size(); ++next)
-                for (std::size_t i = 0; i < table_.Words(); ++i)
-                    rows[next * table_.Words() + i] &= mightSee.Row(p)[i] & mightSee.Row(std::size_t(after[next]))[i];
+                for (std::size_t i = 0; i < words_; ++i)
+                    rows[next * words_ + i] &= mightSee.Row(p)[i] & mightSee.Row(std::size_t(after[next]))[i];
         },
         [&](std::int64_t done) { progress.Update(done, 0); });
     progress.Finish();
@@ -366,7 +370,7 @@ void Passages::TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const
             for (std::size_t i = 0; i < words; ++i)
                 row[i] &= before.Row(p)[i];
         });
-        ApplySymmetry(map, mightSee);
+        ApplySymmetry(map, jobs, mightSee);
     }
 }
 

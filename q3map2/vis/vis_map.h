@@ -5,6 +5,7 @@
 #include "q3map2/vis/portal_graph.h"
 #include "q3map2/vis/vis.h"
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -58,7 +59,7 @@ MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const V
                             Log &log);
 
 /// Visibility is symmetric: clears bit q of row p if bit p ^ 1 of row q ^ 1 is clear, for portals that have twins.
-void ApplySymmetry(const VisMap &map, MightSeeTable &mightSee);
+void ApplySymmetry(const VisMap &map, const JobPool &jobs, MightSeeTable &mightSee);
 
 /// Portals in ascending order of the number of bits of their rows, ties by index; all by index unless `sorted`.
 std::vector<int> OrderPortals(const VisMap &map, const MightSeeTable &mightSee, bool sorted);
@@ -70,13 +71,13 @@ class Passages {
     static std::uint64_t BytesFor(const VisMap &map);
     /// units: as in FloodMightSee.
     Passages(const VisMap &map, const MightSeeTable &mightSee, const VisUnits &units, const JobPool &jobs, Log &log);
-    /// All rows are empty.
+    /// The rows have no values yet.
     explicit Passages(const VisMap &map);
 
     /// Portals seen through `first` and then through VisMap::PortalsAfter(first)[next].
-    const BitWord *Row(std::size_t first, std::size_t next) const { return table_.Row(start_[first] + next); }
-    /// All rows, for VisUnits.
-    BitTable &Table() { return table_; }
+    const BitWord *Row(std::size_t first, std::size_t next) const { return &table_[(start_[first] + next) * words_]; }
+    /// All rows, one after another.
+    std::span<BitWord> All() { return {table_.get(), rows_ * words_}; }
 
     /// Restricts each row p to the union over next portals t of t itself and of passage(p, t) & row t, in several
     /// rounds, since a smaller row can shrink others.
@@ -85,8 +86,9 @@ class Passages {
   private:
     void Make(const VisMap &map, const MightSeeTable &mightSee, std::size_t p);
 
-    std::vector<std::size_t> start_; ///< by portal: its first row of table_
-    BitTable table_;
+    std::vector<std::size_t> start_;   ///< by portal: its first row of table_
+    std::size_t rows_ = 0, words_ = 0; ///< number of rows, and words of a row
+    std::unique_ptr<BitWord[]> table_;
 };
 
 /// The portals that a part of the first round computes, by portal: those next to each other in the file, which are

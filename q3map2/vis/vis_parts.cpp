@@ -76,6 +76,8 @@ bool VisUnits::FindState(std::span<BitWord> mightSee, std::span<BitWord> passage
                through = units_ ? units_->Find(KeyOfState("passages")) : std::nullopt;
     if (!seen || !through)
         return false;
+    std::ranges::fill(mightSee, BitWord(0));
+    std::ranges::fill(passages, BitWord(0));
     UnitReader seenReader(*seen), throughReader(*through);
     return ReadWords(seenReader, mightSee) && ReadWords(throughReader, passages);
 }

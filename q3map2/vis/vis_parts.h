@@ -49,7 +49,7 @@ class VisUnits {
 
     /// The state before the portal flow: what may be seen, and passages. It replaces all results of the first round.
     void KeepState(std::span<const BitWord> mightSee, std::span<const BitWord> passages) const;
-    /// The tables must be zero. False: the state is not there.
+    /// False: the state is not there.
     bool FindState(std::span<BitWord> mightSee, std::span<BitWord> passages) const;
 
   private:
