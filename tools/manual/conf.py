@@ -30,9 +30,9 @@ suppress_warnings = ["misc.highlighting_failure"]
 
 # Parts of the manual in the order of the sidebar, with the pages that come first.
 PARTS = {
-    "Guide": ("guide", ["first_bake", "editors", "compiling", "lighting", "watch", "releasing", "relighting",
-                        "hdr_and_normal_maps", "static_props", "utilities", "viewer", "gallery", "troubleshooting",
-                        "explain", "from_q3map2", "from_source_engine"]),
+    "Guide": ("guide", ["first_bake", "editors", "compiling", "lighting", "watch", "cache", "many_machines", "nightly",
+                        "releasing", "relighting", "hdr_and_normal_maps", "static_props", "utilities", "viewer",
+                        "gallery", "troubleshooting", "explain", "from_q3map2", "from_source_engine"]),
     "Reference": ("reference", ["command_line", "bsp", "vis", "light", "other_stages", "entity_keys",
                                 "shader_directives", "glossary", "bsp_format", "json", "report", "game_files"]),
     "For engines": ("engines", ["quick_start", "tone", "textures", "named_lights", "grid_formats", "directional",

@@ -87,14 +87,16 @@ def measured(line, folder, log, seconds):
             usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024))
 
 
-def last_line(log):
-    lines = Path(log).read_text(errors="replace").split("\n")
-    return next((line.strip() for line in reversed(lines) if line.strip()), "")
+def error_line(log):
+    """What the log says after its title ERROR, or else its last line."""
+    lines = [line.strip() for line in Path(log).read_text(errors="replace").splitlines() if line.strip()]
+    errors = [after for line, after in zip(lines, lines[1:]) if line.strip("* ") == "ERROR"]
+    return (errors or lines[-1:] or ["it printed nothing"])[0]
 
 
 def run_stage(task, stage):
     """True if the stage is done, and None if everything is ending."""
-    task = Path(task)
+    task = Path(task).resolve()
     facts = json.loads((task / "task.json").read_text())
     todo, out = facts["stages"][stage], task / "out"
     result = {"key": todo["key"], "status": "failed", "host": socket.gethostname(), "seconds": 0, "cpu": 0, "peak": 0,
@@ -122,10 +124,11 @@ def run_stage(task, stage):
         result |= dict(zip(("seconds", "cpu", "peak"), used))
         written = json.loads(report.read_text()) if report.exists() else {"warnings": []}
         result["warnings"] = [[one["kind"], one["text"].replace(f"{work}/", "")] for one in written["warnings"]]
+        error = written.get("error", "").replace(f"{work}/", "")
         if late:
             result |= {"status": "timeout", "error": f"stopped after {todo['seconds'] / 60:g} minutes"}
         elif status:
-            result["error"] = written.get("error") or (f"signal {-status}" if status < 0 else last_line(log))
+            result["error"] = error or (f"signal {-status}" if status < 0 else error_line(log))
         else:
             shutil.rmtree(out / stage, ignore_errors=True)
             work.rename(out / stage)

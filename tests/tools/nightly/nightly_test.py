@@ -229,6 +229,7 @@ def engine_compiles_the_same(project, local):
     project.edit("two", BROKEN, "")
     same(project.night(0)[0], ["-bsp two", "-vis two", "-light two"])
     assert project.bsp("two", "two") == local.bsp("two", "two"), "two: other bytes"
+    print("three maps: same bytes as with the local engine", flush=True)
     same(project.night(0)[0], [])
     project.manifest(minutes=0.05)
     project.edit("one", '"light" "700"', '"light" "800"')
