@@ -1,8 +1,8 @@
 # shellcheck shell=bash
 # GPL-2.0-or-later. What the scripts of this folder have in common: the command lines of parts and joins.
 #
-# A stage runs in rounds. In each, every part writes FOLDER/roundR.I; the join of all writes FOLDER/roundS, S = R + 1, if
-# there is another round, else the map. FOLDER is maps/x.parts, which is deleted at the end. Q3MAP2 names the program.
+# A stage runs in rounds. In round R, every part I writes FOLDER/roundR.I; the join of all writes FOLDER/roundS, S = R + 1,
+# if there is another round, else the map. Parts and joins of later rounds read the join before, FOLDER/roundR. FOLDER is maps/x.parts, which is deleted at the end. Q3MAP2 names the program.
 set -eu
 
 program=${Q3MAP2:-q3map2}
@@ -43,6 +43,7 @@ part_line() {
 # join ROUND: joins its parts; true if there is another round. Afterwards the folder is gone, unless there is.
 join() {
     local files=() next=$folder/round$(($1 + 1))
+    [[ $1 == 1 ]] || files=("$folder/round$1")
     for ((i = 1; i <= count; i++)); do
         files+=("$folder/round$1.$i")
     done

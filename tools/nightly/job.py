@@ -124,6 +124,8 @@ def run_stage(task, stage):
         result |= dict(zip(("seconds", "cpu", "peak"), used))
         written = json.loads(report.read_text()) if report.exists() else {"warnings": []}
         result["warnings"] = [[one["kind"], one["text"].replace(f"{work}/", "")] for one in written["warnings"]]
+        # Of the system's figure, at least as much is memory of this process before it started the program.
+        result["peak"] = int(written.get("peakMemoryBytes", result["peak"]))
         error = written.get("error", "").replace(f"{work}/", "")
         if late:
             result |= {"status": "timeout", "error": f"stopped after {todo['seconds'] / 60:g} minutes"}

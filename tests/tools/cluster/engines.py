@@ -32,13 +32,13 @@ def free_port():
         return one.getsockname()[1]
 
 
-def wait_for(what, condition):
-    """Returns when the condition is true. RuntimeError after PATIENCE."""
+def wait_for(what, condition, pause=0.05):
+    """Returns when the condition is true, asked every `pause` seconds. RuntimeError after PATIENCE."""
     end = time.monotonic() + PATIENCE
     while not condition():
         if time.monotonic() > end:
             raise RuntimeError(f"{what}: not within {PATIENCE} s")
-        time.sleep(0.05)
+        time.sleep(pause)
 
 
 def listens(port):
@@ -133,7 +133,7 @@ class Mpi(Engine):
         super().__init__(folder, scripts)
         need("mpirun")
         more = ["--allow-run-as-root"] if os.geteuid() == 0 else []
-        self.environment["MPIRUN"] = " ".join(["mpirun", *more, "--oversubscribe", "-n", "2"])
+        self.environment["MPIRUN"] = " ".join(["mpirun", *more, "--oversubscribe", "--bind-to", "none", "-n", "2"])
 
 
 class Slurm(Engine):
@@ -194,7 +194,7 @@ PartitionName=test Nodes={host} Default=YES MaxTime=INFINITE State=UP
     def stage(self, program, count, words, cwd):
         printed = super().stage(program, count, words, cwd)
         parts = Path(cwd) / Path(words[-1]).with_suffix(".parts")
-        wait_for("slurm", lambda: not parts.exists() or not self._ask("squeue", "-h").strip())
+        wait_for("slurm", lambda: not parts.exists() or not self._ask("squeue", "-h").strip(), 0.5)
         log = parts.with_name(parts.name + ".log")
         printed += log.read_text() if log.exists() else ""
         if parts.exists():

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -32,13 +33,18 @@ files = ["demo/old/*.bsp"]
 prefix = "old_"
 light = "-fast -onlygrid"
 """
-# Notes stage and map of each call. A file hang.STAGE.MAP makes that call hang once it has started.
+# Notes stage and map of each call. A file hang-STAGE.MAP makes that call hang, and with unplug-STAGE.MAP one call waits until
+# somebody switches off its computer, whose port it names.
 WRAPPER = """#!/bin/sh
 for last; do :; done
 map=${{last##*/}}
 map=${{map%.*}}
 [ "$1" = -shreport ] || echo "$1 $map" >>'{folder}/calls'
 [ ! -e "{folder}/hang$1.$map" ] || sleep 100
+if rm "{folder}/unplug$1.$map" 2>/dev/null; then
+    echo "${{SSH_CONNECTION##* }}" >'{folder}/port'
+    sleep 100
+fi
 exec '{program}' "$@"
 """
 BAD_MODEL = '{\n"classname" "misc_model"\n"origin" "0 0 32"\n"model" "models/missing.md3"\n}\n'
@@ -206,7 +212,7 @@ def wrong_manifests_are_refused(project):
     for old, new, message in (("pictures", "picture", "there is no key picture"),
                               ('prefix = "old_"', 'bsp = ""', "needs the key bsp"),
                               ("*.map", "*.mop", "no such file"),
-                              ("demo/maps/*.map", "demo/*/*.*", "expected .map or .bsp"),
+                              ("demo/maps/*.map", "demo/scripts/*", "expected .map or .bsp"),
                               ('program = "', 'program = "x', "no such program"),
                               ('bsp = "-meta"', "bsp = 3", "expected options"),
                               ("minutes = 5.0", 'minutes = "x"', "not a number")):
@@ -236,6 +242,22 @@ def engine_compiles_the_same(project, local):
     (project.folder / "hang-light.one").touch()
     has(project.night(1)[1], "one: timeout: ")
 
+def another_host_takes_over(project, local, engine):
+    """A computer is switched off while it compiles."""
+    for each in (project, local):
+        each.edit("two", '"light" "700"', '"light" "900"')
+        each.manifest()
+    local.night(0)
+    (project.folder / "hang-light.one").unlink()
+    (project.folder / "unplug-light.two").touch()
+    plug = threading.Thread(target=engine.switch_off_computer, args=(project.folder / "port",), daemon=True)
+    plug.start()
+    project.night(0)
+    plug.join()
+    assert project.bsp("two", "two") == local.bsp("two", "two"), "two: other bytes"
+    print("one computer off: same bytes", flush=True)
+
+
 LOCAL = [only_changes_run, faults_stop_only_their_map, limits_stop_only_their_job, killed_nights_go_on,
          new_warnings_are_found, wrong_manifests_are_refused]
 
@@ -256,8 +278,11 @@ def main():
         (folder / "engine").mkdir()
         with ENGINES[name](folder / "engine", source / "tools/cluster") as engine:
             words = {"slurm": ["--engine", "slurm"], "ssh": ["--engine", "parallel", "--hosts", "pc1,pc2,pc3"]}[name]
-            engine_compiles_the_same(Project(folder / "project", program, source, words, engine.environment),
-                                     Project(folder / "local", program, source))
+            project = Project(folder / "project", program, source, words, engine.environment)
+            local = Project(folder / "local", program, source)
+            engine_compiles_the_same(project, local)
+            if name == "ssh":
+                another_host_takes_over(project, local, engine)
 
 
 if __name__ == "__main__":
