@@ -248,7 +248,7 @@ Group General() {
            .firstOnly = true,
            .help = "Prints more: every warning, scripts as they are read, and counters",
            .details = "A second `-v` belongs to the vis stage. `-light` and `-vis` end with a table of [which work is "
-                      "parallel](../internals/results.md#many-cores).",
+                      "parallel](../internals/scaling.md#many-cores).",
            .since = "q3map2"},
           &GlobalOptions::verbose},
          {{.name = "-cache",
@@ -256,7 +256,7 @@ Group General() {
            .initial = "none",
            .help = "Keeps results of the bsp, vis and light stages in a folder, and does not compute them again",
            .details = "A stage whose inputs are unchanged gives the files and warnings of the earlier run. The light "
-                      "stage computes direct light anew only where lights changed. The files have the same bytes as "
+                      "stage computes direct light again only where lights changed. The files have the same bytes as "
                       "without this option. The word `default` as DIR means `q3map2-sh` in the folder for caches of "
                       "the user. Other stages ignore the option. See [the cache](../guide/cache.md).",
            .since = "0.2.0",

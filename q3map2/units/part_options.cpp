@@ -82,7 +82,7 @@ std::vector<SettingGroup<PartOptions>> PartSettings() {
                            "run computes what is left and writes the map. A part that is missing, there twice or of "
                            "other inputs is an error.",
                 .since = "0.2.0",
-                .example = "part1.q3p part2.q3p"},
+                .example = "part1.q3p"},
                &PartOptions::join}}}};
 }
 

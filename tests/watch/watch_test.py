@@ -288,7 +288,8 @@ class Saves(unittest.TestCase):
             self.assertFalse(Path(f"/proc/{children[0]}").exists())
 
     def test_a_save_stops_the_build(self):
-        watch = Running(self, room(name="first"), options=("-draftoptions", "-samples 16 -bounce 40"))
+        # Light that takes long enough to be stopped.
+        watch = Running(self, room(name="first"), options=("-draftoptions", "-samples 8 -samplesize 2 -bounce 8"))
         page = watch.page(self)
         page.until(lambda state: state["stages"][-1]["name"] == "light")
         watch.save(room(name="second"))

@@ -48,7 +48,7 @@ std::vector<SettingGroup<WatchOptions>> WatchSettings() {
                 .values = "OPTIONS",
                 .help = "Sets the options of the light stage that runs after the first picture",
                 .since = "0.2.0",
-                .example = "\"-preset final\""},
+                .example = "-fast"},
                &WatchOptions::light},
               {{.name = "-draftoptions",
                 .values = "OPTIONS",

@@ -25,7 +25,7 @@ bool Overlap(const Boundsf &a, const Boundsf &b) {
 
 TEST(HullMeets, AgreesWithManyBoxesBetweenTheTwo) {
     std::mt19937 random(1);
-    std::uniform_real_distribution<float> place(-100, 100), size(0, 20);
+    std::uniform_real_distribution<float> place(-100, 100), size(0, 60);
     int meets = 0;
     for (int i = 0; i < 2000; ++i) {
         const auto box = [&] {
