@@ -37,7 +37,8 @@ Hash128 HashOfPortableSettings(const StageContext &context, const std::vector<st
 }
 
 Hash128 HashOfSettings(const StageContext &context, const std::vector<std::string> &words) {
-    const Hash128 portable = HashOfPortableSettings(context, words), program = HashOf(ReadFile(context.program));
+    const Hash128 portable = HashOfPortableSettings(context, words),
+                  program = HashOf(MappedFile(context.program).Bytes());
     KeyBuilder key("local settings");
     key.Add(portable.low, portable.high, program.low, program.high);
     key.AddText(VersionText()); // names the kind of processor
@@ -110,14 +111,6 @@ class StageCache::Recorder final : public LogObserver {
 };
 
 namespace {
-
-/// Contents of a file, or that there is none.
-std::optional<std::vector<std::byte>> ContentsOf(const fs::path &path) {
-    std::error_code failed;
-    if (!fs::is_regular_file(path, failed))
-        return std::nullopt;
-    return ReadFile(path);
-}
 
 bool HasContents(const fs::path &path, std::span<const std::byte> contents) {
     return SizeOfFile(path) == contents.size() && std::ranges::equal(MappedFile(path).Bytes(), contents);
@@ -194,9 +187,10 @@ Hash128 StageCache::KeyOfInputs() const {
     key.Add(settings_.low, settings_.high);
     for (const fs::path &input : inputs_) {
         key.AddText(input.string());
-        const auto contents = ContentsOf(input);
-        const Hash128 hash = contents ? HashOf(*contents) : Hash128{};
-        key.Add(contents.has_value(), hash.low, hash.high);
+        std::error_code failed;
+        const bool exists = fs::is_regular_file(input, failed);
+        const Hash128 hash = exists ? HashOf(MappedFile(input).Bytes()) : Hash128{};
+        key.Add(exists, hash.low, hash.high);
     }
     for (const fs::path &output : outputs_)
         key.AddText(output.string());

@@ -124,16 +124,16 @@ int LightStage(const StageContext &context, Arguments arguments) {
     RequireGameFiles(context.options, folders, context.words, log);
     VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     const bool onlyExplains = !options.explain.empty();
-    const RunUnits units(context, file.wordsToRecord, parts, bspPath);
-    if (units.Store())
-        vfs.RecordRequests();
     StageCache cache(context, file.wordsToRecord,
                      {.guard = guard,
                       .moreInputs = BotFilesBeside(bspPath),
                       .moreOutputs = MoreOutputs(bspPath, options, *context.options.game),
                       .vfs = &vfs});
-    if (!onlyExplains && cache.Restore())
+    if (!onlyExplains && !parts.Any() && cache.Restore())
         return 0;
+    const RunUnits units(context, file.wordsToRecord, parts, bspPath);
+    if (units.Store())
+        vfs.RecordRequests();
     const int rounds = HasSecondRound(options, lightmap) ? 2 : 1;
     if (parts.Any() && !parts.part && EndsWithFile(parts, *units.Store(), rounds)) {
         WritePartFile(parts, *units.Store(), "-light", bspPath.string(), log);
