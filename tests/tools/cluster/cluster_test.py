@@ -15,7 +15,7 @@ from pathlib import Path
 from engines import ENGINES
 
 LIGHT = ["-light", "-shbspx", "-fast", "-bounce", "2", "-bouncegrid"]
-VIS = ["-vis", "-saveprt"]
+VIS = ["-vis", "-saveprt", "-flowrounds", "4"]  # the default in parts, other than on one computer
 
 # A program that dies once in part 2: its process is killed while it computes, or, if MARK.off exists, it names the port of
 # its computer and waits for somebody to switch that off.
@@ -23,7 +23,7 @@ DIES_ONCE = """#!/bin/sh
 case " $* " in
 *" -part 2/"*)
     if mkdir '{mark}' 2>/dev/null; then
-        [ ! -e '{mark}.off' ] || {{ echo "${{SSH_CONNECTION##* }}" >'{mark}/port'; exec sleep 100; }}
+        [ ! -e '{mark}.off' ] || {{ echo "${{SSH_CONNECTION##* }}" >'{mark}/port'; exec sleep 1000; }}
         '{program}' "$@" >/dev/null & child=$!
         kill -9 $child $$
     fi ;;

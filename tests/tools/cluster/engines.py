@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 SKIPPED = 77
-PATIENCE = 50  # seconds until a daemon answers or a job ends
+PATIENCE = 300  # seconds until a daemon answers or a job ends
 
 
 def need(*programs):
@@ -65,8 +65,14 @@ class Engine:
     def __init__(self, folder, scripts):
         self.folder, self.scripts, self.daemons = Path(folder), scripts, {}
         self.environment = {**os.environ, "HOME": str(self.folder)}
+        self.computers = {}  # port to name, of ssh
 
     def __enter__(self):
+        try:
+            self.start()
+        except BaseException:
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *_):
@@ -82,7 +88,7 @@ class Engine:
         """Runs a stage in parts. RuntimeError with what was printed if that fails."""
         line = [self.scripts / self.name, *self.before, str(count), "--", *words]
         run = subprocess.run(line, cwd=cwd, env={**self.environment, "Q3MAP2": str(program)}, stdout=subprocess.PIPE,
-                             stderr=subprocess.STDOUT, text=True, check=False, timeout=2 * PATIENCE)
+                             stderr=subprocess.STDOUT, text=True, check=False, timeout=PATIENCE)
         if run.returncode:
             raise RuntimeError(f"{' '.join(map(str, line))}: status {run.returncode}\n{run.stdout}")
         return run.stdout
@@ -92,9 +98,7 @@ class Ssh(Engine):
     """Three computers, two of which are on."""
     name, before = "ssh", ["pc1,pc2,pc3"]
 
-    def __init__(self, folder, scripts):
-        super().__init__(folder, scripts)
-        self.computers = {}
+    def start(self):
         sshd, keygen, *_ = need("sshd", "ssh-keygen", "ssh", "parallel", "rsync", "ps")
         for name in ("host", "key"):
             subprocess.run([keygen, "-q", "-t", "ed25519", "-N", "", "-f", self.folder / name], check=True)
@@ -129,8 +133,7 @@ class Ssh(Engine):
 class Mpi(Engine):
     name, before = "mpi", []
 
-    def __init__(self, folder, scripts):
-        super().__init__(folder, scripts)
+    def start(self):
         need("mpirun")
         more = ["--allow-run-as-root"] if os.geteuid() == 0 else []
         self.environment["MPIRUN"] = " ".join(["mpirun", *more, "--oversubscribe", "--bind-to", "none", "-n", "2"])
@@ -140,8 +143,7 @@ class Slurm(Engine):
     """munged, slurmctld and slurmd with a node of 16 processors that the computer does not have."""
     name, before = "slurm", []
 
-    def __init__(self, folder, scripts):
-        super().__init__(folder, scripts)
+    def start(self):
         munged, controller, node, *_ = need("munged", "slurmctld", "slurmd", "sbatch", "squeue", "ps")
         user = subprocess.run(["id", "-un"], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
         host = socket.gethostname().split(".")[0]
