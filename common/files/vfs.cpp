@@ -10,6 +10,7 @@
 #include "common/text/text_scan.h"
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 #include <set>
 #include <system_error>
@@ -72,7 +73,15 @@ struct VirtualFileSystem::State {
     bool records = false;              ///< whether requests are noted
     mutable std::mutex mutex{};        ///< of `requests`
     mutable std::set<std::string> requests{};
+    mutable std::map<fs::path, FileState> readFiles{}; ///< loose files, as they were before they were read first
 
+    void NoteFile(const fs::path &path) const {
+        if (!records)
+            return;
+        const FileState state = FileState::Of(path);
+        const std::lock_guard lock(mutex);
+        readFiles.try_emplace(path, state);
+    }
     /// kind: what is asked for, a kRequest.
     void Note(char kind, std::string_view name, std::string_view extension = {}) const {
         if (!records)
@@ -143,7 +152,11 @@ std::vector<std::vector<std::byte>> VirtualFileSystem::State::Contents(std::stri
     };
     const std::string safe = SafeName(name);
     Visit(
-        safe, [&](const fs::path &path) { return take([&] { return ReadFile(path); }); },
+        safe,
+        [&](const fs::path &path) {
+            NoteFile(path);
+            return take([&] { return ReadFile(path); });
+        },
         [&](const Archive &archive) { return take([&] { return archive.Read(safe); }); });
     return found;
 }
@@ -270,11 +283,13 @@ std::optional<std::vector<std::byte>> VirtualFileSystem::Read(std::string_view n
 }
 
 std::optional<std::vector<std::byte>> VirtualFileSystem::ReadStrictly(std::string_view name) const {
+    state_->Note(kRequestFirst, name);
     std::optional<std::vector<std::byte>> found;
     const std::string safe = SafeName(name);
     state_->Visit(
         safe,
         [&](const fs::path &path) {
+            state_->NoteFile(path);
             found = ReadFile(path);
             return true;
         },
@@ -352,6 +367,12 @@ std::vector<std::string> VirtualFileSystem::Requests() const {
     return {state_->requests.begin(), state_->requests.end()};
 }
 
+bool VirtualFileSystem::ReadFilesAreUnchanged() const {
+    const std::lock_guard lock(state_->mutex);
+    return std::ranges::all_of(state_->readFiles,
+                               [](const auto &read) { return FileState::Of(read.first) == read.second; });
+}
+
 Hash128 VirtualFileSystem::AnswersTo(std::span<const std::string> requests) const {
     KeyBuilder key("answers");
     for (const std::string &request : requests) {
@@ -370,9 +391,13 @@ Hash128 VirtualFileSystem::AnswersTo(std::span<const std::string> requests) cons
             safe,
             [&](const fs::path &path) {
                 key.Add(true);
-                if (reads) {
-                    const Hash128 hash = HashOf(ReadFile(path));
+                if (!reads)
+                    return true;
+                try {
+                    const Hash128 hash = HashOf(MappedFile(path).Bytes());
                     key.Add(hash.low, hash.high);
+                } catch (const Error &) { // as for Read, the next file of that name counts
+                    return false;
                 }
                 return !readsAll;
             },

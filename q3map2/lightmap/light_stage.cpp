@@ -81,7 +81,7 @@ SurfaceLight SurfacePasses::Prepare() {
 void SurfacePasses::Run() {
     in_.log.Section("IlluminateRawLightmap");
     Pass(setup_.lights, {}, nullptr);
-    if ((in_.units && in_.units->IsPartOfFirstRound()))
+    if (in_.units && in_.units->IsPartOfFirstRound())
         return;
     if (in_.lightmap.lightmass)
         FindMasks();
@@ -140,7 +140,7 @@ void SurfacePasses::Pass(const std::vector<Light> &created, const SurfacePass &p
         in_.log.Count(culled, "lights culled");
     }
     LightLuxels(in_, lights, pass, surfaces_, counts_);
-    if ((in_.units && in_.units->IsPartOfFirstRound())) // vertices of other surfaces need complete lightmaps
+    if (in_.units && in_.units->IsPartOfFirstRound()) // vertices of other surfaces need complete lightmaps
         return LightVertices(in_, lights, pass, surfaces_, counts_);
     if (bounces)
         bounces->AddToLuxels(surfaces_);
@@ -158,6 +158,7 @@ void SurfacePasses::Pass(const std::vector<Light> &created, const SurfacePass &p
 namespace {
 
 void AddEntity(const Entity &entity, KeyBuilder &key) {
+    key.Add(std::uint64_t(entity.pairs.size()));
     for (const auto &[name, value] : entity.pairs)
         if (!name.starts_with("_q3map2_"))
             key.AddText(name), key.AddText(value);
@@ -234,7 +235,7 @@ void BeginUnits(const LightSetup &setup, const LightInputs &inputs) {
     const auto add = [&](const Hash128 &hash) { key.Add(hash.low, hash.high); };
     add(HashOfInputs(setup, inputs));
     if (!units.IsCache())
-        add(LightHashes(setup.lights, nullptr).OfAll());
+        add(HashOfLights(setup.lights));
     // Light that passes through several see-through surfaces is multiplied in the order in which rays meet them, which
     // is that of a tree over all of them.
     if (!units.IsCache() || setup.scene.HasFilters())

@@ -8,6 +8,7 @@
 #include "q3map2/units/unit_bytes.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <deque>
 #include <system_error>
 
@@ -42,6 +43,8 @@ Hash128 HashOfSettings(const StageContext &context, const std::vector<std::strin
     KeyBuilder key("local settings");
     key.Add(portable.low, portable.high, program.low, program.high);
     key.AddText(VersionText()); // names the kind of processor
+    const char *const embree = std::getenv("Q3MAP2_EMBREE");
+    key.AddText(embree ? embree : "");
     return key.Key();
 }
 
@@ -63,7 +66,7 @@ class StageCache::Recorder final : public LogObserver {
     void OnWarning(std::string_view kind, std::string_view text, const LogMark *mark) override {
         Put(Kind::Warning);
         events_.PutText(std::string(kind)), events_.PutText(std::string(text));
-        events_.Put(mark != nullptr);
+        events_.Put(std::uint8_t(mark ? 1 : 0));
         if (!mark)
             return;
         events_.Put(mark->entity), events_.Put(mark->primitive);
@@ -96,9 +99,9 @@ class StageCache::Recorder final : public LogObserver {
     static void ReplayWarning(UnitReader &reader, std::string_view kind, Log &log) {
         std::string text;
         reader.GetText(text);
-        bool hasMark = false;
+        std::uint8_t hasMark = 0;
         reader.Get(hasMark);
-        if (!hasMark)
+        if (hasMark == 0)
             return log.Warn(kind, "{}", text);
         LogMark mark;
         reader.Get(mark.entity), reader.Get(mark.primitive);
@@ -222,7 +225,7 @@ bool StageCache::Restore() {
 }
 
 void StageCache::Store() {
-    if (!cache_)
+    if (!cache_ || (files_.vfs && !files_.vfs->ReadFilesAreUnchanged()))
         return;
     UnitFile entry;
     std::deque<std::vector<std::byte>> storage;
@@ -270,8 +273,8 @@ RunUnits::RunUnits(const StageContext &context, const std::vector<std::string> &
         units_->Load(known->results, std::move(known->storage), known->header.inputs);
 }
 
-void RunUnits::Keep() const {
-    if (!cache_ || !units_)
+void RunUnits::Keep(const VirtualFileSystem &vfs) const {
+    if (!cache_ || !units_ || !vfs.ReadFilesAreUnchanged())
         return;
     context_.log.Count(units_->FoundCount(), "units taken from the cache");
     context_.log.Count(units_->KeptCount(), "units computed");

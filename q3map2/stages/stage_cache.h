@@ -41,7 +41,8 @@ class StageCache {
 
     /// True: the outputs are those of an earlier run, and its messages were printed. Errors: a file cannot be written.
     bool Restore();
-    /// Keeps the outputs. To be called after the stage has checked that no input changed, and has written them.
+    /// Keeps the outputs, unless a file of the game has changed meanwhile. To be called after the stage has checked
+    /// that no input changed, and has written them.
     void Store();
 
   private:
@@ -65,8 +66,8 @@ class RunUnits {
              const std::filesystem::path &map);
     /// Null: no option asks for one.
     UnitStore *Store() const { return units_.get(); }
-    /// After the run: keeps its results in the cache.
-    void Keep() const;
+    /// After the run: keeps its results in the cache, unless a file of the game has changed meanwhile.
+    void Keep(const VirtualFileSystem &vfs) const;
 
   private:
     const StageContext &context_;

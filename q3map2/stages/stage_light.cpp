@@ -124,6 +124,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     RequireGameFiles(context.options, folders, context.words, log);
     VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     const bool onlyExplains = !options.explain.empty();
+    WarnIfSourceIsNewer(files, log); // by dates, which no entry of the cache depends on
     StageCache cache(context, file.wordsToRecord,
                      {.guard = guard,
                       .moreInputs = BotFilesBeside(bspPath),
@@ -145,7 +146,6 @@ int LightStage(const StageContext &context, Arguments arguments) {
     RequireFormatOfGame(bsp, bspPath, context.options);
     if (format.HasStyleSlots())
         run.lightmap.UsePageSize(bsp.lightmapSide);
-    WarnIfSourceIsNewer(files, log);
     if (!onlyExplains && !parts.part) {
         WarnOfDroppedLight(bsp, options, lightmap, gridFormats, log);
         guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
@@ -199,7 +199,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
         ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);
     if (!options.previewFile.empty())
         WriteGridPreview(options.previewFile, bsp, log);
-    units.Keep();
+    units.Keep(vfs);
     cache.Store();
     return 0;
 }

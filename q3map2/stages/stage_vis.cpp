@@ -12,6 +12,7 @@
 #include "q3map2/vis/vis_parts.h"
 
 #include <algorithm>
+#include <optional>
 #include <system_error>
 
 namespace q3 {
@@ -79,8 +80,11 @@ int VisStage(const StageContext &context, Arguments arguments) {
         guard.Writes(parts.file);
     if (!parts.part)
         guard.Writes(bspPath, SizeOfFile(bspPath));
-    const RunUnits units(context, file.wordsToRecord, parts, bspPath);
-    UnitStore *const store = parts.Any() ? units.Store() : nullptr; // the cache keeps whole outputs
+    WarnIfSourceIsNewer(files, log); // by dates, which no entry of the cache depends on
+    std::optional<const RunUnits> units;
+    if (parts.Any()) // the cache keeps the output as a whole
+        units.emplace(context, file.wordsToRecord, parts, bspPath);
+    UnitStore *const store = units ? units->Store() : nullptr;
     StageCache cache(context, file.wordsToRecord,
                      {.guard = guard, .moreInputs = BotFilesBeside(bspPath), .moreOutputs = {prtPath}});
     if (cache.Restore())
@@ -89,7 +93,6 @@ int VisStage(const StageContext &context, Arguments arguments) {
     Bsp bsp = ReadBspFile(bspPath, context.options.Format(), log);
     const BspFormat format = FormatOfMap(bsp, bspPath, context.options);
     CheckPrtExists(files);
-    WarnIfSourceIsNewer(files, log);
     log.Print("Loading {}\n", prtPath.string());
     const PortalFile portals = ReadPortalFile(prtPath);
     log.Print("{:6} portalclusters\n{:6} numportals\n{:6} numfaces\n", portals.clusters, portals.portals.size(),

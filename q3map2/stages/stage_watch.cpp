@@ -78,7 +78,8 @@ int WatchStage(const StageContext &context, Arguments arguments) {
          .game = *context.options.game},
         PackageMaker(context, files, options.textureSize), log);
     const std::string address = session.Address();
-    log.Print("Watching {} until Ctrl-C\nThe page: {}\n", map.string(), address);
+    log.Print("Watching {} until Ctrl-C\n", map.string());
+    log.WriteLive(fmt::format("The page: {}\n", address)); // not to the file of -log: whoever knows it sees the map
     ErrorOut error;
     if (options.open && !g_app_info_launch_default_for_uri(address.c_str(), nullptr, &error))
         log.Warn("browser", "-open: no browser could be started: {}", error.Text());

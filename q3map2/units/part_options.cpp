@@ -136,6 +136,11 @@ std::unique_ptr<UnitStore> MakePartStore(const PartOptions &options, std::string
             throw Error("{}: results of {}, expected those of {}", file, header.stage, stage);
         if (&file == &options.join.front())
             inputs = header.inputs;
+        constexpr int kMaxRounds = 1000;
+        if (header.part.number < 1 || header.part.count < header.part.number || header.part.count > kMaxParts ||
+            header.round < 1 || header.round > kMaxRounds)
+            throw Error("{}: part {} of {} of round {}, which cannot be", file, header.part.number, header.part.count,
+                        header.round);
         if (header.inputs != inputs)
             throw Error("{}: of another map, other options, other game files or another version than {}", file,
                         options.join.front());

@@ -42,8 +42,10 @@ class UnitReader {
 
     template <typename T> void Get(T &value) {
         static_assert(std::is_trivially_copyable_v<T>);
-        if (rest_.size() < sizeof(T))
+        if (rest_.size() < sizeof(T)) {
+            value = {};
             return Fail();
+        }
         std::memcpy(&value, rest_.data(), sizeof(T));
         rest_ = rest_.subspan(sizeof(T));
     }
@@ -74,6 +76,12 @@ class UnitReader {
         std::vector<char> letters;
         GetAll(letters);
         text.assign(letters.begin(), letters.end());
+    }
+    /// Whether so many elements of at least a byte may follow. Else nothing fits any more.
+    bool HasRoomFor(std::uint64_t count) {
+        if (count > rest_.size())
+            Fail();
+        return fits_;
     }
     /// Whether everything fitted so far.
     bool Fits() const { return fits_; }

@@ -64,13 +64,12 @@ UnitFile ReadUnitFile(const std::filesystem::path &path) {
     UnitReader head(bytes);
     head.Get(magic);
     if (!head.Fits() || magic != kMagic)
-        throw Error("{}: not a file of -partfile of this version", path.string());
+        throw Error("{}: no file of results of this version", path.string());
     Hash128 hash;
     const std::size_t end = bytes.size() - std::min(bytes.size(), sizeof(hash));
     UnitReader(bytes.subspan(end)).Get(hash);
     if (HashOf(bytes.first(end)) != hash)
-        throw Error("{}: damaged: its contents do not have the hash that it names; compute the part again",
-                    path.string());
+        throw Error("{}: damaged: its contents do not have the hash that it names", path.string());
     UnitReader reader(bytes.first(end).subspan(std::min(end, sizeof(magic))));
     UnitFileHeader &header = file.header;
     reader.GetText(header.stage);

@@ -298,7 +298,8 @@ std::optional<Visibility> ComputeVisibility(const PortalFile &file, std::string_
     log.Print("visdatasize:{}\n", kVisHeaderBytes + std::size_t(result.clusters) * result.rowBytes);
     LogFarPlane(options.farPlane, log);
     const VisMap map(graph, !options.plain);
-    const std::optional<MightSeeTable> mightSee = PortalVisibility(map, options, VisUnits(units), jobs, log);
+    const std::optional<MightSeeTable> mightSee =
+        PortalVisibility(map, options, VisUnits(units, map.NumPortals()), jobs, log);
     if (!mightSee)
         return std::nullopt;
     log.Print("creating leaf vis...\n");

@@ -22,8 +22,10 @@ std::vector<std::byte> BytesOfWords(std::span<const BitWord> words) {
     return writer.Take();
 }
 
-/// words: zero.
-bool ReadWords(UnitReader &reader, std::span<BitWord> words) {
+/// words: zero. They are rows of that many portals; bits beyond the last one do not fit.
+bool ReadWords(UnitReader &reader, std::size_t portals, std::span<BitWord> words) {
+    const std::size_t perRow = WordsOf(portals);
+    const BitWord last = portals % kBitsPerWord == 0 ? ~BitWord(0) : (BitWord(1) << portals % kBitsPerWord) - 1;
     std::vector<std::uint32_t> indices;
     std::vector<BitWord> values;
     reader.GetAll(indices);
@@ -31,7 +33,7 @@ bool ReadWords(UnitReader &reader, std::span<BitWord> words) {
     if (!reader.Fits() || indices.size() != values.size())
         return false;
     for (std::size_t i = 0; i < indices.size(); ++i) {
-        if (indices[i] >= words.size())
+        if (indices[i] >= words.size() || (indices[i] % perRow == perRow - 1 && (values[i] & ~last) != 0))
             return false;
         words[indices[i]] = values[i];
     }
@@ -62,7 +64,7 @@ bool VisUnits::Find(Row kind, std::size_t portal, std::span<BitWord> words) cons
         return false;
     std::ranges::fill(words, BitWord(0));
     UnitReader reader(*bytes);
-    return ReadWords(reader, words);
+    return ReadWords(reader, portals_, words);
 }
 
 void VisUnits::KeepState(std::span<const BitWord> mightSee, std::span<const BitWord> passages) const {
@@ -79,7 +81,7 @@ bool VisUnits::FindState(std::span<BitWord> mightSee, std::span<BitWord> passage
     std::ranges::fill(mightSee, BitWord(0));
     std::ranges::fill(passages, BitWord(0));
     UnitReader seenReader(*seen), throughReader(*through);
-    return ReadWords(seenReader, mightSee) && ReadWords(throughReader, passages);
+    return ReadWords(seenReader, portals_, mightSee) && ReadWords(throughReader, portals_, passages);
 }
 
 } // namespace q3

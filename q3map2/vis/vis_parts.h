@@ -5,6 +5,7 @@
 #include "q3map2/units/unit_store.h"
 #include "q3map2/vis/vis_map.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -28,7 +29,7 @@ class VisUnits {
         Flow     ///< of a portal: what the portal flow finds
     };
     /// units: null, or of the purpose Parts.
-    explicit VisUnits(UnitStore *units) : units_(units) {}
+    explicit VisUnits(UnitStore *units, std::size_t portals = 0) : units_(units), portals_(portals) {}
 
     /// Whether this process computes part of the first round, or of a later one.
     bool IsFirstPart() const { return units_ && units_->IsPartOfFirstRound(); }
@@ -54,6 +55,7 @@ class VisUnits {
 
   private:
     UnitStore *units_;
+    std::size_t portals_;
 };
 
 } // namespace q3

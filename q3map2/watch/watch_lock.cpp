@@ -34,8 +34,17 @@ WatchLock::WatchLock(const std::filesystem::path &map)
         descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly);
         if (descriptor_ < 0)
             throw Error("{}: cannot write: {}", file_.string(), std::strerror(errno));
-        if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        struct stat opened {};
+        if (fstat(descriptor_, &opened) != 0 || !S_ISREG(opened.st_mode) || opened.st_uid != geteuid() ||
+            opened.st_nlink > 1 || fchmod(descriptor_, kOwnerOnly) != 0) {
             close(descriptor_);
+            throw Error("{}: expected a file of this user, or none: delete it", file_.string());
+        }
+        if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+            const int reason = errno;
+            close(descriptor_);
+            if (reason != EWOULDBLOCK)
+                throw Error("{}: cannot be locked: {}", file_.string(), std::strerror(reason));
             throw Error("{} is watched already by another -watch; its page is {}", map.string(), ReadTextFile(file_));
         }
         if (IsFileOf(descriptor_, file_))

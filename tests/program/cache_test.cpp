@@ -127,6 +127,44 @@ TEST_F(CacheTest, RandomEditsHaveTheSameBytes) {
     }
 }
 
+/// A picture of one color, 4 x 4 texels.
+std::vector<std::byte> Tga(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
+    std::vector<std::byte> bytes(18 + 4 * 4 * 3);
+    bytes[2] = std::byte(2), bytes[12] = std::byte(4), bytes[14] = std::byte(4), bytes[16] = std::byte(24);
+    for (std::size_t at = 18; at < bytes.size(); at += 3)
+        bytes[at] = std::byte(blue), bytes[at + 1] = std::byte(green), bytes[at + 2] = std::byte(red);
+    return bytes;
+}
+
+TEST_F(CacheTest, AChangedImageCounts) {
+    const fs::path image = folder_ / "base/baseq3/textures/test/lamp.tga";
+    fs::create_directories(image.parent_path());
+    folder_.Write("base/baseq3/scripts/lamps.shader",
+                  "textures/test/lamp\n{\n\tqer_editorimage textures/test/lamp.tga\n"
+                  "\tq3map_surfacelight 3000\n}\n");
+    folder_.Write("base/baseq3/scripts/shaderlist.txt", "lamps\n");
+    Compile(Lamp({0, 0, 200}, 20), {}, BoxText({-32, -32, 240}, {32, 32, 256}, "test/lamp"));
+    const std::string light = "-light -sh -gridsh 64 64 64";
+    ReplaceFile(image, Tga(255, 0, 0));
+    const std::vector<std::byte> red = Build(Cached(), light);
+    ReplaceFile(image, Tga(0, 255, 0));
+    const std::vector<std::byte> green = Build(Cached(), light);
+    EXPECT_TRUE(green == Build("", light));
+    EXPECT_TRUE(green != red);
+}
+
+TEST_F(CacheTest, LightOfOtherStylesComesBack) {
+    const Keys style = {{"style", "32"}, {"targetname", "switch"}};
+    const auto write = [&](float x) {
+        Compile(Lamp({-100, 0, 100}, 200) + Lamp({100, 0, 100}, 200, {1, 1, 1}, style) + Lamp({x, 200, 200}, 30));
+    };
+    const std::string light = "-light -sh -gridsh 64 64 64 -bounce 2";
+    write(0);
+    Build(Cached(), light);
+    write(0.5f);
+    EXPECT_TRUE(Build(Cached(), light) == Build("", light));
+}
+
 TEST_F(CacheTest, DamagedEntriesAreRemovedAndNotUsed) {
     Compile(Lamp({0, 0, 128}, 200));
     const std::string light = "-light -sh -gridsh 64 64 64";

@@ -95,6 +95,14 @@ TEST_F(PartsTest, BouncesTakeASecondRound) {
     ExpectSameBytes("-light -bounce 2 -fast");
 }
 
+TEST_F(PartsTest, LightOfOtherStylesComesBack) {
+    Compile(Lamp({-128, -128, 200}, 300) +
+                Lamp({128, 128, 120}, 200, {1, 1, 1}, {{"style", "32"}, {"targetname", "a"}}),
+            {}, Walls());
+    ASSERT_EQ(RunWords("-vis -saveprt").status, 0);
+    ExpectSameBytes("-light -bounce 2 -bouncegrid");
+}
+
 TEST_F(PartsTest, PartsLeaveTheMapAsItIs) {
     const std::vector<std::byte> before = MapBytes();
     ComputeParts("-light", "", 2, 1);
@@ -127,7 +135,7 @@ TEST_F(PartsTest, WrongPartsAreRefusedByName) {
     ReplaceFile(two, bytes);
     expect("-light -join " + one + " " + two + " " + three, two + ": damaged");
     ReplaceFile(two, std::vector<std::byte>(4));
-    expect("-light -join " + one + " " + two + " " + three, two + ": not a file of -partfile");
+    expect("-light -join " + one + " " + two + " " + three, two + ": no file of results");
 
     ComputeParts("-light", "", 2, 2);
     expect("-light -join " + one + " " + File("p2_2"), "but another file is of 3 parts");

@@ -289,7 +289,7 @@ class Saves(unittest.TestCase):
 
     def test_a_save_stops_the_build(self):
         # Light that takes long enough to be stopped.
-        watch = Running(self, room(name="first"), options=("-draftoptions", "-samples 8 -samplesize 2 -bounce 8"))
+        watch = Running(self, room(name="first"), options=("-draftoptions", "-samples 4 -samplesize 4 -bounce 8"))
         page = watch.page(self)
         page.until(lambda state: state["stages"][-1]["name"] == "light")
         watch.save(room(name="second"))

@@ -45,18 +45,17 @@ Hash128 HashOfLight(const Light &light) {
 
 } // namespace
 
-LightHashes::LightHashes(const std::vector<Light> &lights, const UnitStore *units)
-    : lights_(lights), isCache_(units && units->IsCache()) {
-    if (!isCache_)
+LightHashes::LightHashes(const std::vector<Light> &lights, const UnitStore *units) : lights_(lights) {
+    if (!units || !units->IsCache())
         return;
     hashes_.reserve(lights.size());
     for (const Light &light : lights)
         hashes_.push_back(HashOfLight(light));
 }
 
-Hash128 LightHashes::OfAll() const {
+Hash128 HashOfLights(const std::vector<Light> &lights) {
     KeyBuilder key("lights");
-    for (const Light &light : lights_) {
+    for (const Light &light : lights) {
         const Hash128 hash = HashOfLight(light);
         key.Add(hash.low, hash.high);
     }

@@ -17,17 +17,16 @@ class LightHashes {
   public:
     /// Keeps a reference to the lights. units: null or of another purpose than a cache: computes nothing.
     LightHashes(const std::vector<Light> &lights, const UnitStore *units);
-    /// Whether keys have to depend on lights.
-    bool AreNeeded() const { return !hashes_.empty() || isCache_; }
-    /// The hash of all lights in order.
-    Hash128 OfAll() const;
+    /// Only for a cache.
     const Hash128 &Of(const Light &light) const { return hashes_[std::size_t(&light - lights_.data())]; }
 
   private:
     const std::vector<Light> &lights_;
     std::vector<Hash128> hashes_; ///< by light
-    bool isCache_;
 };
+
+/// The hash of lights in their order, with or without SetupEnvelopes.
+Hash128 HashOfLights(const std::vector<Light> &lights);
 
 /// Makes the key of a unit of light for a cache: of its receivers and of each light that may reach them. Numbers of
 /// clusters do not count, since they depend on the whole map, but which receivers may see which light.

@@ -17,6 +17,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
 
@@ -224,7 +226,8 @@ class LightmapPass {
             return;
         }
         worker_.list.Build(lights_, lightmap_, pass_.settings);
-        const std::optional<UnitName> unit = in_.units ? std::optional(NameOfUnit(number, hashes)) : std::nullopt;
+        const std::optional<UnitName> unit =
+            in_.units && !pass_.bounce ? std::optional(NameOfUnit(number, hashes)) : std::nullopt;
         if (unit && unit->mayBeKnown && Find(unit->key))
             return;
         if (supersamples_)
@@ -303,34 +306,61 @@ class LightmapPass {
         return writer.Take();
     }
 
-    /// False: the store does not have it.
+    /// False: the store does not have it, or has something that does not fit the lightmap.
     bool Find(const Hash128 &key) {
         const auto bytes = in_.units->Find(key);
         if (!bytes)
             return false;
+        const std::size_t luxels = lightmap_.luxelClusters.size();
+        const auto fits = [luxels](const std::vector<Vec3f> &image) { return image.empty() || image.size() == luxels; };
+        const auto allFit = [&](const ChannelImages &images) {
+            return (images.empty() || images.size() == lightmap_.channels.Count()) && std::ranges::all_of(images, fits);
+        };
         UnitReader reader(*bytes);
-        reader.Get(lightmap_.styles);
+        Styles styles{};
+        PerStyle<std::vector<Vec3f>> light;
+        PerStyle<ChannelImages> directional;
+        std::vector<Vec3f> directions;
+        reader.Get(styles);
+        bool fit = true;
         for (std::size_t slot = 0; slot < kStyles; ++slot) {
-            reader.GetAll(lightmap_.light[slot]);
-            GetImages(reader, lightmap_.directional[slot]);
+            reader.GetAll(light[slot]);
+            GetImages(reader, directional[slot]);
+            fit = fit && fits(light[slot]) && allFit(directional[slot]);
         }
-        reader.GetAll(lightmap_.directions);
-        std::uint64_t count = 0;
-        reader.Get(count);
-        for (std::uint64_t i = 0; i < count && reader.Fits(); ++i) {
-            UnblurredLight &one = unblurred_.emplace_back();
+        reader.GetAll(directions);
+        std::vector<UnblurredLight> unblurred(CountOf(reader));
+        for (UnblurredLight &one : unblurred) {
             reader.Get(one.style), reader.Get(one.filterRadius);
             reader.GetAll(one.color), reader.GetAll(one.direction);
             GetImages(reader, one.channels);
+            fit = fit && one.color.size() == luxels && fits(one.direction) && allFit(one.channels) &&
+                  FindStyleSlot(styles, one.style) < kStyles && std::isfinite(one.filterRadius);
         }
-        reader.Get(count);
-        for (std::uint64_t i = 0; i < count && reader.Fits(); ++i)
-            reader.GetText(dropped_.emplace_back());
-        if (!reader.IsComplete())
-            throw Error("a stored result of a lightmap has another form: empty the folder of -cache");
+        std::vector<std::string> dropped(CountOf(reader));
+        for (std::string &name : dropped)
+            reader.GetText(name);
+        if (!reader.IsComplete() || !fit || !fits(directions) || light[0].size() != luxels)
+            return false;
+        lightmap_.styles = styles;
+        for (std::size_t slot = 0; slot < kStyles; ++slot)
+            if (!light[slot].empty()) {
+                ClearStyleSlot(lightmap_, slot, {}); // sets `filled`
+                lightmap_.light[slot] = std::move(light[slot]);
+                lightmap_.directional[slot] = std::move(directional[slot]);
+            }
+        lightmap_.directions = std::move(directions);
+        std::ranges::move(unblurred, std::back_inserter(unblurred_));
+        dropped_ = std::move(dropped);
         return true;
     }
 
+    /// A number of elements that follow, each of more than a byte.
+    static std::size_t CountOf(UnitReader &reader) {
+        std::uint64_t count = 0;
+        reader.Get(count);
+        return reader.HasRoomFor(count) ? std::size_t(count) : 0;
+    }
     static void PutImages(const ChannelImages &images, UnitWriter &writer) {
         writer.Put(std::uint64_t(images.size()));
         for (const std::vector<Vec3f> &image : images)

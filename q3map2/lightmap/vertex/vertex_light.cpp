@@ -241,27 +241,32 @@ Hash128 VertexLighter::KeyOfUnit(const LightHashes &hashes) const {
 }
 
 SurfaceVertexLight VertexLighter::FindOrRun(const LightHashes &hashes) {
-    if (!in_.units)
+    if (!in_.units || pass_.bounce)
         return Run();
     const Hash128 key = KeyOfUnit(hashes);
     if (const auto bytes = in_.units->Find(key)) {
         SurfaceVertexLight known;
         UnitReader reader(*bytes);
+        std::uint8_t isConstant = 0;
         reader.Get(known.styles);
-        reader.Get(known.constant);
-        for (std::vector<Vec3f> &values : known.values)
+        reader.Get(isConstant);
+        known.constant = isConstant != 0;
+        bool fit = true;
+        for (std::vector<Vec3f> &values : known.values) {
             reader.GetAll(values);
+            fit = fit && (values.empty() || values.size() == verts_.size());
+        }
         std::uint64_t count = 0;
         reader.Get(count);
         for (std::uint64_t i = 0; i < count && reader.Fits(); ++i)
             reader.GetText(known.dropped.emplace_back());
-        if (reader.IsComplete())
+        if (reader.IsComplete() && fit)
             return known;
     }
     SurfaceVertexLight result = Run();
     UnitWriter writer;
     writer.Put(result.styles);
-    writer.Put(result.constant);
+    writer.Put(std::uint8_t(result.constant ? 1 : 0));
     for (const std::vector<Vec3f> &values : result.values)
         writer.PutAll(values);
     writer.Put(std::uint64_t(result.dropped.size()));

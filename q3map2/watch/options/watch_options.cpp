@@ -14,8 +14,8 @@ namespace {
 constexpr int kMostPort = 65535;
 
 /// Options with which a stage would not write the files that the page shows.
-constexpr std::array<std::string_view, 7> kRefused{"-bspfile",  "-srffile",   "-prtfile", "-linfile",
-                                                   "-onlyents", "-autocaulk", "-explain"};
+constexpr std::array<std::string_view, 10> kRefused{"-bspfile",   "-srffile", "-prtfile", "-linfile",  "-onlyents",
+                                                    "-autocaulk", "-explain", "-part",    "-partfile", "-join"};
 
 void RefuseOtherFiles(std::string_view name, const std::string &options) {
     for (const std::string &word : WordsOf(options))
