@@ -64,11 +64,11 @@ class PartsTest : public LitRoomTest {
     }
 
     /// Expects the bytes of one run for several numbers of parts.
-    void ExpectSameBytes(const std::string &stage) {
+    void ExpectSameBytes(const std::string &stage, std::initializer_list<int> counts = {1, 3}) {
         const std::vector<std::byte> before = MapBytes();
         ASSERT_EQ(RunWords(stage).status, 0);
         const std::vector<std::byte> whole = MapBytes();
-        for (const int count : {1, 2, 5, 16}) {
+        for (const int count : counts) {
             ReplaceFile(MapFile(), before);
             EXPECT_TRUE(InParts(stage, count) == whole) << stage << " in " << count << " parts";
         }
@@ -77,7 +77,7 @@ class PartsTest : public LitRoomTest {
 };
 
 TEST_F(PartsTest, VisHasTheBytesOfOneRun) {
-    ExpectSameBytes("-vis -saveprt -flowrounds 4");
+    ExpectSameBytes("-vis -saveprt -flowrounds 4", {1, 2, 16});
     ExpectSameBytes("-vis -saveprt -nopassage -flowrounds 2");
     ExpectSameBytes("-vis -saveprt -fast");
     ExpectSameBytes("-vis -saveprt -plain");
@@ -85,13 +85,13 @@ TEST_F(PartsTest, VisHasTheBytesOfOneRun) {
 
 TEST_F(PartsTest, LightHasTheBytesOfOneRun) {
     ASSERT_EQ(RunWords("-vis -saveprt").status, 0);
-    ExpectSameBytes("-light -sh -gridsh 32 32 32");
+    ExpectSameBytes("-light -sh -gridsh 32 32 32", {1, 4, 16});
     ExpectSameBytes("-light -samples 2 -filter -deluxe -rnm -hdr");
 }
 
 TEST_F(PartsTest, BouncesTakeASecondRound) {
     ASSERT_EQ(RunWords("-vis -saveprt").status, 0);
-    ExpectSameBytes("-light -sh -gridsh 32 32 32 -bounce 3 -bouncegrid");
+    ExpectSameBytes("-light -sh -gridsh 32 32 32 -bounce 3 -bouncegrid", {2, 16});
     ExpectSameBytes("-light -bounce 2 -fast");
 }
 
