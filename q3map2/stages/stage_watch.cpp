@@ -78,12 +78,13 @@ int WatchStage(const StageContext &context, Arguments arguments) {
          .game = *context.options.game},
         PackageMaker(context, files, options.textureSize), log);
     const std::string address = session.Address();
-    log.Print("Watching {} until Ctrl-C\n", map.string());
-    log.WriteLive(fmt::format("The page: {}\n", address)); // not to the file of -log: whoever knows it sees the map
-    ErrorOut error;
-    if (options.open && !g_app_info_launch_default_for_uri(address.c_str(), nullptr, &error))
-        log.Warn("browser", "-open: no browser could be started: {}", error.Text());
-    session.Run();
+    session.Run([&] { // from here on, Ctrl-C ends it in order
+        log.Print("Watching {} until Ctrl-C\n", map.string());
+        log.WriteLive(fmt::format("The page: {}\n", address)); // not to the file of -log: whoever knows it sees the map
+        ErrorOut error;
+        if (options.open && !g_app_info_launch_default_for_uri(address.c_str(), nullptr, &error))
+            log.Warn("browser", "-open: no browser could be started: {}", error.Text());
+    });
     log.Print("The watch of {} has ended\n", map.string());
     return 0;
 }

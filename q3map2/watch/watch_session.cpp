@@ -72,7 +72,7 @@ WatchSession::WatchSession(WatchBuild::Settings settings, Resources::Make resour
     lock_.Publish(server_->Address());
 }
 
-void WatchSession::Run() {
+void WatchSession::Run(const std::function<void()> &started) {
     loop_ = g_main_loop_new(nullptr, FALSE);
     std::array<LoopSource, 3> signals;
     constexpr std::array<int, 3> kNumbers{SIGINT, SIGTERM, SIGHUP};
@@ -84,6 +84,7 @@ void WatchSession::Run() {
                 return G_SOURCE_CONTINUE;
             },
             this));
+    started();
     watch_.emplace(files_.map, [this](FileWatch::Event event) { OnFile(event); });
     OnFile(FileState::Of(files_.map).exists ? FileWatch::Event::Saved : FileWatch::Event::Gone);
     g_main_loop_run(loop_);

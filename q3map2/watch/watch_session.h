@@ -7,6 +7,7 @@
 #include "q3map2/watch/watch_lock.h"
 #include "q3map2/watch/watch_server.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -21,8 +22,9 @@ class WatchSession {
     /// already, or the port cannot be had.
     WatchSession(WatchBuild::Settings settings, Resources::Make resources, Log &log);
 
-    /// Until SIGINT, SIGTERM or SIGHUP. Leaves no process and no unfinished file.
-    void Run();
+    /// Until SIGINT, SIGTERM or SIGHUP. Leaves no process, and no unfinished file of the map. started: called once these
+    /// signals end it in order.
+    void Run(const std::function<void()> &started);
     /// The page that shows the map.
     std::string Address() const { return server_->Address(); }
 
