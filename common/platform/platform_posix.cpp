@@ -274,6 +274,9 @@ void *operator new(std::size_t size) {
     return block;
 }
 
+// GCC does not see that these belong together once it has inlined one of them.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+
 void operator delete(void *block) noexcept {
     std::free(block);
 }

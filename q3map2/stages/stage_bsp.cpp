@@ -219,7 +219,7 @@ int BspStage(const StageContext &context, Arguments arguments) {
         RequireGameFiles(context.options, folders, context.words, log);
     VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     StageCache cache(context, file.wordsToRecord,
-                     {.guard = guard, .moreInputs = BotFilesBeside(files.bsp), .vfs = &vfs});
+                     {.guard = guard, .moreInputs = BotFilesBeside(files.bsp), .moreOutputs = {}, .vfs = &vfs});
     if (cache.Restore()) {
         RemoveStaleFiles(source, files, fs::exists(files.lin));
         return 0;

@@ -233,9 +233,9 @@ void StageCache::Store() {
         entry.results.push_back({key, storage.emplace_back(std::move(bytes))});
     };
     const std::vector<std::string> requests = files_.vfs ? files_.vfs->Requests() : std::vector<std::string>();
-    entry.header = {.stage = std::string(context_.stage.word),
-                    .text = "outputs of a stage",
-                    .inputs = AnswersOf(files_.vfs, requests)};
+    entry.header.stage = context_.stage.word;
+    entry.header.text = "outputs of a stage";
+    entry.header.inputs = AnswersOf(files_.vfs, requests);
     add(KeyOf(kRequests), BytesOfTexts(requests));
     add(KeyOf(kEvents), recorder_->Take());
     const std::string faults = context_.report.Faults();
@@ -278,11 +278,14 @@ void RunUnits::Keep(const VirtualFileSystem &vfs) const {
         return;
     context_.log.Count(units_->FoundCount(), "units taken from the cache");
     context_.log.Count(units_->KeptCount(), "units computed");
-    if (units_->HasChanged())
-        cache_->Write(key_, {.header = {.stage = std::string(context_.stage.word),
-                                        .text = "units of light",
-                                        .inputs = units_->Inputs()},
-                             .results = units_->Used()});
+    if (!units_->HasChanged())
+        return;
+    UnitFile file;
+    file.header.stage = context_.stage.word;
+    file.header.text = "units of light";
+    file.header.inputs = units_->Inputs();
+    file.results = units_->Used();
+    cache_->Write(key_, file);
 }
 
 } // namespace q3
