@@ -287,8 +287,7 @@ class Saves(unittest.TestCase):
         else:
             self.assertFalse(Path(f"/proc/{children[0]}").exists())
 
-    def test_a_save_stops_the_build(self):
-        # Light that takes long enough to be stopped.
+    def test_the_last_save_counts_during_builds(self):
         watch = Running(self, room(name="first"), options=("-draftoptions", "-samples 8 -samplesize 2"))
         page = watch.page(self)
         page.until(lambda state: state["stages"][-1]["name"] == "light")
@@ -298,8 +297,6 @@ class Saves(unittest.TestCase):
         watch.save(room(name="third"))
         page.until(lambda state: state["save"] == 3 and state["version"] > 0 and not state["running"]
                    and watch.message() == "third")
-        drafts = "".join(watch.output).count("Draft light")
-        self.assertLess(drafts, 3, "a build before was stopped")
         watch.end(self)
 
     def test_many_saves(self):
@@ -320,7 +317,9 @@ class Saves(unittest.TestCase):
         page = watch.page(self)
         page.until(lambda state: state["version"] > 0)
         watch.save(room(name="bad") + "{\n\"classname\"\n")
-        state = page.until(lambda state: state["stages"] and state["stages"][-1]["state"] == "failed")
+        # A stage of the build before may end first, since the source has changed while it ran.
+        state = page.until(lambda state: state["save"] == 2 and len(state["stages"]) == 1
+                           and state["stages"][-1]["state"] == "failed")
         self.assertEqual([stage["name"] for stage in state["stages"]], ["bsp"])
         errors = [message["text"] for message in state["messages"] if message["level"] == "error"]
         self.assertEqual(len(errors), 1, errors)
