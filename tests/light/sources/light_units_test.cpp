@@ -39,12 +39,14 @@ TEST(HullMeets, AgreesWithManyBoxesBetweenTheTwo) {
             found = Overlap(Box(a.mins * (1 - t) + b.mins * t, a.maxs * (1 - t) + b.maxs * t), c);
         }
         meets += found ? 1 : 0;
-        if (found)
+        if (found) {
             EXPECT_TRUE(HullMeets(a, b, c)) << i;
+        }
         // The steps between boxes are at most 0.06 units.
         const Vec3f less{0.1f, 0.1f, 0.1f};
-        if (!found && c.maxs.x - c.mins.x > 0.2f && c.maxs.y - c.mins.y > 0.2f && c.maxs.z - c.mins.z > 0.2f)
+        if (!found && c.maxs.x - c.mins.x > 0.2f && c.maxs.y - c.mins.y > 0.2f && c.maxs.z - c.mins.z > 0.2f) {
             EXPECT_FALSE(HullMeets(a, b, Box(c.mins + less, c.maxs - less))) << i;
+        }
     }
     EXPECT_GT(meets, 50);
 }
