@@ -76,12 +76,15 @@ uLong ReadBuffered(voidpf, voidpf stream, void *into, uLong bytes) {
         got = file.ReadFrom(file.at, into, wanted);
     } else if (wanted > 0) {
         if (!file.IsBuffered(file.at, wanted)) {
-            file.buffer.resize(std::min<std::uint64_t>(kChunk, file.size - file.at));
-            file.buffer.resize(file.ReadFrom(file.at, file.buffer.data(), file.buffer.size()));
-            file.bufferedFrom = file.at;
-            got = std::min(wanted, file.buffer.size());
+            // Whole chunks, since minizip looks for the directory backwards.
+            file.bufferedFrom = file.at / kChunk * kChunk;
+            const std::uint64_t end = (file.at + wanted + kChunk - 1) / kChunk * kChunk;
+            file.buffer.resize(std::size_t(std::min(end, file.size) - file.bufferedFrom));
+            file.buffer.resize(file.ReadFrom(file.bufferedFrom, file.buffer.data(), file.buffer.size()));
+            got = file.IsBuffered(file.at, wanted) ? wanted : 0;
         }
-        std::memcpy(into, file.buffer.data() + (file.at - file.bufferedFrom), got);
+        if (got > 0)
+            std::memcpy(into, file.buffer.data() + (file.at - file.bufferedFrom), got);
     }
     file.at += got;
     return uLong(got);

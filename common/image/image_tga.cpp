@@ -41,6 +41,8 @@ class TgaDecoder {
         BeginRow();
         if (packed_)
             ReadRuns(pixels);
+        else if (kind_ == Kind::Color)
+            ReadColors(pixels);
         else
             for (std::size_t i = 0; i < pixels; ++i)
                 Append(ReadPixel());
@@ -123,6 +125,20 @@ class TgaDecoder {
         return palette_[value];
     }
 
+    /// Most images of games are of this kind.
+    void ReadColors(std::size_t pixels) {
+        const std::size_t bytes = pixelBytes_;
+        const std::byte *from = file_.data() + at_;
+        const bool alpha = hasAlpha_ && bytes == 4;
+        for (std::size_t left = pixels; left > 0; BeginRow())
+            for (; out_ != rowEnd_; out_ += 4, from += bytes, --left) {
+                out_[0] = std::to_integer<std::uint8_t>(from[2]);
+                out_[1] = std::to_integer<std::uint8_t>(from[1]);
+                out_[2] = std::to_integer<std::uint8_t>(from[0]);
+                out_[3] = alpha ? std::to_integer<std::uint8_t>(from[3]) : std::uint8_t(255);
+            }
+    }
+
     void ReadRuns(std::size_t pixels) {
         constexpr unsigned kPacketLength = 0x7F, kPacketRepeats = 0x80; // its length less 1; one pixel for all of it
         for (std::size_t i = 0; i < pixels;) {
@@ -144,8 +160,9 @@ class TgaDecoder {
     /// Sets out_ to the start of the next row; after the last one it is not used any more.
     void BeginRow() {
         const std::size_t width = std::size_t(image_.width), height = std::size_t(image_.height);
-        if (row_ < height)
-            out_ = image_.rgba.data() + 4 * width * (topDown_ ? row_ : height - 1 - row_);
+        if (row_ >= height)
+            return;
+        out_ = image_.rgba.data() + 4 * width * (topDown_ ? row_ : height - 1 - row_);
         rowEnd_ = out_ + 4 * width;
         ++row_;
     }
