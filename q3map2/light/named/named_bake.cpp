@@ -167,7 +167,7 @@ class NamedGridBuilder {
 };
 
 NamedGridSH NamedGridBuilder::GridOf(const Octree &tree) {
-    CornerWeights corners(tree, cells_.Points(), RulesOfCorners(tree, cells_, in_.jobs));
+    CornerWeights corners(tree, cells_.Points(), RulesOfCorners(tree, cells_, in_.jobs), in_.jobs);
     std::map<std::uint32_t, std::size_t> dropped;
     const std::vector<NamedValue> values =
         FitNamedCorners(tree, cells_, corners, std::size_t(in_.options.shNames), in_.jobs, dropped);

@@ -89,7 +89,7 @@ CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points, st
     for (std::size_t i = 0; i < corners.numbers.size(); ++i)
         hungOn_[corners.numbers[i]] = corners.hungOn[i];
     for (const std::uint32_t number : corners.numbers)
-        TermsOf(points[number].at);
+        Resolve(number);
     hungOn_ = {};
 }
 
@@ -97,16 +97,22 @@ std::size_t CountStoredCorners(const Octree &tree, const LatticePoints &points, 
     return std::size_t(std::ranges::count(CornersOfLeafs(tree, points, jobs).hungOn, Octree::kNone));
 }
 
-const std::vector<CornerTerm> &CornerWeights::TermsOf(const LatticePoint &corner) {
-    const std::uint32_t number = points_.Find(corner);
-    if (!terms_[number].empty() || IsLeftOut(number))
-        return terms_[number];
+void CornerWeights::Resolve(std::uint32_t number) {
+    if (IsStored(number) || !terms_[number].empty() || IsLeftOut(number))
+        return;
     const std::size_t leaf = !rules_.empty() && rules_[number] == Rule::Store ? Octree::kNone : hungOn_[number];
-    if (leaf != Octree::kNone)
-        return terms_[number] = rules_.empty() ? FindTermsIn(tree_[leaf], corner) : TermsOfParents(corner);
+    const LatticePoint &corner = points_[number].at;
+    if (leaf != Octree::kNone) {
+        terms_[number] = rules_.empty() ? FindTermsIn(tree_[leaf], corner) : TermsOfParents(corner);
+        return;
+    }
     storedOf_[number] = std::uint32_t(stored_.size());
     stored_.push_back(number);
-    return terms_[number] = {{storedOf_[number], 1.0f}};
+}
+
+void CornerWeights::AddCorner(float weight, std::uint32_t number, std::vector<CornerTerm> &sum) const {
+    const CornerTerm itself{storedOf_[number], 1.0f};
+    AddTerms(weight, IsStored(number) ? std::span(&itself, 1) : std::span(terms_[number]), sum);
 }
 
 void CornerWeights::AddTerms(float weight, std::span<const CornerTerm> terms, std::vector<CornerTerm> &sum) {
@@ -128,7 +134,7 @@ std::vector<CornerTerm> CornerWeights::TermsOfParents(const LatticePoint &p) {
         const float weight = 1 / float(parents.size());
         const std::uint32_t number = points_.Find(parent);
         if (number != LatticePoints::kUnknown && (IsLeftOut(number) || LeafHasCorner(parent)))
-            AddTerms(weight, TermsOf(parent), sum);
+            Resolve(number), AddCorner(weight, number, sum);
         else
             AddTerms(weight, TermsOfParents(parent), sum);
     }
@@ -138,8 +144,10 @@ std::vector<CornerTerm> CornerWeights::TermsOfParents(const LatticePoint &p) {
 std::vector<CornerTerm> CornerWeights::FindTermsIn(const OctreeCell &leaf, const LatticePoint &p) {
     std::vector<CornerTerm> combined;
     for (std::size_t c = 0; c < 8; ++c)
-        if (const float weight = leaf.Weight(c, LatticePosition(p)); weight != 0)
-            AddTerms(weight, TermsOf(leaf.Corner(c)), combined);
+        if (const float weight = leaf.Weight(c, LatticePosition(p)); weight != 0) {
+            const std::uint32_t number = points_.Find(leaf.Corner(c));
+            Resolve(number), AddCorner(weight, number, combined);
+        }
     return combined;
 }
 
@@ -147,7 +155,7 @@ std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec
     std::vector<CornerTerm> combined;
     for (std::size_t c = 0; c < 8; ++c)
         if (const float weight = leaf.Weight(c, at); weight != 0)
-            AddTerms(weight, terms_[points_.Find(leaf.Corner(c))], combined);
+            AddCorner(weight, points_.Find(leaf.Corner(c)), combined);
     return combined;
 }
 

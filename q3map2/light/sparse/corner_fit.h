@@ -50,9 +50,10 @@ class CornerWeights {
     std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const Vec3f &at) const;
 
   private:
-    /// The value of a corner as a combination of stored values. A corner that does not hang becomes a stored one when
-    /// it is met first.
-    const std::vector<CornerTerm> &TermsOf(const LatticePoint &corner);
+    /// A corner that does not hang becomes a stored one when it is met first; of others, sets terms_.
+    void Resolve(std::uint32_t number);
+    /// Adds the value of a resolved corner.
+    void AddCorner(float weight, std::uint32_t number, std::vector<CornerTerm> &sum) const;
     std::vector<CornerTerm> FindTermsIn(const OctreeCell &leaf, const LatticePoint &p);
     std::vector<CornerTerm> TermsOfParents(const LatticePoint &p);
     bool LeafHasCorner(const LatticePoint &p) const;
@@ -63,7 +64,7 @@ class CornerWeights {
     std::vector<Rule> rules_; ///< by point; may be empty
     std::vector<std::uint32_t> stored_;
     std::vector<std::uint32_t> storedOf_;        ///< by point: index in stored_, or kUnknown
-    std::vector<std::vector<CornerTerm>> terms_; ///< by point; empty: not yet known
+    std::vector<std::vector<CornerTerm>> terms_; ///< by point: of hanging corners
     std::vector<std::size_t> hungOn_;            ///< LeafHungOn, by point; only for corners, only while they are found
 };
 
