@@ -268,6 +268,10 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points
     for (const std::uint32_t number : corners.Stored())
         values.push_back(points[number].value);
     LeastSquares<SHFloats> system(values.size());
+    std::size_t lights = 0, terms = 0;
+    for (const FitSamples &part : samples)
+        lights += part.lights.size(), terms += part.terms.size();
+    system.Reserve(lights, terms, jobs);
     for (FitSamples &part : samples) {
         for (std::size_t i = 0, term = 0; i < part.lights.size(); term += part.termCounts[i++])
             system.AddSample(*part.lights[i], part.weights[i], std::span(part.terms).subspan(term, part.termCounts[i]));

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The lattice of the sparse SH grid: positions of its points, and the light that is known there.
 #include "q3map2/light/sparse/lattice.h"
 
+#include "common/parallel_memory.h"
 #include "libs/math/sampling.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/sparse/display_error.h"
@@ -89,6 +90,15 @@ LatticePoints::LatticePoints(const SparseLattice &lattice) {
         count *= std::size_t(uniformSize_[axis]);
     }
     uniform_.assign(count, kUnknown);
+}
+
+void LatticePoints::Reserve(std::size_t points, const JobPool &jobs) {
+    if (points <= points_.capacity())
+        return;
+    std::vector<LatticeSample> larger;
+    ReserveInParallel(std::max(points, points_.size() + points_.size() / 2), jobs, larger);
+    larger.insert(larger.end(), points_.begin(), points_.end());
+    points_ = std::move(larger);
 }
 
 const std::uint32_t *LatticePoints::UniformNumber(const LatticePoint &at) const {

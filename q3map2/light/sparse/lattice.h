@@ -82,8 +82,8 @@ class LatticePoints {
   public:
     static constexpr std::uint32_t kUnknown = std::uint32_t(-1);
     explicit LatticePoints(const SparseLattice &lattice);
-    /// Allocates memory for that many points.
-    void Reserve(std::size_t points) { points_.reserve(points); }
+    /// Gets memory for at least that many points.
+    void Reserve(std::size_t points, const JobPool &jobs);
     /// Adds a point, without light, unless it is in the set. Returns its number.
     std::uint32_t Add(const LatticePoint &at);
     /// Number of a point; kUnknown if it is not in the set.

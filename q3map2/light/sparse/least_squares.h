@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/jobs.h"
+#include "common/parallel_memory.h"
 #include "q3map2/light/grid/probe_integrator.h"
 
 #include <algorithm>
@@ -47,6 +48,11 @@ template <typename Value> class LeastSquares {
   public:
     explicit LeastSquares(std::size_t unknowns) : pull_(unknowns), diagonal_(unknowns), weights_(unknowns) {}
 
+    /// Gets memory for that many samples, with that many terms in all.
+    void Reserve(std::size_t samples, std::size_t terms, const JobPool &jobs) {
+        ReserveInParallel(samples, jobs, samples_);
+        ReserveInParallel(terms, jobs, terms_);
+    }
     void AddSample(const Value &value, float weight, std::span<const UnknownTerm> terms) {
         samples_.push_back({value, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
         for (const UnknownTerm &term : terms) {
@@ -63,8 +69,10 @@ template <typename Value> class LeastSquares {
     /// usual r is the residual, z = M^-1 r, rho = r . z, alpha the step length, and beta the factor of the last
     /// direction in the next one.
     void Solve(std::vector<Value> &x, int steps, const JobPool &jobs = JobPool(1)) const {
-        const Columns columns = ColumnsOfSamples();
-        Vector differences(samples_.size()), r(x.size()), z(x.size()), direction, product(x.size());
+        const Columns columns = ColumnsOfSamples(jobs);
+        const auto makeVector = [&](std::size_t size) { return VectorInParallel<Value>(size, jobs); };
+        Vector differences = makeVector(samples_.size()), r = makeVector(x.size()), z = makeVector(x.size());
+        Vector product = makeVector(x.size());
         ForParts(jobs, samples_.size(), [&](std::size_t s) {
             differences[s] = samples_[s].value;
             AddScaledValue(-1, Combined(samples_[s], x), differences[s]);
@@ -74,7 +82,7 @@ template <typename Value> class LeastSquares {
             AddColumn(columns, i, differences, r[i]);
             z[i] = Preconditioned(i, r[i]);
         });
-        direction = z;
+        Vector direction = z;
         double rho = Dot(r, z, jobs);
         for (int step = 0; step < steps && rho > 0; ++step) {
             Apply(columns, direction, differences, product, jobs);
@@ -125,8 +133,8 @@ template <typename Value> class LeastSquares {
                 use(i);
         });
     }
-    Columns ColumnsOfSamples() const {
-        Columns columns{std::vector<std::uint32_t>(pull_.size() + 1), std::vector<Entry>(terms_.size())};
+    Columns ColumnsOfSamples(const JobPool &jobs) const {
+        Columns columns{std::vector<std::uint32_t>(pull_.size() + 1), VectorInParallel<Entry>(terms_.size(), jobs)};
         for (const UnknownTerm &term : terms_)
             ++columns.ends[term.unknown + 1];
         for (std::size_t i = 1; i < columns.ends.size(); ++i)

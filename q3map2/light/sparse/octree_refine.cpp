@@ -27,6 +27,9 @@ constexpr float kSolidWeight = 0.5f;
 constexpr float kNoiseOfSurplus = 1.3f, kNoiseOfSecond = 1.5f;
 /// Cells or points of one job.
 constexpr std::size_t kChunk = 256;
+/// Of the new points of cells that are split, the fraction that remains when those of several cells count once;
+/// typical.
+constexpr double kNewOnce = 0.6;
 
 /// Calls use(p) for the points of the uniform grid's lattice in a closed cell of the base level or above.
 template <typename Use> void ForUniformPoints(const SparseLattice &lattice, const OctreeCell &cell, const Use &use) {
@@ -113,7 +116,13 @@ void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
 
 void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) {
     const std::size_t first = points_.Size();
-    points_.Reserve(uniform.points.size());
+    std::size_t cells = 0;
+    for (std::size_t i = 0; i < tree_.Size(); ++i)
+        cells += tree_[i].level == lattice_.BaseLevel() && tree_[i].openFraction > 0;
+    std::size_t pointsOfCell = 1; // but for those that its neighbors above have too
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        pointsOfCell <<= lattice_.BaseLevel() - lattice_.UniformLevel(axis);
+    points_.Reserve(cells * pointsOfCell, jobs_);
     for (std::size_t i = 0; i < tree_.Size(); ++i)
         if (tree_[i].level == lattice_.BaseLevel() && tree_[i].openFraction > 0)
             ForUniformPoints(lattice_, tree_[i], [&](const LatticePoint &p) { points_.Add(p); });
@@ -202,6 +211,10 @@ void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTr
         for (std::size_t n = 0; n < 27; ++n)
             unknown[i] |= std::uint32_t(points_.Find(ChildCorner(tree_[cells[i]], n)) == LatticePoints::kUnknown) << n;
     });
+    std::size_t added = 0;
+    for (const std::uint32_t bits : unknown)
+        added += std::size_t(std::popcount(bits));
+    points_.Reserve(firstNew + std::size_t(kNewOnce * double(added)), jobs_);
     for (std::size_t i = 0; i < cells.size(); ++i)
         for (std::uint32_t left = unknown[i]; left != 0; left &= left - 1)
             points_.Add(ChildCorner(tree_[cells[i]], std::size_t(std::countr_zero(left))));
