@@ -1,17 +1,16 @@
-// GPL-2.0-or-later. The bsp stage as a whole: a map source to a .bsp, its entities, and brushes as text.
+// GPL-2.0-or-later. The bsp stage as a whole: a map source to a .bsp, and brushes as text.
 #include "q3map2/geometry/compile_map.h"
 
 #include "common/error.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/bspfile_rbsp.h"
 #include "q3map2/bspfile/bspx_lumps.h"
-#include "q3map2/bspfile/entity_key.h"
 #include "q3map2/bspfile/map_keys.h"
-#include "q3map2/bspfile/switchable_lights.h"
 #include "q3map2/geometry/effects/decals.h"
 #include "q3map2/geometry/effects/fog.h"
 #include "q3map2/geometry/effects/surface_effects.h"
 #include "q3map2/geometry/emit/bsp_writer.h"
+#include "q3map2/geometry/emit/game_entities.h"
 #include "q3map2/geometry/faces/draw_surface.h"
 #include "q3map2/geometry/faces/face_surfaces.h"
 #include "q3map2/geometry/faces/meta.h"
@@ -133,132 +132,6 @@ void WarnOfLimits(const Bsp &bsp, const Game &game, Log &log) {
             log.Warn(limit.records, "{} {}, engines hold {}: {}", limit.count, limit.records, limit.most, limit.advice);
 }
 
-// ---- Entities of the map source, as written for the game ----
-
-namespace {
-
-/// Keys that stages write into worldspawn of the .bsp; kept if present.
-constexpr std::array<std::string_view, 3> kToolKeys = {"_q3map2_cmdline", "_q3map2_version", "gridsize"};
-/// Keys that describe the light stored in the .bsp, so values in the map source are ignored.
-constexpr std::array<std::string_view, 3> kLightKeys = {kGridSHKey, kToneKey, kRnmKey};
-
-std::string_view NameOfOriginal(const MapEntity &entity) {
-    return keys::kInstance.Text(entity.pairs);
-}
-
-bool HasPrimitives(const MapEntity &entity) {
-    return !entity.brushes.empty() || !entity.patches.empty();
-}
-
-/// Gives each clone the `model` value of the entity that it names.
-void ShareModels(Map &map, const BspContext &context) {
-    for (MapEntity &entity : map.entities) {
-        const std::string_view name = NameOfOriginal(entity);
-        if (name.empty())
-            continue;
-        const auto original = std::find_if(map.entities.begin(), map.entities.end(), [&](const MapEntity &other) {
-            return EqualNoCase(keys::kCloneName.Text(other.pairs), name);
-        });
-        if (original == map.entities.end() || !original->pairs.Has("model")) {
-            context.log.Warn("clone without parent", "{}: it is a clone of {}, but {}", entity.MessagePrefix(), name,
-                             original == map.entities.end() ? "no entity has that _clonename"
-                                                            : "that entity has no model");
-            continue;
-        }
-        const std::string model(original->pairs.Value("model"));
-        entity.pairs.Set("model", model);
-    }
-}
-
-} // namespace
-
-void NumberModels(Map &map, const BspContext &context) {
-    int models = 1; // the world is the first
-    for (std::size_t i = 0; i < map.entities.size(); ++i) {
-        MapEntity &entity = map.entities[i];
-        if (i == 0) {
-            entity.model = 0;
-            continue;
-        }
-        if (!NameOfOriginal(entity).empty()) {
-            entity.brushes.clear();
-            entity.patches.clear();
-        }
-        if (HasPrimitives(entity)) {
-            entity.model = models++;
-            entity.pairs.Set("model", fmt::format("*{}", entity.model));
-        }
-    }
-    ShareModels(map, context);
-    context.log.VerboseCount(models, "models");
-}
-
-/// Games with light styles in their files: numbers the switchable lights. Errors: styles that engines do not have.
-void SetUpLightStyles(Map &map, const BspContext &context) {
-    if (!context.game.styleSlots)
-        return;
-    std::vector<Entity *> lights;
-    for (MapEntity &entity : map.entities) {
-        if (!IsLight(entity.pairs))
-            continue;
-        RestoreLightStyle(entity.pairs); // entities may come from a .bsp
-        const int style = StyleInFile(entity.pairs);
-        if (style > kLastStyle)
-            throw Error("{}: light style {}, expected 0 to {}: engines of this game have no others",
-                        entity.MessagePrefix(), style, kLastStyle);
-        if (style >= kFirstSwitchStyle && !IsSwitchableLight(entity.pairs))
-            context.log.Warn("style of switchable lights",
-                             "{}: light style {}, but {} to {} belong to switchable lights, and this light has no "
-                             "targetname: it is switched with the group that has this style, or stays dark",
-                             entity.MessagePrefix(), style, kFirstSwitchStyle, kLastStyle);
-        lights.push_back(&entity.pairs);
-    }
-    NumberSwitchableLights(lights, map.name);
-}
-
-std::string GameEntities(const Map &map, const BspContext &context) {
-    const BspOptions &options = context.options;
-    const Entity &world = map.entities.front().pairs;
-    const bool keepLights = options.keepLights || keys::kKeepLights.Flag(world);
-    const bool keepModels = options.keepModels || keys::kKeepModels.Flag(world);
-    std::vector<Entity> kept;
-    for (const MapEntity &entity : map.entities) {
-        const std::string_view name = entity.pairs.ClassName();
-        const bool isCompiledIn =
-            EqualNoCase(name, "_decal") || EqualNoCase(name, "_skybox") || EqualNoCase(name, "func_group") ||
-            EqualNoCase(name, "group_info") ||
-            (EqualNoCase(name, "misc_model") && !keepModels && !keys::kStaticProp.Flag(entity.pairs)) ||
-            (IsLight(entity.pairs) && !keepLights && !(context.game.styleSlots && IsSwitchableLight(entity.pairs)));
-        if (&entity.pairs == &world || (!isCompiledIn && !entity.pairs.pairs.empty()))
-            kept.push_back(entity.pairs);
-    }
-    return FormatEntities(kept);
-}
-
-void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context) {
-    NumberModels(map, context);
-    SetUpLightStyles(map, context);
-    const std::vector<Entity> old = ParseEntities(bsp.entities, map.name);
-    for (const std::string_view key : kToolKeys)
-        if (!old.empty() && old.front().Has(key))
-            map.World().pairs.Set(key, old.front().Value(key));
-    for (const std::string_view key : kLightKeys) {
-        map.World().pairs.Erase(key);
-        if (!old.empty() && old.front().Has(key))
-            map.World().pairs.Set(key, old.front().Value(key));
-    }
-    std::erase_if(map.World().pairs.pairs, [](const auto &pair) { return IsStyleKey(pair.first); });
-    if (!old.empty())
-        for (const auto &[key, value] : old.front().pairs)
-            if (IsStyleKey(key))
-                map.World().pairs.Set(key, value);
-    bsp.entities = GameEntities(map, context);
-    if (context.game.styleSlots && HaveOtherSwitches(old, ParseEntities(bsp.entities, map.name)))
-        context.log.Warn("renumbered lights",
-                         "{}: switchable lights have other styles than before: light the map again", map.name);
-    DropUnfitLumps(bsp, map.name, context.log);
-}
-
 // ---- The bsp stage as a whole ----
 
 namespace {
@@ -298,6 +171,8 @@ Tree MapCompiler::MakeTree(std::vector<TreeFace> faces) {
 /// Floods the tree. If the map is sealed, or _ignoreleaks is set, makes the leafs outside opaque.
 Sealing MapCompiler::Seal(Tree &tree, SolidWarnings warnings) {
     Sealing sealing = FloodEntities(tree, map_, context_, warnings);
+    if (context_.findsRegions)
+        result_.regions.push_back(FloodRegionsOf(tree, map_.planes));
     if (sealing == Sealing::Empty)
         throw Error("{}: no entity is in open space, so the inside of the map cannot be told from the outside; the map "
                     "needs one, such as info_player_start, and not in a solid",
@@ -451,8 +326,6 @@ void MapCompiler::EmitModel(MapEntity &entity, Tree &tree, std::size_t first) {
 CompiledMap MapCompiler::Compile() {
     Log &log = context_.log;
     decals_ = CollectDecals(map_, context_);
-    NumberModels(map_, context_);
-    SetUpLightStyles(map_, context_);
     if (!context_.options.noFog)
         geometry_.fogs = CollectFogs(map_, context_, geometry_.defaultFog);
     if (!CompileWorld())
@@ -469,22 +342,34 @@ CompiledMap MapCompiler::Compile() {
         writer_.EmitSkyImages();
     writer_.EmitPlanes();
     writer_.RemapShaders();
-    writer_.bsp.entities = GameEntities(map_, context_);
     writer_.bsp.ident = context_.game.bspIdent;
-    if (writer_.bsp.ident == kFbspIdent)
-        writer_.bsp.lightmapSide = FbspLightmapSide(StoredWorld(writer_.bsp.entities));
     result_.bsp = std::move(writer_.bsp);
     result_.surfaceFile = std::move(writer_.surfaceFile);
-    WarnOfLimits(result_.bsp, context_.game, log);
     return std::move(result_);
 }
 
 } // namespace
 
+CompiledMap CompileGeometry(Map &map, const BspContext &context) {
+    return MapCompiler(map, context).Compile();
+}
+
+void WriteEntities(const Map &map, const BspContext &context, CompiledMap &compiled) {
+    Bsp &bsp = compiled.bsp;
+    bsp.entities = GameEntities(map, context);
+    if (bsp.ident == kFbspIdent)
+        bsp.lightmapSide = FbspLightmapSide(StoredWorld(bsp.entities));
+    WarnOfLimits(bsp, context.game, context.log);
+}
+
 CompiledMap CompileMap(Map &map, const BspContext &context) {
     if (map.entities.empty())
         throw Error("{}: no entities, expected at least the world", map.name);
-    return MapCompiler(map, context).Compile();
+    NumberEntities(map, context);
+    CompiledMap compiled = CompileGeometry(map, context);
+    if (!compiled.abandoned && !context.options.autoCaulk)
+        WriteEntities(map, context, compiled);
+    return compiled;
 }
 
 } // namespace q3

@@ -1,10 +1,11 @@
-// GPL-2.0-or-later. The bsp stage as a whole: a map source to a .bsp, its entities, and brushes as text.
+// GPL-2.0-or-later. The bsp stage as a whole: a map source to a .bsp, and brushes as text.
 #pragma once
 
 #include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/map/bsp_options.h"
 #include "q3map2/map/map.h"
+#include "q3map2/tree/flood.h"
 
 #include <string>
 #include <vector>
@@ -18,28 +19,23 @@ std::string FakeMapText(const MapEntity &world, const PlaneTable &planes);
 /// Warns of each number of records that exceeds what engines can load.
 void WarnOfLimits(const Bsp &bsp, const Game &game, Log &log);
 
-/// Numbers the models: sets the key `model` of brush entities to *N, and of clones to the value of the named entity.
-void NumberModels(Map &map, const BspContext &context);
-/// Text of the entities lump: all entities except groups, sky boxes, decals, and the lights and models compiled in.
-/// Numbered switchable lights stay.
-std::string GameEntities(const Map &map, const BspContext &context);
-/// -onlyents: replaces the entities of the .bsp by the entities of the map. Keys that the tools added to the old
-/// worldspawn (command line, version, grid size, how it was lit) are kept. Switchable lights are numbered as by
-/// CompileMap.
-void ReplaceEntities(Bsp &bsp, Map &map, const BspContext &context);
-
 /// Output of the bsp stage.
 struct CompiledMap {
-    Bsp bsp;                     ///< without visibility and light
-    std::string surfaceFile;     ///< text of the .srf
-    std::string portalFile;      ///< text of the .prt; empty: the map leaks
-    std::vector<Vec3f> leakLine; ///< points from outside to an entity; empty: the map is sealed
-    std::string caulkFile;       ///< with -autocaulk: text of the .caulk, the only output
-    int idleAreaPortals = 0;     ///< area portals with one area on both sides
-    bool abandoned = false;      ///< the map leaks and -leaktest is on: there is no .bsp
+    Bsp bsp;                           ///< without visibility and light
+    std::string surfaceFile;           ///< text of the .srf
+    std::string portalFile;            ///< text of the .prt; empty: the map leaks
+    std::vector<Vec3f> leakLine;       ///< points from outside to an entity; empty: the map is sealed
+    std::string caulkFile;             ///< with -autocaulk: text of the .caulk, the only output
+    int idleAreaPortals = 0;           ///< area portals with one area on both sides
+    std::vector<FloodRegions> regions; ///< of the trees, if the context wants them
+    bool abandoned = false;            ///< the map leaks and -leaktest is on: there is no .bsp
 };
 
 /// Compiles the map, which is modified. Throws Error if no entity stands in the open or a limit is exceeded.
 CompiledMap CompileMap(Map &map, const BspContext &context);
+/// CompileMap without the entities of the .bsp. Those of the map must have been numbered by NumberEntities.
+CompiledMap CompileGeometry(Map &map, const BspContext &context);
+/// The last part of CompileMap: writes the entities of the map into the .bsp, and warns of limits.
+void WriteEntities(const Map &map, const BspContext &context, CompiledMap &compiled);
 
 } // namespace q3

@@ -79,7 +79,8 @@ struct BspContext {
     Log &log;
     const VirtualFileSystem *vfs = nullptr; ///< for models, skins and index maps; null: none are found
     std::shared_ptr<MapPlaces> places = std::make_shared<MapPlaces>(); ///< set by the reader of the map source
-    std::string leakFile{}; ///< path of the .lin that shows a leak, for messages; empty: none is written
+    std::string leakFile{};    ///< path of the .lin that shows a leak, for messages; empty: none is written
+    bool findsRegions = false; ///< CompiledMap::regions are wanted
 
     /// Warns "Entity E, Brush B: FILE:LINE: text"; `primitive` -1: about the entity, without a brush. `location`
     /// replaces the line where the primitive begins; "": none is printed. A connected editor selects the primitive.

@@ -103,9 +103,16 @@ struct MapEntity {
     std::string MessagePrefix() const;
 };
 
+/// A part of the text of a map source, in bytes.
+struct TextRange {
+    std::size_t begin = 0, end = 0;
+};
+
 /// A map source. Brushes and patches of func_groups are those of the world.
 struct Map {
     std::string name; ///< of the file, for messages
+    /// By MapEntity::number: from behind its "{" to behind its "}". Empty if the source includes other files.
+    std::vector<TextRange> texts;
     std::vector<MapEntity> entities;
     PlaneTable planes{0.00005, 0.005};              ///< with the defaults of -ne and -de
     std::array<int, 3> blockSize{1024, 1024, 1024}; ///< <= 0: no forced splits along that axis

@@ -31,13 +31,15 @@ std::string_view TrimEnd(std::string_view text) {
 class MapReader : public MapEntityHandler {
   public:
     MapReader(std::string_view text, std::string_view name, const BspContext &context)
-        : context_(context), scanner_(text, name, context), primitives_(scanner_, map_.planes, context) {
+        : context_(context), textSize_(text.size()), scanner_(text, name, context),
+          primitives_(scanner_, map_.planes, context) {
         map_.name = name;
         map_.planes = PlaneTable(context.options.normalEpsilon, context.options.distanceEpsilon);
         map_.entities.reserve(EntityEstimate(text));
     }
 
     Map Read() {
+        hasTexts_ = !scanner_.HasIncludes();
         ReadMapEntities(scanner_, map_.name, context_.log, *this);
         for (MapEntity &entity : map_.entities)
             FinishPatches(entity.patches);
@@ -51,7 +53,7 @@ class MapReader : public MapEntityHandler {
     void OnPair(const std::string &key, const std::string &value) override;
     void OnBrush(int primitive, const std::string &first) override;
     void OnPatch(int primitive, bool hasTolerances) override;
-    void EndEntity() override { FinishEntity(entity_); }
+    void EndEntity() override;
     void AddBrush(MapEntity &entity, Brush brush);
     bool CheckPlanes(Brush &brush) const;
     bool IsWanted(const Brush &brush) const;
@@ -67,9 +69,11 @@ class MapReader : public MapEntityHandler {
 
     const BspContext &context_;
     Map map_;
+    const std::size_t textSize_;
     MapScanner scanner_;
     PrimitiveReader primitives_;
-    MapEntity entity_; ///< the one that is read
+    bool hasTexts_ = false; ///< Map::texts is filled
+    MapEntity entity_;      ///< the one that is read
 };
 
 /// Estimates the number of entities from the "classname" keys.
@@ -86,6 +90,14 @@ void MapReader::BeginEntity(int entity) {
     entity_.number = entity;
     entity_.location = scanner_.Location();
     context_.places->Set(entity, -1, entity_.location);
+    if (hasTexts_)
+        map_.texts.push_back({textSize_ - scanner_.Unread().size(), 0});
+}
+
+void MapReader::EndEntity() {
+    if (hasTexts_)
+        map_.texts.back().end = textSize_ - scanner_.Unread().size();
+    FinishEntity(entity_);
 }
 
 void MapReader::OnPair(const std::string &key, const std::string &value) {

@@ -45,6 +45,9 @@ class MapScanner {
     /// Skips to the "}" of a block whose "{" was already read. False if the text ends first.
     bool SkipBlock();
     std::string Location() const { return scanner_.Location(); }
+    /// As of TextScanner.
+    std::string_view Unread() const { return scanner_.Unread(); }
+    bool HasIncludes() const { return scanner_.HasIncludes(); }
     [[noreturn]] void Fail(std::string_view text) const;
     /// Warns of the current primitive, with its location.
     void Warn(std::string_view kind, std::string_view text) const;

@@ -7,8 +7,10 @@
 #include "q3map2/cli/stage_files.h"
 #include "q3map2/edit/bot_files.h"
 #include "q3map2/geometry/compile_map.h"
+#include "q3map2/geometry/emit/game_entities.h"
 #include "q3map2/map/map_parse.h"
 #include "q3map2/report/run_report.h"
+#include "q3map2/stages/geometry_cache.h"
 #include "q3map2/stages/stage_cache.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
@@ -78,10 +80,17 @@ FileGuard GuardFiles(const fs::path &source, const MapFiles &files, const BspOpt
     return guard;
 }
 
-Map ReadSource(const fs::path &source, const BspOptions &options, const BspContext &context) {
+struct LoadedSource {
+    std::string text;
+    Map map;
+};
+
+LoadedSource ReadSource(const fs::path &source, const BspOptions &options, const BspContext &context) {
     const fs::path file = FileOfSource(source, options);
     context.log.Print("Loading {}\n", file.string());
-    return ReadMap(ReadTextFile(file), file.string(), context);
+    std::string text = ReadTextFile(file);
+    Map map = ReadMap(text, file.string(), context);
+    return {std::move(text), std::move(map)};
 }
 
 void AddBsp(const fs::path &path, const Bsp &bsp, const BspFormat &format, FileSet &files, Log &log) {
@@ -165,8 +174,10 @@ void AddFaults(const CompiledMap &compiled, const BspContext &context, RunReport
 }
 
 /// False: -leaktest found a leak.
-bool CompileToFiles(const fs::path &source, const MapFiles &files, Map &map, const std::vector<std::string> &recorded,
-                    const FileGuard &guard, const BspContext &context, const BspFormat &format, RunReport &report) {
+bool CompileToFiles(const fs::path &source, const MapFiles &files, LoadedSource &loaded,
+                    const std::vector<std::string> &recorded, const GeometryCache &cache, const FileGuard &guard,
+                    const BspContext &context, const BspFormat &format, RunReport &report) {
+    Map &map = loaded.map;
     Entity &world = map.World().pairs;
     PrintChangedKeys(world, keys::kWorldKeys, "worldspawn", context.log);
     RecordCommand(world, "-bsp", recorded);
@@ -176,7 +187,7 @@ bool CompileToFiles(const fs::path &source, const MapFiles &files, Map &map, con
         world.Set(keys::kKeepModels.info.name, "1");
     if (context.options.fakeMap)
         WriteText(fs::absolute("fakemap.map"), FakeMapText(map.World(), map.planes), context.log);
-    const CompiledMap compiled = CompileMap(map, context);
+    const CompiledMap compiled = cache.Compile(map, loaded.text, context);
     if (!compiled.abandoned && !context.options.autoCaulk)
         PrintCounts(compiled.bsp, context.log);
     AddFaults(compiled, context, report);
@@ -232,12 +243,13 @@ int BspStage(const StageContext &context, Arguments arguments) {
                                 .log = log,
                                 .vfs = &vfs,
                                 .leakFile = files.lin.string()};
-    Map map = ReadSource(source, options, bspContext);
+    LoadedSource loaded = ReadSource(source, options, bspContext);
     bool done = true;
     if (options.onlyEntities)
-        ReplaceStoredEntities(files.bsp, map, guard, bspContext, format);
+        ReplaceStoredEntities(files.bsp, loaded.map, guard, bspContext, format);
     else
-        done = CompileToFiles(source, files, map, file.wordsToRecord, guard, bspContext, format, context.report);
+        done = CompileToFiles(source, files, loaded, file.wordsToRecord, {cache, format}, guard, bspContext, format,
+                              context.report);
     if (!options.tempName.empty())
         fs::remove(fs::absolute(options.tempName));
     if (done)

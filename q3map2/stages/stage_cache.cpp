@@ -5,6 +5,7 @@
 #include "common/files/files.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/report/version.h"
+#include "q3map2/stages/run_events.h"
 #include "q3map2/units/unit_bytes.h"
 
 #include <algorithm>
@@ -50,69 +51,6 @@ Hash128 HashOfSettings(const StageContext &context, const std::vector<std::strin
 
 // ---- What an entry holds ----
 
-/// Keeps counts and warnings of a run, to print them again.
-class StageCache::Recorder final : public LogObserver {
-  public:
-    explicit Recorder(Log &log) : log_(log) { log.AddObserver(*this); }
-    ~Recorder() override { log_.RemoveObserver(*this); }
-    Recorder(const Recorder &) = delete;
-    Recorder &operator=(const Recorder &) = delete;
-
-    void OnSection(std::string_view name) override { Put(Kind::Section), events_.PutText(std::string(name)); }
-    void OnCount(long long value, std::string_view name) override {
-        Put(Kind::Count), events_.Put(value), events_.PutText(std::string(name));
-    }
-    void OnSetting(std::string_view, std::string_view, std::string_view, std::string_view) override {}
-    void OnWarning(std::string_view kind, std::string_view text, const LogMark *mark) override {
-        Put(Kind::Warning);
-        events_.PutText(std::string(kind)), events_.PutText(std::string(text));
-        events_.Put(std::uint8_t(mark ? 1 : 0));
-        if (!mark)
-            return;
-        events_.Put(mark->entity), events_.Put(mark->primitive);
-        events_.PutAll(mark->line);
-    }
-    std::vector<std::byte> Take() { return events_.Take(); }
-
-    static void Replay(std::span<const std::byte> bytes, Log &log) {
-        UnitReader reader(bytes);
-        while (reader.Fits() && !reader.IsComplete()) {
-            Kind kind{};
-            std::string name, text;
-            reader.Get(kind);
-            long long value = 0;
-            if (kind == Kind::Count)
-                reader.Get(value);
-            reader.GetText(name);
-            if (kind == Kind::Section)
-                log.Section(name);
-            else if (kind == Kind::Count)
-                log.VerboseCount(value, name);
-            else
-                ReplayWarning(reader, name, log);
-        }
-    }
-
-  private:
-    enum class Kind : std::uint8_t { Section, Count, Warning };
-    void Put(Kind kind) { events_.Put(kind); }
-    static void ReplayWarning(UnitReader &reader, std::string_view kind, Log &log) {
-        std::string text;
-        reader.GetText(text);
-        std::uint8_t hasMark = 0;
-        reader.Get(hasMark);
-        if (hasMark == 0)
-            return log.Warn(kind, "{}", text);
-        LogMark mark;
-        reader.Get(mark.entity), reader.Get(mark.primitive);
-        reader.GetAll(mark.line);
-        log.WarnAt(kind, mark, text);
-    }
-
-    Log &log_;
-    UnitWriter events_;
-};
-
 namespace {
 
 bool HasContents(const fs::path &path, std::span<const std::byte> contents) {
@@ -142,20 +80,14 @@ std::span<const std::byte> Named(const UnitFile &entry, const Hash128 &key) {
 }
 
 std::vector<std::string> ReadTexts(std::span<const std::byte> bytes) {
-    UnitReader reader(bytes);
-    std::uint64_t count = 0;
-    reader.Get(count);
     std::vector<std::string> texts;
-    for (std::uint64_t i = 0; i < count && reader.Fits(); ++i)
-        reader.GetText(texts.emplace_back());
+    UnitReader(bytes).GetTexts(texts);
     return texts;
 }
 
 std::vector<std::byte> BytesOfTexts(const std::vector<std::string> &texts) {
     UnitWriter writer;
-    writer.Put(std::uint64_t(texts.size()));
-    for (const std::string &text : texts)
-        writer.PutText(text);
+    writer.PutTexts(texts);
     return writer.Take();
 }
 
@@ -178,7 +110,7 @@ StageCache::StageCache(const StageContext &context, const std::vector<std::strin
     outputs_.insert(outputs_.end(), files.moreOutputs.begin(), files.moreOutputs.end());
     settings_ = HashOfSettings(context, words);
     key_ = KeyOfInputs();
-    recorder_ = std::make_unique<Recorder>(context.log);
+    events_ = std::make_unique<RunEvents>(context.log);
     if (files.vfs)
         files.vfs->RecordRequests();
 }
@@ -216,8 +148,8 @@ bool StageCache::Restore() {
     for (const fs::path &output : outputs_)
         if (std::error_code failed; !Find(*entry, KeyOf(output)))
             fs::remove(output, failed);
-    recorder_.reset();
-    Recorder::Replay(Named(*entry, KeyOf(kEvents)), context_.log);
+    events_.reset();
+    RunEvents::Replay(Named(*entry, KeyOf(kEvents)), context_.log);
     for (const std::string &fault : ReadTexts(Named(*entry, KeyOf(kFaults))))
         context_.report.AddFault(fault);
     context_.log.Print("Nothing has changed since an earlier run: its results are taken from the cache\n");
@@ -237,7 +169,7 @@ void StageCache::Store() {
     entry.header.text = "outputs of a stage";
     entry.header.inputs = AnswersOf(files_.vfs, requests);
     add(KeyOf(kRequests), BytesOfTexts(requests));
-    add(KeyOf(kEvents), recorder_->Take());
+    add(KeyOf(kEvents), events_->Take());
     const std::string faults = context_.report.Faults();
     add(KeyOf(kFaults), BytesOfTexts(faults.empty() ? std::vector<std::string>() : std::vector{faults}));
     std::deque<MappedFile> contents;

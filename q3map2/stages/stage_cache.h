@@ -15,6 +15,8 @@
 
 namespace q3 {
 
+class RunEvents;
+
 /// The folder of -cache; nothing without that option.
 std::optional<Cache> CacheOf(const StageContext &context);
 
@@ -44,10 +46,12 @@ class StageCache {
     /// Keeps the outputs, unless a file of the game has changed meanwhile. To be called after the stage has checked
     /// that no input changed, and has written them.
     void Store();
+    /// Of -cache; nothing: this run neither finds nor keeps outputs.
+    const std::optional<Cache> &Folder() const { return cache_; }
+    /// HashOfSettings of the run, if there is a folder.
+    const Hash128 &Settings() const { return settings_; }
 
   private:
-    class Recorder;
-
     Hash128 KeyOfInputs() const;
 
     const StageContext &context_;
@@ -55,7 +59,7 @@ class StageCache {
     std::optional<Cache> cache_; ///< nothing: neither Restore nor Store do anything
     std::vector<std::filesystem::path> inputs_, outputs_;
     Hash128 settings_, key_;
-    std::unique_ptr<Recorder> recorder_;
+    std::unique_ptr<RunEvents> events_;
 };
 
 /// The store of results of units of a run: those of -join, or those that the cache has of the run before.

@@ -91,7 +91,7 @@ void WarnOfLightsInDetail(const Map &map, const BspContext &context) {
                 continue;
             const std::string_view name = entity.pairs.Value("targetname");
             context.log.Warn(
-                "light in detail brush",
+                kLightInDetail,
                 "{}: the {}{} at {:g} {:g} {:g} stands in a detail brush (entity {}, brush {}), which lets "
                 "no light out; move it into the open",
                 entity.MessagePrefix(), entity.pairs.ClassName(), name.empty() ? "" : fmt::format(" \"{}\"", name),
@@ -99,6 +99,10 @@ void WarnOfLightsInDetail(const Map &map, const BspContext &context) {
             break;
         }
     }
+}
+
+void WarnOfSolid(const MapEntity &entity, const BspContext &context) {
+    context.log.Warn(kEntityInSolid, "{}: the {} stands in solid", entity.MessagePrefix(), entity.pairs.ClassName());
 }
 
 } // namespace
@@ -115,8 +119,7 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, Sol
         const int leaf = tree.LeafAt(entity.origin + kLift, map.planes);
         if (tree.nodes[std::size_t(leaf)].opaque) {
             if (warnings == SolidWarnings::Print)
-                context.log.Warn("entity in solid", "{}: the {} stands in solid", entity.MessagePrefix(),
-                                 entity.pairs.ClassName());
+                WarnOfSolid(entity, context);
             continue;
         }
         tree.nodes[std::size_t(leaf)].floodEntity = int(i);
@@ -137,6 +140,59 @@ Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, Sol
     const bool ignored = keys::kIgnoreLeaks.Flag(world.pairs);
     return leaked && !ignored ? Sealing::Leaked : Sealing::Sealed;
 }
+
+// ---- Whether other entities flood the same leafs ----
+
+int FloodRegions::RegionAt(const Vec3f &p) const {
+    std::size_t node = 0;
+    while (nodes[node].children[0] >= 0) // as Tree::LeafAt
+        node = std::size_t(nodes[node].children[nodes[node].plane.Distance(Vec3d(p)) >= 0 ? 0 : 1]);
+    return nodes[node].region;
+}
+
+FloodRegions FloodRegionsOf(const Tree &tree, const PlaneTable &planes) {
+    FloodRegions regions;
+    regions.nodes.resize(tree.nodes.size());
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+        const TreeNode &node = tree.nodes[i];
+        if (!node.IsLeaf()) {
+            regions.nodes[i].plane = planes[node.planeNum];
+            regions.nodes[i].children = {node.children[0], node.children[1]};
+        } else if (!node.opaque && regions.nodes[i].region < 0) {
+            const auto region = std::int32_t(regions.flooded.size());
+            regions.flooded.push_back(node.floodSteps != 0);
+            std::vector<std::size_t> pending{i};
+            while (!pending.empty()) {
+                const std::size_t leaf = pending.back();
+                pending.pop_back();
+                if (tree.nodes[leaf].opaque || regions.nodes[leaf].region >= 0)
+                    continue;
+                regions.nodes[leaf].region = region;
+                for (const int portal : tree.nodes[leaf].portals)
+                    pending.push_back(std::size_t(FarSide(tree.portals[std::size_t(portal)], int(leaf))));
+            }
+        }
+    }
+    return regions;
+}
+
+bool FloodsSameRegions(const FloodRegions &regions, const Map &map) {
+    std::vector<std::uint8_t> flooded(regions.flooded.size());
+    for (std::size_t i = 1; i < map.entities.size(); ++i)
+        if (StartsFlood(map.entities[i]))
+            if (const int region = regions.RegionAt(map.entities[i].origin + kLift); region >= 0)
+                flooded[std::size_t(region)] = 1;
+    return flooded == regions.flooded;
+}
+
+void WarnOfEntitiesInSolid(const FloodRegions &regions, const Map &map, const BspContext &context) {
+    WarnOfLightsInDetail(map, context);
+    for (std::size_t i = 1; i < map.entities.size(); ++i)
+        if (StartsFlood(map.entities[i]) && regions.RegionAt(map.entities[i].origin + kLift) < 0)
+            WarnOfSolid(map.entities[i], context);
+}
+
+// ---- Leafs outside, and the leak line ----
 
 void FillOutside(Tree &tree, const BspContext &context) {
     context.log.VerboseSection("FillOutside");

@@ -4,7 +4,10 @@
 #include "q3map2/map/map.h"
 #include "q3map2/tree/tree.h"
 
+#include <array>
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace q3 {
@@ -21,6 +24,28 @@ enum class SolidWarnings { Omit, Print };
 /// Floods from all point entities in open leafs.
 Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context,
                       SolidWarnings warnings = SolidWarnings::Print);
+/// The connected regions of open leafs of a tree, and which of them are flooded: tells whether the same leafs become
+/// opaque if entities stand elsewhere.
+struct FloodRegions {
+    struct Node {
+        Plane plane;
+        std::array<std::int32_t, 2> children{-1, -1}; ///< front, back; -1: a leaf
+        std::int32_t region = -1;                     ///< of a leaf; -1: opaque
+        std::int32_t unused = 0;                      ///< so that no byte is undefined
+    };
+    std::vector<Node> nodes;           ///< 0 is the head
+    std::vector<std::uint8_t> flooded; ///< by region
+    /// The region at a point; -1: opaque.
+    int RegionAt(const Vec3f &p) const;
+};
+/// Call it after FloodEntities and before FillOutside.
+FloodRegions FloodRegionsOf(const Tree &tree, const PlaneTable &planes);
+/// Whether the entities of the map flood the regions that are flooded, and no other.
+bool FloodsSameRegions(const FloodRegions &regions, const Map &map);
+/// The warnings that FloodEntities prints, of these kinds. regions: of the first tree.
+void WarnOfEntitiesInSolid(const FloodRegions &regions, const Map &map, const BspContext &context);
+inline constexpr std::string_view kEntityInSolid = "entity in solid", kLightInDetail = "light in detail brush";
+
 /// Makes all leafs opaque that no flood reached.
 void FillOutside(Tree &tree, const BspContext &context);
 /// The shortest line from outside to an entity: centers of portals, then the entity's origin. Empty: sealed.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -27,7 +28,12 @@ class UnitWriter {
         bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     }
     template <typename T> void PutAll(const std::vector<T> &values) { PutAll(std::span<const T>(values)); }
-    void PutText(const std::string &text) { PutAll(std::span<const char>(text)); }
+    void PutText(std::string_view text) { PutAll(std::span<const char>(text)); }
+    void PutTexts(const std::vector<std::string> &texts) {
+        Put(std::uint64_t(texts.size()));
+        for (const std::string &text : texts)
+            PutText(text);
+    }
 
     std::vector<std::byte> Take() { return std::move(bytes_); }
 
@@ -76,6 +82,13 @@ class UnitReader {
         std::vector<char> letters;
         GetAll(letters);
         text.assign(letters.begin(), letters.end());
+    }
+    void GetTexts(std::vector<std::string> &texts) {
+        std::uint64_t count = 0;
+        Get(count);
+        texts.clear();
+        for (std::uint64_t i = 0; i < count && fits_; ++i)
+            GetText(texts.emplace_back());
     }
     /// Whether so many elements of at least a byte may follow. Else nothing fits any more.
     bool HasRoomFor(std::uint64_t count) {

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Whole compiles of small maps.
 #include "common/error.h"
 #include "q3map2/geometry/compile_map.h"
+#include "q3map2/geometry/emit/game_entities.h"
 #include "tests/support/compile_fixture.h"
 
 #include <numbers>
@@ -317,6 +318,22 @@ TEST_F(CompileTest, SameMapGivesTheSameBytes) {
 TEST_F(CompileTest, CaulkIsSuggestedForSidesNobodySees) {
     options.autoCaulk = true;
     EXPECT_EQ(Compile(MapText(RoomText())).caulkFile, "5 cccc-c\n4 ccccc-\n3 cc-ccc\n2 ccc-cc\n1 -ccccc\n0 c-cccc\n");
+}
+
+TEST_F(CompileTest, DecalsAreNoModelsWhenEntitiesAreReplaced) {
+    std::string patch = "{\npatchDef2\n{\ntest/cloth\n( 3 3 0 0 0 )\n(\n";
+    for (int x = 0; x < 3; ++x)
+        patch += fmt::format("( ( {0} 0 8 0 0 ) ( {0} 8 8 0 0 ) ( {0} 16 8 0 0 ) )\n", 8 * x);
+    const std::string decal = "{\n\"classname\" \"_decal\"\n\"target\" \"aim\"\n" + patch + ")\n}\n}\n";
+    const std::string door = "{\n\"classname\" \"func_door\"\n" + Box({0, 0, 0}, {16, 16, 16}) + "}\n";
+    const BspContext context{options, game, *library, out.log, &vfs};
+    const std::string text = MapText(RoomText()) + decal + door;
+    Bsp bsp = Compile(text).bsp;
+    const std::string before = bsp.entities;
+    Map map = ReadMap(text, "test.map", context);
+    ReplaceEntities(bsp, map, context);
+    EXPECT_EQ(bsp.entities, before);
+    EXPECT_THAT(bsp.entities, HasSubstr("\"model\" \"*1\""));
 }
 
 TEST_F(CompileTest, ReplacedEntitiesKeepTheRecordOfTheTools) {

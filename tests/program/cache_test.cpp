@@ -98,6 +98,32 @@ TEST_F(CacheTest, AMovedLampComputesOnlyWhatItReaches) {
     EXPECT_TRUE(warm == Build("", light));
 }
 
+TEST_F(CacheTest, GeometryIsTakenOnlyWhileTheSameRoomsAreFlooded) {
+    // A closet in a corner, in which no entity stands, so it is filled.
+    std::string walls;
+    for (const auto &[mins, maxs] : {std::pair(Vec3f{96, 96, 128}, Vec3f{256, 256, 144}),
+                                     {Vec3f{96, 96, 0}, Vec3f{112, 256, 128}},
+                                     {Vec3f{112, 96, 0}, Vec3f{256, 112, 128}}})
+        walls += BoxText(mins, maxs, "test/pillar");
+    const auto build = [&](const Vec3f &lamp) {
+        Compile(Lamp(lamp, 100), {}, walls);
+        const Outcome plain = RunWords("-bsp -meta");
+        const std::vector<std::byte> bytes = MapBytes();
+        const Outcome cached = RunWords(Cached() + "-bsp -meta");
+        EXPECT_TRUE(MapBytes() == bytes);
+        for (const std::string kind : {"stands in solid", "WARNING"})
+            EXPECT_EQ(plain.text.find(kind) == std::string::npos, cached.text.find(kind) == std::string::npos) << kind;
+        return cached.text.find("geometry is taken from the cache") != std::string::npos;
+    };
+    EXPECT_FALSE(build({0, 100, 64})) << "the first run";
+    EXPECT_TRUE(build({0, 16, 64}));
+    EXPECT_TRUE(build({0, 16, -4})) << "in the floor, with a warning";
+    EXPECT_TRUE(build({0, 20, 64})) << "in the open again, without";
+    EXPECT_FALSE(build({180, 180, 64})) << "the closet is open now";
+    walls += BoxText({-64, 0, 0}, {-48, 16, 16}, "test/pillar");
+    EXPECT_FALSE(build({0, 16, 64})) << "another brush";
+}
+
 TEST_F(CacheTest, RandomEditsHaveTheSameBytes) {
     std::mt19937 random(46);
     const auto number = [&](float low, float high) {
