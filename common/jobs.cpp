@@ -32,19 +32,19 @@ class Loop {
                     RunTimed(index, worker);
                 else
                     body_(index, worker);
-                if (done_) {
-                    const std::lock_guard lock(mutex_);
-                    done_(++finished_);
-                }
+                if (done_)
+                    Report();
             } catch (...) {
                 Fail(index);
             }
         }
     }
-    /// To be called after every worker has left Run.
-    void Rethrow() const {
+    /// To be called after every worker has left Run. Errors: that of the lowest index.
+    void Finish() {
         if (error_)
             std::rethrow_exception(error_);
+        if (done_ && reported_ < count_)
+            done_(count_);
     }
 
   private:
@@ -52,6 +52,14 @@ class Loop {
         const double start = ThreadCpuSeconds();
         body_(index, worker);
         times_->indices[std::size_t(index)] = float(ThreadCpuSeconds() - start);
+    }
+
+    /// A worker does not wait for another one that reports.
+    void Report() {
+        ++finished_;
+        const std::unique_lock lock(reporting_, std::try_to_lock);
+        if (const std::int64_t finished = finished_; lock && finished > reported_)
+            done_(reported_ = finished);
     }
 
     /// Indices are handed out in ascending order, so the lowest index that fails has been handed out by now and runs
@@ -67,10 +75,13 @@ class Loop {
     const std::function<void(std::int64_t, int)> &body_;
     const std::function<void(std::int64_t)> &done_;
     LoopTimes *const times_; ///< null: not measured
-    /// On a cache line of its own, since each index changes it.
+    // On cache lines of their own, since each index changes them.
     alignas(kCacheLine) std::atomic<std::int64_t> next_{0};
-    alignas(kCacheLine) std::mutex mutex_; ///< guards the members below and calls of done_
-    std::int64_t finished_ = 0, failed_ = 0;
+    alignas(kCacheLine) std::atomic<std::int64_t> finished_{0};
+    alignas(kCacheLine) std::mutex reporting_; ///< held during calls of done_
+    std::int64_t reported_ = 0;                ///< count of the last call
+    std::mutex mutex_;                         ///< guards the members below
+    std::int64_t failed_ = 0;
     std::exception_ptr error_;
 };
 
@@ -78,7 +89,7 @@ class Loop {
 
 class JobPool::Workers {
   public:
-    Workers(int threads, const ThreadStarter &start) {
+    Workers(int threads, const ThreadStarter &start) : alarms_(std::size_t(threads)) {
         threads_.reserve(std::size_t(threads));
         try {
             for (int worker = 1; worker < threads; ++worker)
@@ -122,34 +133,47 @@ class JobPool::Workers {
     void RunWith(int others, Loop &loop) {
         {
             const std::lock_guard lock(mutex_);
-            loop_ = &loop, wanted_ = others;
+            loop_ = &loop, wanted_ = invited_ = others;
         }
-        WakeSome(others);
+        WakeNext(0, others);
         loop.Run(0);
         std::unique_lock lock(mutex_);
         wanted_ = 0; // no index is left for workers that are still asleep
         idle_.wait(lock, [this] { return running_ == 0; });
     }
 
-    /// Each worker that wakes up wakes two more, so that the last of 64 does not wait for 63 calls of the system in a
-    /// row.
-    void WakeSome(int wanted) {
-        for (int i = 0; i < std::min(wanted, 2); ++i)
-            wake_.notify_one();
+    /// Each worker wakes the next two of a binary tree, so that the last of 64 does not wait for 63 calls of the system
+    /// in a row. invited: the number of the last worker that is wanted.
+    void WakeNext(int worker, int invited) {
+        for (int next = 2 * worker + 1; next <= std::min(2 * worker + 2, invited); ++next)
+            Wake(next);
+    }
+
+    /// Workers sleep on alarms of their own. Waking up by a common condition variable would make the one that wakes
+    /// others wait until those that it woke before have left it.
+    void Wake(int worker) {
+        Alarm &alarm = alarms_[std::size_t(worker)];
+        ++alarm.rings;
+        alarm.rings.notify_one();
     }
 
     void Serve(int worker) {
         PrepareThreadForCrashes();
-        std::unique_lock lock(mutex_);
+        std::uint32_t heard = 0;
         for (;;) {
-            wake_.wait(lock, [this] { return stopped_ || wanted_ > 0; });
+            std::atomic<std::uint32_t> &rings = alarms_[std::size_t(worker)].rings;
+            rings.wait(heard);
+            heard = rings;
+            std::unique_lock lock(mutex_);
             if (stopped_)
                 return;
+            if (wanted_ == 0) // the loop has ended, or a worker that was late for the one before took the place
+                continue;
             Loop &loop = *loop_;
             --wanted_, ++running_;
-            const int others = wanted_;
+            const int invited = invited_;
             lock.unlock();
-            WakeSome(others);
+            WakeNext(worker, invited);
             loop.Run(worker);
             lock.lock();
             if (--running_ == 0)
@@ -162,16 +186,23 @@ class JobPool::Workers {
             const std::lock_guard lock(mutex_);
             stopped_ = true;
         }
-        wake_.notify_all();
+        for (int worker = 1; worker < Count(); ++worker)
+            Wake(worker);
         for (std::thread &thread : threads_)
             thread.join();
     }
 
+    struct alignas(kCacheLine) Alarm {
+        std::atomic<std::uint32_t> rings{0}; ///< how often the worker was woken
+    };
+
     std::mutex turn_; ///< held by the outside thread whose loop runs
     std::atomic<std::thread::id> caller_{};
-    std::mutex mutex_; ///< guards the members below except threads_
-    std::condition_variable wake_, idle_;
+    std::vector<Alarm> alarms_; ///< by worker
+    std::mutex mutex_;          ///< guards the members below except threads_
+    std::condition_variable idle_;
     Loop *loop_ = nullptr;
+    int invited_ = 0; ///< workers that are woken for the loop, from 1
     int wanted_ = 0;  ///< workers that may still join the loop
     int running_ = 0; ///< workers in the loop, without the caller
     bool stopped_ = false;
@@ -198,7 +229,7 @@ void JobPool::For(std::int64_t count, const std::function<void(std::int64_t, int
     if (worker >= 0) { // called by a body of this pool
         Loop loop(count, body, done, nullptr);
         loop.Run(worker);
-        loop.Rethrow();
+        loop.Finish();
         return;
     }
     LoopTimes times;
@@ -207,7 +238,7 @@ void JobPool::For(std::int64_t count, const std::function<void(std::int64_t, int
     Loop loop(count, body, done, observer_ ? &times : nullptr);
     const double start = observer_ ? ThreadCpuSeconds() : 0;
     workers_->Run(loop, count);
-    loop.Rethrow();
+    loop.Finish();
     if (observer_) {
         times.caller = ThreadCpuSeconds() - start;
         observer_(times);

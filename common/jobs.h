@@ -57,8 +57,9 @@ class JobPool {
     int Threads() const;
 
     /// Calls body(index, worker) for every index in 0 .. count - 1 and returns when all have finished. `done`, if
-    /// given, is called after each index by the worker that ran it, with the number of indices finished so far; never
-    /// concurrently with itself. An exception from `done` counts as an error of that index.
+    /// given, is called by workers after indices, with the number of indices finished so far: each time a larger one,
+    /// at last `count`, and never concurrently with itself. An index that finishes during such a call makes none. An
+    /// exception from `done` counts as an error of the index.
     void For(std::int64_t count, const std::function<void(std::int64_t, int)> &body,
              const std::function<void(std::int64_t)> &done = {}) const;
 

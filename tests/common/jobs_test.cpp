@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -107,6 +108,25 @@ TEST(JobPool, ThreadsStartOnceAndServeAllLoops) {
     EXPECT_LE(seen.size(), 4u);
 }
 
+TEST(JobPool, LoopsOfAllSizesWakeEnoughWorkers) {
+    constexpr int kWorkers = 16;
+    const JobPool jobs(kWorkers);
+    for (int loop = 0; loop < 2000; ++loop) {
+        std::atomic<int> runs{0};
+        jobs.For(loop % 40, [&](std::int64_t, int) { ++runs; });
+        ASSERT_EQ(runs, loop % 40);
+    }
+    // All workers take part when each of them sleeps in its index. A limit of a minute, in case that they do not.
+    std::atomic<int> together{0};
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    jobs.For(kWorkers, [&](std::int64_t, int) {
+        for (++together; together < kWorkers && std::chrono::steady_clock::now() < end;)
+            std::this_thread::sleep_for(std::chrono::microseconds(100));
+    });
+    EXPECT_EQ(together, kWorkers);
+    EXPECT_LT(std::chrono::steady_clock::now(), end);
+}
+
 TEST(JobPool, ThrowsTheErrorOfTheLowestIndexWhateverTheThreads) {
     for (const int threads : {1, 2, 4}) {
         const JobPool jobs(threads);
@@ -161,9 +181,11 @@ TEST(JobPool, ReportsFinishedCountsInOrderAndOneAtATime) {
     std::vector<std::int64_t> counts; // not locked: the thread sanitizer sees if two calls overlap
     jobs.For(
         500, [](std::int64_t, int) {}, [&](std::int64_t finished) { counts.push_back(finished); });
-    ASSERT_EQ(counts.size(), 500u);
-    for (std::size_t i = 0; i < counts.size(); ++i)
-        ASSERT_EQ(counts[i], std::int64_t(i) + 1);
+    ASSERT_FALSE(counts.empty());
+    EXPECT_GE(counts.front(), 1);
+    for (std::size_t i = 1; i < counts.size(); ++i)
+        ASSERT_GT(counts[i], counts[i - 1]);
+    EXPECT_EQ(counts.back(), 500);
     EXPECT_THROW(jobs.For(
                      9, [](std::int64_t, int) {}, [](std::int64_t) { throw 2; }),
                  int);

@@ -326,10 +326,10 @@ TEST_F(CompileTest, DecalsAreNoModelsWhenEntitiesAreReplaced) {
         patch += fmt::format("( ( {0} 0 8 0 0 ) ( {0} 8 8 0 0 ) ( {0} 16 8 0 0 ) )\n", 8 * x);
     const std::string decal = "{\n\"classname\" \"_decal\"\n\"target\" \"aim\"\n" + patch + ")\n}\n}\n";
     const std::string door = "{\n\"classname\" \"func_door\"\n" + Box({0, 0, 0}, {16, 16, 16}) + "}\n";
-    const BspContext context{options, game, *library, out.log, &vfs};
     const std::string text = MapText(RoomText()) + decal + door;
     Bsp bsp = Compile(text).bsp;
     const std::string before = bsp.entities;
+    const BspContext context{options, game, *library, out.log, &vfs};
     Map map = ReadMap(text, "test.map", context);
     ReplaceEntities(bsp, map, context);
     EXPECT_EQ(bsp.entities, before);

@@ -269,14 +269,19 @@ void GridFit::FindSeen(std::span<FitSample> samples, GridStats &work) const {
 }
 
 void GridFit::AddSamples(std::int64_t brick, std::vector<FitSample> samples) {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     waiting_.emplace(brick, std::move(samples));
-    while (!waiting_.empty() && waiting_.begin()->first == next_) {
-        for (const FitSample &sample : waiting_.begin()->second)
+    if (isAdding_) // by a worker that will find these samples too
+        return;
+    isAdding_ = true;
+    for (; !waiting_.empty() && waiting_.begin()->first == next_; ++next_) {
+        const auto first = waiting_.extract(waiting_.begin());
+        lock.unlock(); // no worker waits while samples are added
+        for (const FitSample &sample : first.mapped())
             Accumulate(sample);
-        waiting_.erase(waiting_.begin());
-        ++next_;
+        lock.lock();
     }
+    isAdding_ = false;
 }
 
 void GridFit::Accumulate(const FitSample &sample) {

@@ -110,9 +110,10 @@ class GridFit {
     const std::vector<PointState> &states_;
     std::vector<std::int32_t> rowOf_; ///< by point; -1: not fitted
     std::vector<Row> rows_;
-    std::mutex mutex_;
+    std::mutex mutex_;                                       ///< guards the members below
     std::map<std::int64_t, std::vector<FitSample>> waiting_; ///< by brick: samples that must wait for brick next_
     std::int64_t next_ = 0;                                  ///< brick whose samples are added next
+    bool isAdding_ = false;
 };
 
 } // namespace q3
