@@ -110,6 +110,18 @@ std::string ReadTextFile(const std::filesystem::path &path) {
     return std::string(AsText(ReadFile(path)));
 }
 
+std::string TargetOfUnfinished(std::string_view name) {
+    constexpr std::size_t kRandomLetters = 6;
+    if (!name.ends_with(kUnfinished))
+        return {};
+    name.remove_suffix(kUnfinished.size());
+    const std::size_t dot = name.rfind('.');
+    const bool isUnfinished =
+        dot != name.npos && name.size() == dot + 1 + kRandomLetters &&
+        std::all_of(name.end() - kRandomLetters, name.end(), [](char c) { return g_ascii_isalnum(c); });
+    return std::string(isUnfinished ? name.substr(0, dot) : std::string_view());
+}
+
 FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target_(BehindLinks(path_)) {
     std::error_code ignored;
     RequireReplaceable(path_, target_);
@@ -117,7 +129,7 @@ FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target
     constexpr int kNewFileMode = 0666; // readable and writable for all, less the umask
     const int mode = fs::exists(old) ? int(old.permissions()) : kNewFileMode;
 
-    std::string name = target_.string() + ".XXXXXX";
+    std::string name = target_.string() + ".XXXXXX" + std::string(kUnfinished);
     file_.reset(CreateTemporary(name, mode));
     if (!file_)
         Fail(errno);

@@ -58,9 +58,14 @@ std::vector<std::byte> ReadFile(const std::filesystem::path &path);
 /// The whole file as text. Errors as InputFile.
 std::string ReadTextFile(const std::filesystem::path &path);
 
+/// How names of files end that FileReplacement has not finished.
+inline constexpr std::string_view kUnfinished = ".tmp";
+/// The name of the file in whose place an unfinished file of this name was written; empty: it is no such name.
+std::string TargetOfUnfinished(std::string_view name);
+
 /// Replaces a file piece by piece. Atomic and durable: writes a temporary file beside it, flushes it to disk and
 /// renames it. On any failure, and without Commit, the old file is unchanged and the temporary file is removed; a
-/// process that is killed may leave its unfinished PATH.XXXXXX. An existing file keeps its permission bits, and one
+/// process that is killed may leave its unfinished PATH.XXXXXX.tmp. An existing file keeps its permission bits, and one
 /// that is write protected is not replaced; a symbolic link stays and the file it leads to is replaced. Other hard
 /// links keep the old contents. Errors: Error naming the path and the reason.
 class FileReplacement {

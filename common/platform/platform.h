@@ -67,8 +67,8 @@ struct FileStamp {
 };
 /// All 0: no such file.
 FileStamp StampOf(const std::filesystem::path &path);
-/// Creates a file with a new name and these permission bits, but those of the umask. `name` ends in XXXXXX, which are
-/// replaced. Null: failed, errno says why.
+/// Creates a file with a new name and these permission bits, but those of the umask. `name` has XXXXXX in it, which
+/// are replaced. Null: failed, errno says why.
 std::FILE *CreateTemporary(std::string &name, int mode);
 /// Sets the permission bits whatever the umask. Failure is ignored: some file systems have none.
 void SetPermissions(std::FILE *file, int mode);

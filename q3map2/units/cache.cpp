@@ -5,6 +5,7 @@
 #include "common/files/files.h"
 
 #include <algorithm>
+#include <chrono>
 #include <glib.h>
 #include <system_error>
 #include <utility>
@@ -19,6 +20,8 @@ namespace {
 constexpr std::string_view kExtension = ".q3c";
 /// After removing entries, their sizes add up to at most this part of the limit, so that not every run removes some.
 constexpr double kTrimmedFraction = 0.9;
+/// Older unfinished entries are of programs that were killed.
+constexpr auto kUnfinishedAge = std::chrono::hours(24);
 
 } // namespace
 
@@ -71,9 +74,15 @@ void Cache::Trim() const {
     std::vector<Entry> entries;
     std::uint64_t total = 0;
     std::error_code failed;
+    const auto now = fs::file_time_type::clock::now();
     for (fs::recursive_directory_iterator at(folder_, failed), end; !failed && at != end; at.increment(failed)) {
         std::error_code gone; // another program may have removed it
-        if (at->path().extension() != kExtension || !at->is_regular_file(gone))
+        if (!at->is_regular_file(gone))
+            continue;
+        const bool isUnfinished = !TargetOfUnfinished(at->path().filename().string()).empty();
+        if (isUnfinished && now - at->last_write_time(gone) > kUnfinishedAge && !gone)
+            fs::remove(at->path(), gone);
+        if (at->path().extension() != kExtension)
             continue;
         const Entry entry{at->path(), at->last_write_time(gone), at->file_size(gone)};
         if (gone)

@@ -23,16 +23,6 @@ bool Exists(const fs::path &file) {
     return fs::is_regular_file(file, absent);
 }
 
-/// The name of the file in whose place `name` was written and never finished: it is FILE.XXXXXX. Empty: another name.
-std::string TargetOfUnfinished(const std::string &name) {
-    constexpr std::size_t kRandomLetters = 6;
-    const std::size_t dot = name.rfind('.');
-    const bool isUnfinished =
-        dot != std::string::npos && name.size() == dot + 1 + kRandomLetters &&
-        std::all_of(name.end() - kRandomLetters, name.end(), [](char c) { return g_ascii_isalnum(c); });
-    return isUnfinished ? name.substr(0, dot) : std::string();
-}
-
 } // namespace
 
 WatchBuild::WatchBuild(Settings settings, Callbacks callbacks)

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <random>
 
 namespace q3::test {
@@ -96,6 +97,20 @@ TEST_F(CacheTest, AMovedLampComputesOnlyWhatItReaches) {
     EXPECT_LT(CountOf("units computed"), all);
     EXPECT_GT(CountOf("units taken from the cache"), 0);
     EXPECT_TRUE(warm == Build("", light));
+}
+
+TEST_F(CacheTest, EntriesThatKilledProgramsLeftUnfinishedAreRemovedAfterADay) {
+    Compile("");
+    const fs::path old = folder_ / "cache/ab/abcd.q3c.aB3dE6.tmp", recent = folder_ / "cache/ab/abcd.q3c.zB3dE6.tmp",
+                   other = folder_ / "cache/ab/abcd.backup";
+    for (const fs::path &file : {old, recent, other})
+        folder_.Write(fs::relative(file, folder_.Root()).generic_string(), "x");
+    for (const fs::path &file : {old, other})
+        fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(48));
+    RunWords(Cached() + "-bsp -meta");
+    EXPECT_FALSE(fs::exists(old));
+    EXPECT_TRUE(fs::exists(recent)) << "a program may be writing it";
+    EXPECT_TRUE(fs::exists(other));
 }
 
 TEST_F(CacheTest, GeometryIsTakenOnlyWhileTheSameRoomsAreFlooded) {

@@ -6,6 +6,7 @@
 set -eu
 
 program=${Q3MAP2:-q3map2}
+threads=() # more options of parts and joins
 # shellcheck disable=SC2034 # for the scripts
 here=$(CDPATH='' cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 
@@ -26,8 +27,10 @@ read_words() {
     [[ -f $map ]] || die "$map: no such file"
 }
 
-# start: an empty folder for parts.
+# start: an empty folder for parts. Other runs on the map are refused until this script ends.
 start() {
+    exec 9<>"$map"
+    flock -n 9 || die "$map: another run is under way"
     rm -rf "$folder"
     mkdir "$folder"
 }
@@ -37,7 +40,7 @@ part_line() {
     local after=()
     [[ $1 == 1 ]] || after=(-join "${from-$folder}/round$1")
     # shellcheck disable=SC2034 # for the scripts
-    line=("$program" "${options[@]}" "${after[@]}" -part "$2/$count" -partfile "$folder/round$1.$2" "$map")
+    line=("$program" "${options[@]}" "${threads[@]}" "${after[@]}" -part "$2/$count" -partfile "$folder/round$1.$2" "$map")
 }
 
 # join ROUND: joins its parts; true if there is another round. Afterwards the folder is gone, unless there is.
@@ -47,7 +50,7 @@ join() {
     for ((i = 1; i <= count; i++)); do
         files+=("$folder/round$1.$i")
     done
-    "$program" "${options[@]}" -join "${files[@]}" -partfile "$next" "$map" || die "joining the parts of $map failed"
+    "$program" "${options[@]}" "${threads[@]}" -join "${files[@]}" -partfile "$next" "$map" || die "joining the parts of $map failed"
     rm -f "${files[@]}"
     [[ -e $next ]] || { rm -r "$folder"; return 1; }
 }
