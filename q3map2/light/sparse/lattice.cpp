@@ -101,15 +101,27 @@ void LatticePoints::Reserve(std::size_t points, const JobPool &jobs) {
     points_ = std::move(larger);
 }
 
-const std::uint32_t *LatticePoints::UniformNumber(const LatticePoint &at) const {
+std::size_t LatticePoints::UniformPlace(const LatticePoint &at) const {
     std::size_t place = 0;
     for (std::size_t axis = 3; axis-- > 0;) {
         const std::int32_t i = at[axis] >> uniformLevel_[axis];
         if (i << uniformLevel_[axis] != at[axis] || i < 0 || i >= uniformSize_[axis])
-            return nullptr;
+            return kNoPlace;
         place = place * std::size_t(uniformSize_[axis]) + std::size_t(i);
     }
-    return &uniform_[place];
+    return place;
+}
+
+void LatticePoints::MakeUniform(std::size_t count, const JobPool &jobs) {
+    points_ = VectorInParallel<LatticeSample>(count, jobs);
+    const std::int32_t width = uniformSize_[0], height = uniformSize_[1];
+    jobs.For(std::int64_t(height) * uniformSize_[2], [&](std::int64_t row, int) {
+        const auto y = std::int32_t(row % height), z = std::int32_t(row / height);
+        for (std::int32_t x = 0; x < width; ++x)
+            if (const std::uint32_t number = uniform_[std::size_t(row) * std::size_t(width) + std::size_t(x)];
+                number != kUnknown)
+                points_[number].at = {x << uniformLevel_[0], y << uniformLevel_[1], z << uniformLevel_[2]};
+    });
 }
 
 std::size_t LatticePoints::SlotOf(std::uint64_t key) const {
@@ -132,8 +144,8 @@ void LatticePoints::GrowIfFull() {
 }
 
 std::uint32_t LatticePoints::Find(const LatticePoint &at) const {
-    if (const std::uint32_t *number = UniformNumber(at))
-        return *number;
+    if (const std::size_t place = UniformPlace(at); place != kNoPlace)
+        return uniform_[place];
     return slots_.empty() ? kUnknown : slots_[SlotOf(KeyOf(at))].number;
 }
 
@@ -143,8 +155,8 @@ std::uint32_t LatticePoints::Add(const LatticePoint &at) {
         return known;
     const auto number = std::uint32_t(points_.size());
     points_.push_back({.at = at});
-    if (const std::uint32_t *place = UniformNumber(at)) {
-        uniform_[std::size_t(place - uniform_.data())] = number;
+    if (const std::size_t place = UniformPlace(at); place != kNoPlace) {
+        uniform_[place] = number;
         return number;
     }
     GrowIfFull();

@@ -84,6 +84,16 @@ class LatticePoints {
     explicit LatticePoints(const SparseLattice &lattice);
     /// Gets memory for at least that many points.
     void Reserve(std::size_t points, const JobPool &jobs);
+    /// Adds points of the uniform grid's lattice, without light, to an empty set. forEach(use) calls use(point) for
+    /// each of them, in the order of their numbers; a point may occur more than once.
+    template <typename ForEach> void AddUniform(const ForEach &forEach, const JobPool &jobs) {
+        std::uint32_t count = 0; // first all are counted, since they take much memory
+        forEach([&](const LatticePoint &at) {
+            if (std::uint32_t &number = uniform_[UniformPlace(at)]; number == kUnknown)
+                number = count++;
+        });
+        MakeUniform(count, jobs);
+    }
     /// Adds a point, without light, unless it is in the set. Returns its number.
     std::uint32_t Add(const LatticePoint &at);
     /// Number of a point; kUnknown if it is not in the set.
@@ -95,8 +105,11 @@ class LatticePoints {
     std::size_t Size() const { return points_.size(); }
 
   private:
-    /// Entry of uniform_ for a point; null if it is not of the uniform grid's lattice, or outside the roots.
-    const std::uint32_t *UniformNumber(const LatticePoint &at) const;
+    static constexpr std::size_t kNoPlace = std::size_t(-1);
+    /// Index in uniform_ of a point; kNoPlace if it is not of the uniform grid's lattice, or outside the roots.
+    std::size_t UniformPlace(const LatticePoint &at) const;
+    /// Makes the samples of the points that have numbers in uniform_, which are 0 to count - 1.
+    void MakeUniform(std::size_t count, const JobPool &jobs);
     struct Slot {
         std::uint64_t key = 0;
         std::uint32_t number = kUnknown;

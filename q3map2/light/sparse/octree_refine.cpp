@@ -115,19 +115,15 @@ void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
 }
 
 void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) {
-    const std::size_t first = points_.Size();
-    std::size_t cells = 0;
-    for (std::size_t i = 0; i < tree_.Size(); ++i)
-        cells += tree_[i].level == lattice_.BaseLevel() && tree_[i].openFraction > 0;
-    std::size_t pointsOfCell = 1; // but for those that its neighbors above have too
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        pointsOfCell <<= lattice_.BaseLevel() - lattice_.UniformLevel(axis);
-    points_.Reserve(cells * pointsOfCell, jobs_);
-    for (std::size_t i = 0; i < tree_.Size(); ++i)
-        if (tree_[i].level == lattice_.BaseLevel() && tree_[i].openFraction > 0)
-            ForUniformPoints(lattice_, tree_[i], [&](const LatticePoint &p) { points_.Add(p); });
-    ForEach(jobs_, points_.Size() - first, [&](std::size_t i) {
-        LatticeSample &point = points_[first + i];
+    points_.AddUniform(
+        [&](const auto &add) {
+            for (std::size_t i = 0; i < tree_.Size(); ++i)
+                if (tree_[i].level == lattice_.BaseLevel() && tree_[i].openFraction > 0)
+                    ForUniformPoints(lattice_, tree_[i], add);
+        },
+        jobs_);
+    ForEach(jobs_, points_.Size(), [&](std::size_t i) {
+        LatticeSample &point = points_[i];
         point.value = ToDisplayed(uniform.points[lattice_.UniformIndex(point.at)], radiance);
         point.traced = PlaceInOpen(space_, lattice_.PositionOf(point.at)).state == PointState::Open;
     });
