@@ -336,19 +336,18 @@ void NamedFit::Blend(const Sample &sample, std::vector<BlendedLight> &lights) co
 }
 
 void NamedFit::FitShares() {
-    LeastSquares<float> system(slots_.size());
     std::vector<float> sum(slots_.size()), weightSum(slots_.size()); // weighted, of the samples around a slot's corner
-    std::vector<bool> known(slots_.size());
+    std::vector<std::optional<float>> pulls(slots_.size());          // none: the share is not known at the corner
     for (std::size_t i = 0; i < names_.size(); ++i)
         for (std::size_t n = 0; n < names_[i].size() && CornerAt(i); ++n) {
             const std::optional<LightHere> here = CornerAt(i)->At(names_[i][n], table_);
             if (!here || here->Squared() < kFaintest * kFaintest)
                 continue;
             const std::size_t slot = firstSlot_[i] + n;
-            known[slot] = true;
             slots_[slot] = here->share;
-            system.SetPull(slot, kSharePull * here->Squared() * volumes_[i] * FitWeightOf(CornerAt(i)->light));
+            pulls[slot] = kSharePull * here->Squared() * volumes_[i] * FitWeightOf(CornerAt(i)->light);
         }
+    std::vector<SampleBlock<float>> samples(1);
     std::vector<BlendedLight> lights;
     std::vector<UnknownTerm> terms;
     for (const Sample &sample : samples_) {
@@ -367,14 +366,15 @@ void NamedFit::FitShares() {
                     sum[slot] += term.weight * here->Squared() * here->share;
                     weightSum[slot] += term.weight * here->Squared();
                 }
-            system.AddSample(here->share * named, weight * here->Squared(), terms);
+            samples.front().Add(here->share * named, weight * here->Squared(), terms);
         }
     }
-    for (std::size_t slot = 0; slot < slots_.size(); ++slot)
-        if (!known[slot]) {
+    LeastSquares<float> system(slots_.size(), std::move(samples), jobs_);
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
+        if (!pulls[slot])
             slots_[slot] = weightSum[slot] > 0 ? sum[slot] / weightSum[slot] : 0;
-            system.SetPull(slot, kUnknownPull * system.WeightOf(slot));
-        }
+        system.SetPull(slot, pulls[slot] ? *pulls[slot] : kUnknownPull * system.WeightOf(slot));
+    }
     system.Solve(slots_, kShareSteps);
     for (float &share : slots_) // the rest is fitted to shares as they are stored
         share = std::round(std::clamp(share, 0.0f, 1.0f) * 255) / 255;
@@ -410,7 +410,7 @@ void NamedFit::TakeOutNamedLights() {
 /// Replaces rest_, the traced values, by the least-squares fit to the samples. factors: of the weights, by sample.
 void NamedFit::SolveRest(std::span<const float> factors) {
     const std::size_t count = names_.size();
-    LeastSquares<SHFloats> system(count);
+    std::vector<SampleBlock<SHFloats>> samples(1);
     std::vector<SHFloats> sum(count); // weighted, of the samples around a corner; for corners in solids
     std::vector<UnknownTerm> terms;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -420,8 +420,9 @@ void NamedFit::SolveRest(std::span<const float> factors) {
             terms.push_back({term.stored, term.weight});
             AddScaled(weight * term.weight, restOfSamples_[i], sum[term.stored]);
         }
-        system.AddSample(restOfSamples_[i], weight, terms);
+        samples.front().Add(restOfSamples_[i], weight, terms);
     }
+    LeastSquares<SHFloats> system(count, std::move(samples), jobs_);
     for (std::size_t i = 0; i < count; ++i) {
         const float weight = system.WeightOf(i);
         if (!CornerAt(i) && weight > 0)

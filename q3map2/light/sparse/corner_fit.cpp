@@ -2,6 +2,7 @@
 // their values.
 #include "q3map2/light/sparse/corner_fit.h"
 
+#include "common/parallel_memory.h"
 #include "q3map2/light/grid/gridsh_fit.h"
 #include "q3map2/light/sparse/least_squares.h"
 
@@ -193,21 +194,12 @@ void LimitChange(const SHFloats &before, SHFloats &value) {
         value[k] = before[k] + (value[k] - before[k]) * (maxChange / change);
 }
 
-/// Samples of the fit, from which LeastSquares takes them in order.
-struct FitSamples {
-    std::vector<const SHFloats *> lights;
-    std::vector<float> weights;
-    std::vector<std::uint32_t> termCounts;
-    std::vector<UnknownTerm> terms;
+/// Samples of the fit, made by one job.
+using FitSamples = SampleBlock<SHFloats>;
 
-    void Add(const SHFloats &light, std::span<const CornerTerm> of) {
-        lights.push_back(&light);
-        weights.push_back(FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All));
-        termCounts.push_back(std::uint32_t(of.size()));
-        for (const CornerTerm &term : of)
-            terms.push_back({term.stored, term.weight});
-    }
-};
+void AddSample(const SHFloats &light, const std::vector<CornerTerm> &terms, FitSamples &samples) {
+    samples.Add(light, FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All), terms);
+}
 
 /// What FitCorners fits.
 class FitInputs {
@@ -235,12 +227,12 @@ class FitInputs {
                 nearSolid = nearSolid || withoutSolid_[leaf] == 0;
             }
         if (inside != Octree::kNone && (corners_.IsStored(std::uint32_t(i)) || !nearSolid))
-            samples.Add(point.value, corners_.TermsIn(tree_[inside], point.at));
+            AddSample(point.value, corners_.TermsIn(tree_[inside], point.at), samples);
     }
     void AddNearLight(const NearLightSample &sample, FitSamples &samples) const {
         const std::size_t leaf = tree_.LeafAt(CellAt(sample.at));
         if (leaf != Octree::kNone && tree_[leaf].openFraction > 0 && withoutSolid_[leaf] != 0)
-            samples.Add(sample.light, corners_.TermsIn(tree_[leaf], sample.at));
+            AddSample(sample.light, corners_.TermsIn(tree_[leaf], sample.at), samples);
     }
 
   private:
@@ -264,24 +256,15 @@ std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points
         else
             inputs.AddNearLight(nearLights[i - points.Size()], samples[i / kJobSize]);
     });
-    std::vector<SHFloats> values;
-    for (const std::uint32_t number : corners.Stored())
-        values.push_back(points[number].value);
-    LeastSquares<SHFloats> system(values.size());
-    std::size_t lights = 0, terms = 0;
-    for (const FitSamples &part : samples)
-        lights += part.lights.size(), terms += part.terms.size();
-    system.Reserve(lights, terms, jobs);
-    for (FitSamples &part : samples) {
-        for (std::size_t i = 0, term = 0; i < part.lights.size(); term += part.termCounts[i++])
-            system.AddSample(*part.lights[i], part.weights[i], std::span(part.terms).subspan(term, part.termCounts[i]));
-        part = {};
-    }
-    for (std::size_t i = 0; i < values.size(); ++i)
+    const std::vector<std::uint32_t> &stored = corners.Stored();
+    LeastSquares<SHFloats> system(stored.size(), std::move(samples), jobs);
+    std::vector<SHFloats> values = VectorInParallel<SHFloats>(stored.size(), jobs);
+    ForAll(jobs, values.size(), [&](std::size_t i) {
+        values[i] = points[stored[i]].value;
         system.SetPull(i, kRegularization * system.WeightOf(i));
+    });
     system.Solve(values, kIterations, jobs);
-    for (std::size_t i = 0; i < values.size(); ++i)
-        LimitChange(points[corners.Stored()[i]].value, values[i]);
+    ForAll(jobs, values.size(), [&](std::size_t i) { LimitChange(points[stored[i]].value, values[i]); });
     return values;
 }
 

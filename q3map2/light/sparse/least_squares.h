@@ -2,13 +2,14 @@
 #pragma once
 
 #include "common/jobs.h"
-#include "common/parallel_memory.h"
 #include "q3map2/light/grid/probe_integrator.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace q3 {
@@ -36,6 +37,35 @@ inline float DotOfValues(float a, float b) {
     return a * b;
 }
 
+/// Samples in a row, each a combination of unknowns with its value. Several of them make up the samples of a
+/// LeastSquares, so that workers can fill them at the same time.
+template <typename Value> class SampleBlock {
+  public:
+    /// terms: structures of an unknown and its weight.
+    template <typename Terms> void Add(const Value &value, float weight, const Terms &terms) {
+        samples_.push_back({value, weight, std::uint32_t(terms.size())});
+        for (const auto &[unknown, termWeight] : terms)
+            terms_.push_back({unknown, termWeight});
+    }
+    std::size_t Size() const { return samples_.size(); }
+    std::size_t TermCount() const { return terms_.size(); }
+    /// Calls use(i, value, weight, terms) for each sample i.
+    template <typename Use> void ForEach(const Use &use) const {
+        const UnknownTerm *terms = terms_.data();
+        for (std::size_t i = 0; i < samples_.size(); terms += samples_[i++].termCount)
+            use(i, samples_[i].value, samples_[i].weight, std::span(terms, samples_[i].termCount));
+    }
+
+  private:
+    struct Sample {
+        Value value;
+        float weight;
+        std::uint32_t termCount;
+    };
+    std::vector<Sample> samples_;
+    std::vector<UnknownTerm> terms_; ///< of all samples in a row
+};
+
 /// Minimizes over x, with samples s and unknowns i,
 ///
 ///     sum over s of w(s) |sum over i of a(s, i) x(i) - value(s)|^2 + sum over i of pull(i) |x(i) - x0(i)|^2
@@ -46,20 +76,15 @@ inline float DotOfValues(float a, float b) {
 /// alike.
 template <typename Value> class LeastSquares {
   public:
-    explicit LeastSquares(std::size_t unknowns) : pull_(unknowns), diagonal_(unknowns), weights_(unknowns) {}
-
-    /// Gets memory for that many samples, with that many terms in all.
-    void Reserve(std::size_t samples, std::size_t terms, const JobPool &jobs) {
-        ReserveInParallel(samples, jobs, samples_);
-        ReserveInParallel(terms, jobs, terms_);
-    }
-    void AddSample(const Value &value, float weight, std::span<const UnknownTerm> terms) {
-        samples_.push_back({value, weight, std::uint32_t(terms_.size()), std::uint32_t(terms.size())});
-        for (const UnknownTerm &term : terms) {
-            terms_.push_back(term);
-            weights_[term.unknown] += weight * term.weight;
-            diagonal_[term.unknown] += weight * term.weight * term.weight;
+    /// blocks: all samples, in order.
+    LeastSquares(std::size_t unknowns, std::vector<SampleBlock<Value>> blocks, const JobPool &jobs)
+        : blocks_(std::move(blocks)), pull_(unknowns), diagonal_(unknowns), weights_(unknowns) {
+        std::size_t terms = 0;
+        for (const SampleBlock<Value> &block : blocks_) {
+            firstSamples_.push_back(std::uint32_t(samples_));
+            samples_ += block.Size(), terms += block.TermCount();
         }
+        MakeColumns(terms, jobs);
     }
     /// Sum over s of w(s) a(s, unknown).
     float WeightOf(std::size_t unknown) const { return weights_[unknown]; }
@@ -69,23 +94,22 @@ template <typename Value> class LeastSquares {
     /// usual r is the residual, z = M^-1 r, rho = r . z, alpha the step length, and beta the factor of the last
     /// direction in the next one.
     void Solve(std::vector<Value> &x, int steps, const JobPool &jobs = JobPool(1)) const {
-        const Columns columns = ColumnsOfSamples(jobs);
-        const auto makeVector = [&](std::size_t size) { return VectorInParallel<Value>(size, jobs); };
-        Vector differences = makeVector(samples_.size()), r = makeVector(x.size()), z = makeVector(x.size());
-        Vector product = makeVector(x.size());
-        ForParts(jobs, samples_.size(), [&](std::size_t s) {
-            differences[s] = samples_[s].value;
-            AddScaledValue(-1, Combined(samples_[s], x), differences[s]);
+        const auto makeVector = [](std::size_t size) { return std::make_unique_for_overwrite<Value[]>(size); };
+        const Vector differences = makeVector(samples_), r = makeVector(x.size()), z = makeVector(x.size());
+        const Vector direction = makeVector(x.size()), product = makeVector(x.size());
+        ForSamples(jobs, [&](std::size_t s, const Value &value, float, std::span<const UnknownTerm> terms) {
+            differences[s] = value;
+            AddScaledValue(-1, Combined(terms, x.data()), differences[s]);
         });
         // A^T W (value - A x) for x = x0, where the pull is 0; and z.
         ForParts(jobs, x.size(), [&](std::size_t i) {
-            AddColumn(columns, i, differences, r[i]);
-            z[i] = Preconditioned(i, r[i]);
+            r[i] = {};
+            AddColumn(i, differences, r[i]);
+            direction[i] = z[i] = Preconditioned(i, r[i]);
         });
-        Vector direction = z;
         double rho = Dot(r, z, jobs);
         for (int step = 0; step < steps && rho > 0; ++step) {
-            Apply(columns, direction, differences, product, jobs);
+            Apply(direction, differences, product, jobs);
             const double curvature = Dot(direction, product, jobs);
             if (!(curvature > 0))
                 return;
@@ -107,21 +131,12 @@ template <typename Value> class LeastSquares {
     }
 
   private:
-    using Vector = std::vector<Value>;
-    struct Sample {
-        Value value;
-        float weight;
-        std::uint32_t firstTerm, termCount;
-    };
+    /// Not initialized: the workers that fill it get its memory from the system, too.
+    using Vector = std::unique_ptr<Value[]>;
     /// A sample in which an unknown has a term, and w(s) a(s, unknown).
     struct Entry {
         std::uint32_t sample;
         float weight;
-    };
-    /// A^T W: for each unknown its entries, in the order of samples.
-    struct Columns {
-        std::vector<std::uint32_t> ends; ///< by unknown: end of its entries
-        std::vector<Entry> entries;
     };
 
     /// Calls use(i) for i from 0 to count - 1, on all workers.
@@ -133,43 +148,85 @@ template <typename Value> class LeastSquares {
                 use(i);
         });
     }
-    Columns ColumnsOfSamples(const JobPool &jobs) const {
-        Columns columns{std::vector<std::uint32_t>(pull_.size() + 1), VectorInParallel<Entry>(terms_.size(), jobs)};
-        for (const UnknownTerm &term : terms_)
-            ++columns.ends[term.unknown + 1];
-        for (std::size_t i = 1; i < columns.ends.size(); ++i)
-            columns.ends[i] += columns.ends[i - 1];
-        for (std::size_t s = 0; s < samples_.size(); ++s)
-            for (std::uint32_t t = samples_[s].firstTerm; t < samples_[s].firstTerm + samples_[s].termCount; ++t)
-                columns.entries[columns.ends[terms_[t].unknown]++] = {std::uint32_t(s),
-                                                                      samples_[s].weight * terms_[t].weight};
-        return columns;
+    /// Calls use(s, value, weight, terms) for the samples s of a block.
+    template <typename Use> void ForSamplesOf(std::size_t block, const Use &use) const {
+        blocks_[block].ForEach(
+            [&](std::size_t i, const Value &value, float weight, std::span<const UnknownTerm> terms) {
+                use(firstSamples_[block] + i, value, weight, terms);
+            });
     }
-    /// (A x)(s).
-    Value Combined(const Sample &sample, const Vector &x) const {
+    /// The same for all samples, on all workers.
+    template <typename Use> void ForSamples(const JobPool &jobs, const Use &use) const {
+        jobs.For(std::int64_t(blocks_.size()), [&](std::int64_t block, int) { ForSamplesOf(std::size_t(block), use); });
+    }
+    /// Sets the columns, and the sums over each. A counting sort of all terms by unknown: several groups of blocks are
+    /// counted and sorted at the same time.
+    void MakeColumns(std::size_t terms, const JobPool &jobs) {
+        constexpr int kMaxGroups = 16; // each takes as much memory as the ends
+        const auto groups = std::size_t(std::min(jobs.Threads(), kMaxGroups));
+        // By group and unknown: number of its entries; then the place of the next one.
+        std::vector<std::vector<std::uint32_t>> places(groups);
+        const auto forTerms = [&](const auto &use) {
+            jobs.For(std::int64_t(groups), [&](std::int64_t job, int) {
+                const auto group = std::size_t(job);
+                places[group].resize(pull_.size());
+                for (std::size_t b = blocks_.size() * group / groups; b < blocks_.size() * (group + 1) / groups; ++b)
+                    ForSamplesOf(
+                        b, [&](std::size_t s, const Value &, float weight, std::span<const UnknownTerm> ofSample) {
+                            for (const UnknownTerm &term : ofSample)
+                                use(places[group][term.unknown], s, weight, term.weight);
+                        });
+            });
+        };
+        forTerms([](std::uint32_t &count, std::size_t, float, float) { ++count; });
+        ends_.resize(pull_.size());
+        std::uint32_t end = 0;
+        for (std::size_t i = 0; i < ends_.size(); ++i) {
+            for (std::vector<std::uint32_t> &ofGroup : places)
+                end += std::exchange(ofGroup[i], end);
+            ends_[i] = end;
+        }
+        entries_ = std::make_unique_for_overwrite<Entry[]>(terms);
+        const auto factors = std::make_unique_for_overwrite<float[]>(terms); // by entry: a(s, unknown)
+        forTerms([&](std::uint32_t &place, std::size_t s, float weight, float factor) {
+            factors[place] = factor;
+            entries_[place++] = {std::uint32_t(s), weight * factor};
+        });
+        ForParts(jobs, pull_.size(), [&](std::size_t i) {
+            for (std::uint32_t e = BeginOf(i); e < ends_[i]; ++e) {
+                weights_[i] += entries_[e].weight;
+                diagonal_[i] += entries_[e].weight * factors[e];
+            }
+        });
+    }
+    /// Sum of terms: (A x)(s) for those of a sample s.
+    static Value Combined(std::span<const UnknownTerm> terms, const Value *x) {
         Value sum{};
-        for (std::uint32_t t = sample.firstTerm; t < sample.firstTerm + sample.termCount; ++t)
-            AddScaledValue(terms_[t].weight, x[terms_[t].unknown], sum);
+        for (const UnknownTerm &term : terms)
+            AddScaledValue(term.weight, x[term.unknown], sum);
         return sum;
     }
+    std::uint32_t BeginOf(std::size_t unknown) const { return unknown > 0 ? ends_[unknown - 1] : 0; }
     /// to += (A^T W ofSamples)(unknown).
-    static void AddColumn(const Columns &columns, std::size_t unknown, const Vector &ofSamples, Value &to) {
-        for (std::uint32_t e = unknown > 0 ? columns.ends[unknown - 1] : 0; e < columns.ends[unknown]; ++e)
-            AddScaledValue(columns.entries[e].weight, ofSamples[columns.entries[e].sample], to);
+    void AddColumn(std::size_t unknown, const Vector &ofSamples, Value &to) const {
+        for (std::uint32_t e = BeginOf(unknown); e < ends_[unknown]; ++e)
+            AddScaledValue(entries_[e].weight, ofSamples[entries_[e].sample], to);
     }
     /// product = (A^T W A + R) x. `ofSamples`: scratch memory.
-    void Apply(const Columns &columns, const Vector &x, Vector &ofSamples, Vector &product, const JobPool &jobs) const {
-        ForParts(jobs, samples_.size(), [&](std::size_t s) { ofSamples[s] = Combined(samples_[s], x); });
-        ForParts(jobs, x.size(), [&](std::size_t i) {
+    void Apply(const Vector &x, const Vector &ofSamples, const Vector &product, const JobPool &jobs) const {
+        ForSamples(jobs, [&](std::size_t s, const Value &, float, std::span<const UnknownTerm> terms) {
+            ofSamples[s] = Combined(terms, x.get());
+        });
+        ForParts(jobs, pull_.size(), [&](std::size_t i) {
             product[i] = {};
             AddScaledValue(pull_[i], x[i], product[i]);
-            AddColumn(columns, i, ofSamples, product[i]);
+            AddColumn(i, ofSamples, product[i]);
         });
     }
     /// The sum is made in order.
-    static double Dot(const Vector &a, const Vector &b, const JobPool &jobs) {
-        std::vector<float> products(a.size());
-        ForParts(jobs, a.size(), [&](std::size_t i) { products[i] = DotOfValues(a[i], b[i]); });
+    double Dot(const Vector &a, const Vector &b, const JobPool &jobs) const {
+        std::vector<float> products(pull_.size());
+        ForParts(jobs, products.size(), [&](std::size_t i) { products[i] = DotOfValues(a[i], b[i]); });
         double sum = 0;
         for (const float product : products)
             sum += double(product);
@@ -183,11 +240,15 @@ template <typename Value> class LeastSquares {
         return z;
     }
 
-    std::vector<Sample> samples_;
-    std::vector<UnknownTerm> terms_;
-    std::vector<float> pull_;     ///< by unknown
-    std::vector<float> diagonal_; ///< of A^T W A
-    std::vector<float> weights_;  ///< WeightOf, by unknown
+    std::vector<SampleBlock<Value>> blocks_;
+    std::vector<std::uint32_t> firstSamples_; ///< by block: number of its first sample
+    std::size_t samples_ = 0;                 ///< number of all samples
+    std::vector<float> pull_;                 ///< by unknown
+    std::vector<float> diagonal_;             ///< of A^T W A
+    std::vector<float> weights_;              ///< WeightOf, by unknown
+    // A^T W: for each unknown its entries, in the order of samples.
+    std::vector<std::uint32_t> ends_; ///< by unknown: end of its entries
+    std::unique_ptr<Entry[]> entries_;
 };
 
 } // namespace q3
