@@ -2,6 +2,7 @@
 #include "q3map2/light/sparse/lattice.h"
 
 #include "common/parallel_memory.h"
+#include "common/parallel_sort.h"
 #include "libs/math/sampling.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/sparse/display_error.h"
@@ -177,18 +178,18 @@ constexpr std::size_t kBrickPoints = 256;
 
 void LatticeTracer::Trace(LatticePoints &points, std::size_t first, GridStats &stats) const {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+    ReserveInParallel(points.Size() - first, in_.jobs, order);
     for (std::size_t i = first; i < points.Size(); ++i)
         order.push_back({MortonOf(points[i].at), std::uint32_t(i)});
-    std::sort(order.begin(), order.end());
-    std::vector<std::uint32_t> numbers;
-    for (const auto &[code, number] : order)
-        numbers.push_back(number);
-    const auto bricks = std::int64_t((numbers.size() + kBrickPoints - 1) / kBrickPoints);
+    SortInParallel(order, in_.jobs);
+    const auto bricks = std::int64_t((order.size() + kBrickPoints - 1) / kBrickPoints);
     std::vector<GridStats> work(std::size_t(in_.jobs.Threads()));
     in_.jobs.For(bricks, [&](std::int64_t brick, int worker) { // without progress: one of many short passes
-        const std::size_t from = std::size_t(brick) * kBrickPoints;
-        TraceBrick(points, std::span(numbers).subspan(from, std::min(kBrickPoints, numbers.size() - from)),
-                   work[std::size_t(worker)]);
+        const std::size_t from = std::size_t(brick) * kBrickPoints, end = std::min(order.size(), from + kBrickPoints);
+        std::vector<std::uint32_t> numbers;
+        for (std::size_t i = from; i < end; ++i)
+            numbers.push_back(order[i].second);
+        TraceBrick(points, numbers, work[std::size_t(worker)]);
     });
     for (const GridStats &part : work)
         stats.Add(part);

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Positions near lights.
 #include "q3map2/light/sparse/near_light_samples.h"
 
+#include "common/parallel_memory.h"
+#include "common/parallel_sort.h"
 #include "libs/math/sampling.h"
 #include "libs/math/winding.h"
 #include "libs/sh/polygon_moments.h"
@@ -9,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace q3 {
 
@@ -40,10 +43,15 @@ constexpr float kNoiseOfSample = 1.3f;
 
 /// A position near a light.
 struct NearLightPosition {
-    std::uint64_t key = 0; ///< of its cell in a lattice of cells of edge kLeastStep; it has one position at most
+    std::uint64_t code = 0; ///< Morton code, by which neighbors come together
+    std::uint64_t key = 0;  ///< of its cell in a lattice of cells of edge kLeastStep; it has one position at most
     Vec3f position;
     int cluster = 0;
     std::uint32_t light = 0; ///< index of the light
+
+    bool operator<(const NearLightPosition &other) const {
+        return std::tie(code, key, light) < std::tie(other.code, other.key, other.light);
+    }
 };
 
 /// Whether a position is in front of a surface light: at the right distance from its plane, and not far beside it.
@@ -83,10 +91,11 @@ bool HasNearPositions(const Light &light) {
     return light.type == LightType::Area || Falloff(light).At(kNearPoint) * MaxComponent(light.color) > kLeastLight;
 }
 
-/// Appends the positions near a light: jittered ones, a step apart, that are in the open and see its clusters. origin:
-/// from which the steps count, so that a map that is moved has the same positions.
-void AddPositions(const BspSpace &space, const Vec3f &origin, const Light &light, std::uint32_t lightIndex,
+/// Appends the positions near a light: jittered ones, a step apart, that are in the open and see its clusters.
+void AddPositions(const BspSpace &space, const SparseLattice &lattice, const Light &light, std::uint32_t lightIndex,
                   std::vector<NearLightPosition> &positions) {
+    // Steps count from the first point of the uniform grid, so that a map that is moved has the same positions.
+    const Vec3f origin = lattice.UniformMins();
     constexpr std::int32_t kKeyMask = (1 << 21) - 1; // KeyOf takes 21 bits of each coordinate
     const bool area = light.type == LightType::Area;
     const float radius = area ? light.shape.radius : 0;
@@ -120,25 +129,28 @@ void AddPositions(const BspSpace &space, const Vec3f &origin, const Light &light
                     continue;
                 const int cluster = space.ClusterAt(p, kClearance);
                 if (light.SeenFrom(cluster))
-                    positions.push_back({key, p, cluster, lightIndex});
+                    positions.push_back({MortonOf(CellAt(lattice.InCells(p))), key, p, cluster, lightIndex});
             }
 }
 
-/// The positions near all lights, in the order of their keys; one that is near several lights occurs once for each.
-/// maxCount: of more different positions, random ones are left out so that about this many are left.
-std::vector<NearLightPosition> FindPositions(const GridInputs &in, const Vec3f &origin,
+/// The positions near all lights, sorted; one that is near several lights occurs once for each. maxCount: of more
+/// different positions, random ones are left out so that about this many are left.
+std::vector<NearLightPosition> FindPositions(const GridInputs &in, const SparseLattice &lattice,
                                              const std::vector<Light> &lights, std::size_t maxCount) {
     std::vector<std::vector<NearLightPosition>> found(lights.size());
     in.jobs.For(std::int64_t(lights.size()), [&](std::int64_t i, int) {
         if (const Light &light = lights[std::size_t(i)]; HasNearPositions(light))
-            AddPositions(in.space, origin, light, std::uint32_t(i), found[std::size_t(i)]);
+            AddPositions(in.space, lattice, light, std::uint32_t(i), found[std::size_t(i)]);
     });
+    std::size_t count = 0;
+    for (const std::vector<NearLightPosition> &some : found)
+        count += some.size();
     std::vector<NearLightPosition> positions;
+    ReserveInParallel(count, in.jobs, positions);
     for (const std::vector<NearLightPosition> &some : found)
         positions.insert(positions.end(), some.begin(), some.end());
-    std::stable_sort(positions.begin(), positions.end(),
-                     [](const NearLightPosition &a, const NearLightPosition &b) { return a.key < b.key; });
-    std::size_t count = 0;
+    SortInParallel(positions, in.jobs);
+    count = 0;
     for (std::size_t i = 0; i < positions.size(); ++i)
         count += i == 0 || positions[i].key != positions[i - 1].key;
     if (count > maxCount) {
@@ -200,29 +212,27 @@ void Distribute(const Octree &tree, std::span<const NearLightSample> samples, co
 NearLightSet::NearLightSet(const GridInputs &in, const std::vector<Light> &lights, const LightAtPositions &light,
                            const SparseLattice &lattice, std::size_t maxSamples, GridStats &stats)
     : lights_(lights), lattice_(lattice) {
-    std::vector<std::pair<std::uint64_t, NearLightPosition>> order; // by Morton code: a brick holds neighbors
-    for (const NearLightPosition &near : FindPositions(in, lattice.UniformMins(), lights, maxSamples))
-        order.push_back({MortonOf(CellAt(lattice.InCells(near.position))), near});
-    std::stable_sort(order.begin(), order.end(), [](const auto &a, const auto &b) {
-        return a.first != b.first ? a.first < b.first : a.second.key < b.second.key;
-    });
-    std::vector<ProbeReceiver> receivers;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const NearLightPosition &near = order[i].second;
-        if (i == 0 || near.key != order[i - 1].second.key) {
-            receivers.push_back({near.position, near.cluster, std::uint32_t(HashIndex(~near.key))});
-            samples_.push_back({.at = lattice.InCells(near.position)});
-            lightNumbersEnd_.push_back(std::uint32_t(lightNumbers_.size()));
-        }
-        lightNumbers_.push_back(near.light);
-        ++lightNumbersEnd_.back();
-    }
+    const std::vector<NearLightPosition> positions = FindPositions(in, lattice, lights, maxSamples);
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        if (i == 0 || positions[i].key != positions[i - 1].key)
+            firstLight_.push_back(std::uint32_t(i));
+    samples_ = VectorInParallel<NearLightSample>(firstLight_.size(), in.jobs);
+    firstLight_.push_back(std::uint32_t(positions.size()));
+    lightNumbers_.resize(positions.size());
     std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
-    const std::size_t bricks = (receivers.size() + kBrickSamples - 1) / kBrickSamples;
+    const std::size_t bricks = (samples_.size() + kBrickSamples - 1) / kBrickSamples;
     in.jobs.For(std::int64_t(bricks), [&](std::int64_t brick, int worker) {
-        const std::size_t from = std::size_t(brick) * kBrickSamples;
-        const auto some = std::span(receivers).subspan(from, std::min(kBrickSamples, receivers.size() - from));
-        const auto values = light.At(some, HashIndex(some.front().seed), work[std::size_t(worker)]);
+        const std::size_t from = std::size_t(brick) * kBrickSamples,
+                          end = std::min(samples_.size(), from + kBrickSamples);
+        std::vector<ProbeReceiver> receivers;
+        for (std::size_t i = from; i < end; ++i) {
+            const NearLightPosition &near = positions[firstLight_[i]];
+            receivers.push_back({near.position, near.cluster, std::uint32_t(HashIndex(~near.key))});
+            samples_[i].at = lattice.InCells(near.position);
+            for (std::size_t n = firstLight_[i]; n < firstLight_[i + 1]; ++n)
+                lightNumbers_[n] = positions[n].light;
+        }
+        const auto values = light.At(receivers, HashIndex(receivers.front().seed), work[std::size_t(worker)]);
         for (std::size_t i = 0; i < values.size(); ++i)
             samples_[from + i].light = ToDisplayed(values[i], in.options.shRadiance);
     });
@@ -233,7 +243,7 @@ NearLightSet::NearLightSet(const GridInputs &in, const std::vector<Light> &light
 /// Light at any position of those lights that are near a sample, without shadows.
 SHFloats NearLightSet::NearLightsAt(std::uint32_t sample, const Vec3f &position) const {
     SHFloats sum{};
-    for (std::size_t i = sample > 0 ? lightNumbersEnd_[sample - 1] : 0; i < lightNumbersEnd_[sample]; ++i)
+    for (std::size_t i = firstLight_[sample]; i < firstLight_[sample + 1]; ++i)
         AddScaled(1, UnshadowedLight(lights_[lightNumbers_[i]], position), sum);
     return sum;
 }
