@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace q3 {
@@ -21,6 +22,17 @@ template <typename T> void ReserveInParallel(std::size_t count, const JobPool &j
         for (std::size_t at = first; at < std::min(size, first + kPart); at += kPage)
             memory[at] = 0;
     });
+}
+
+/// Makes room for at least `count` values in all. A vector that grows again and again takes half as much more each
+/// time.
+template <typename T> void GrowInParallel(std::size_t count, const JobPool &jobs, std::vector<T> &values) {
+    if (count <= values.capacity())
+        return;
+    std::vector<T> larger;
+    ReserveInParallel(std::max(count, values.size() + values.size() / 2), jobs, larger);
+    larger.insert(larger.end(), values.begin(), values.end());
+    values = std::move(larger);
 }
 
 /// A vector of `count` values T().

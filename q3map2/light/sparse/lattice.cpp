@@ -94,12 +94,7 @@ LatticePoints::LatticePoints(const SparseLattice &lattice) {
 }
 
 void LatticePoints::Reserve(std::size_t points, const JobPool &jobs) {
-    if (points <= points_.capacity())
-        return;
-    std::vector<LatticeSample> larger;
-    ReserveInParallel(std::max(points, points_.size() + points_.size() / 2), jobs, larger);
-    larger.insert(larger.end(), points_.begin(), points_.end());
-    points_ = std::move(larger);
+    GrowInParallel(points, jobs, points_);
 }
 
 std::size_t LatticePoints::UniformPlace(const LatticePoint &at) const {

@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. The octree of the sparse SH grid while it is built, and its optimal pruning.
 #include "q3map2/light/sparse/octree.h"
 
+#include "common/parallel_memory.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,13 +19,30 @@ Octree::Octree(const SparseLattice &lattice) : roots_(lattice.Roots()), levels_(
     rootCount_ = cells_.size();
 }
 
-void Octree::Split(std::size_t leaf) {
-    const OctreeCell parent = cells_[leaf];
-    cells_[leaf].child = std::uint32_t(cells_.size());
-    OctreeCell half = parent;
-    half.level = parent.level - 1;
+void Octree::MakeChildren(std::size_t leaf, std::size_t child) {
+    OctreeCell half = cells_[leaf];
+    --half.level;
     for (std::size_t c = 0; c < 8; ++c)
-        cells_.push_back({.origin = half.Corner(c), .level = half.level, .openFraction = parent.openFraction});
+        cells_[child + c] = {.origin = half.Corner(c), .level = half.level, .openFraction = half.openFraction};
+    cells_[leaf].child = std::uint32_t(child);
+}
+
+void Octree::Split(std::size_t leaf) {
+    const std::size_t child = cells_.size();
+    cells_.resize(child + 8);
+    MakeChildren(leaf, child);
+}
+
+void Octree::Split(std::span<const std::size_t> leafs, const JobPool &jobs) {
+    constexpr std::size_t kLeafsOfJob = 256;
+    const std::size_t firstChild = cells_.size();
+    GrowInParallel(firstChild + 8 * leafs.size(), jobs, cells_);
+    cells_.resize(firstChild + 8 * leafs.size());
+    jobs.For(std::int64_t((leafs.size() + kLeafsOfJob - 1) / kLeafsOfJob), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kLeafsOfJob, end = std::min(leafs.size(), first + kLeafsOfJob);
+        for (std::size_t i = first; i < end; ++i)
+            MakeChildren(leafs[i], firstChild + 8 * i);
+    });
 }
 
 std::size_t Octree::RootAt(const Vec3f &at) const {

@@ -55,6 +55,8 @@ class Octree {
     explicit Octree(const SparseLattice &lattice);
     /// Gives a leaf eight children, which inherit its openFraction. References to cells become invalid.
     void Split(std::size_t leaf);
+    /// The same for several leafs, in order.
+    void Split(std::span<const std::size_t> leafs, const JobPool &jobs);
     /// The root that contains a position in lattice units; kNone outside the roots.
     std::size_t RootAt(const Vec3f &at) const;
     /// The leaf that contains a point (cells are half-open: lower faces belong to them); kNone outside the roots.
@@ -70,6 +72,9 @@ class Octree {
     std::size_t RootCount() const { return rootCount_; }
 
   private:
+    /// Makes a leaf the parent of eight cells from index `child` on.
+    void MakeChildren(std::size_t leaf, std::size_t child);
+
     Int3 roots_;
     int levels_;
     std::size_t rootCount_;

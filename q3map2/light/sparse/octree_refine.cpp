@@ -102,10 +102,14 @@ float OctreeRefiner::OpenFraction(const OctreeCell &cell) const {
 }
 
 void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
-    for (std::size_t i = 0; i < tree_.Size(); ++i) {
-        tree_[i].openFraction = HasOpenSpace(tree_[i]) ? 1.0f : 0.0f;
-        if (tree_[i].openFraction > 0 && tree_[i].level > lattice_.BaseLevel())
-            tree_.Split(i);
+    for (std::size_t first = 0, end = tree_.Size(); first < end; first = end, end = tree_.Size()) { // cells of a level
+        ForEach(jobs_, end - first,
+                [&](std::size_t i) { tree_[first + i].openFraction = HasOpenSpace(tree_[first + i]) ? 1.0f : 0.0f; });
+        std::vector<std::size_t> split;
+        for (std::size_t i = first; i < end; ++i)
+            if (tree_[i].openFraction > 0 && tree_[i].level > lattice_.BaseLevel())
+                split.push_back(i);
+        tree_.Split(split, jobs_);
     }
     AddUniformPoints(uniform, radiance);
     ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
@@ -216,54 +220,60 @@ void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTr
             points_.Add(ChildCorner(tree_[cells[i]], std::size_t(std::countr_zero(left))));
     tracer.Trace(points_, firstNew, stats);
     FillSolids(cells, firstNew);
-    for (const std::size_t i : cells)
-        tree_.Split(i);
+    tree_.Split(cells, jobs_);
     ForEach(jobs_, cells.size(), [&](std::size_t i) { SetErrorsAfterSplit(cells[i]); });
 }
 
-/// Sets the values of new points in solids: interpolated in the cell that was split, plus the mean surplus of its
-/// points in the open, weighted by the inverse of their squared distance. A point of several cells gets the mean over
-/// them.
+/// Sets the values of new points in solids. A point of several cells gets the mean over them.
 void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew) {
-    std::vector<float> fillCounts(points_.Size() - firstNew); // by new point: cells that have given it a value
-    const Vec3f cellSize = lattice_.Cell();
-    for (const std::size_t i : cells) {
-        const OctreeCell &cell = tree_[i];
-        std::array<std::uint32_t, 27> numbers{};
-        bool anySolid = false;
-        for (std::size_t n = 0; n < 27; ++n) {
-            numbers[n] = points_.Find(ChildCorner(cell, n));
-            anySolid = anySolid || (numbers[n] >= firstNew && !points_[numbers[n]].traced);
-        }
-        if (!anySolid)
-            continue;
-        std::array<SHFloats, 27> interpolated;
-        const CornerLight corners = CornersOf(points_, cell);
-        for (std::size_t n = 0; n < 27; ++n)
-            interpolated[n] = Interpolated(cell, corners, points_[numbers[n]].at);
-        for (std::size_t n = 0; n < 27; ++n) {
-            LatticeSample &point = points_[numbers[n]];
-            if (numbers[n] < firstNew || point.traced)
-                continue;
-            SHFloats surplus{};
-            float total = 0;
-            for (std::size_t m = 0; m < 27; ++m) {
-                const LatticeSample &other = points_[numbers[m]];
-                if (!other.traced)
-                    continue;
-                const Vec3f away = (LatticePosition(other.at) - LatticePosition(point.at)) * cellSize;
-                const float weight = 1 / Dot(away, away);
-                total += weight;
-                for (std::size_t k = 0; k < kSHFloats; ++k)
-                    surplus[k] += weight * (other.value[k] - interpolated[m][k]);
-            }
-            float &count = fillCounts[numbers[n] - firstNew];
-            for (std::size_t k = 0; k < kSHFloats; ++k) {
-                const float value = interpolated[n][k] + (total > 0 ? surplus[k] / total : 0);
-                point.value[k] = (point.value[k] * count + value) / (count + 1);
-            }
+    std::vector<std::vector<SolidValue>> values((cells.size() + kChunk - 1) / kChunk);
+    ForEach(jobs_, cells.size(), [&](std::size_t i) { AddSolidValues(tree_[cells[i]], firstNew, values[i / kChunk]); });
+    std::vector<float> counts(points_.Size() - firstNew); // by new point: values that it has got
+    for (const std::vector<SolidValue> &ofChunk : values)
+        for (const SolidValue &one : ofChunk) {
+            float &count = counts[one.number - firstNew];
+            SHFloats &mean = points_[one.number].value;
+            for (std::size_t k = 0; k < kSHFloats; ++k)
+                mean[k] = (mean[k] * count + one.value[k]) / (count + 1);
             ++count;
         }
+}
+
+/// Appends the values of the new points of a cell in solids: interpolated in the cell that was split, whose corners are
+/// not new, plus the mean surplus of its points in the open, weighted by the inverse of their squared distance.
+void OctreeRefiner::AddSolidValues(const OctreeCell &cell, std::size_t firstNew,
+                                   std::vector<SolidValue> &values) const {
+    std::array<std::uint32_t, 27> numbers{};
+    bool anySolid = false;
+    for (std::size_t n = 0; n < 27; ++n) {
+        numbers[n] = points_.Find(ChildCorner(cell, n));
+        anySolid = anySolid || (numbers[n] >= firstNew && !points_[numbers[n]].traced);
+    }
+    if (!anySolid)
+        return;
+    std::array<SHFloats, 27> interpolated;
+    const CornerLight corners = CornersOf(points_, cell);
+    for (std::size_t n = 0; n < 27; ++n)
+        interpolated[n] = Interpolated(cell, corners, points_[numbers[n]].at);
+    for (std::size_t n = 0; n < 27; ++n) {
+        const LatticeSample &point = points_[numbers[n]];
+        if (numbers[n] < firstNew || point.traced)
+            continue;
+        SHFloats surplus{};
+        float total = 0;
+        for (std::size_t m = 0; m < 27; ++m) {
+            const LatticeSample &other = points_[numbers[m]];
+            if (!other.traced)
+                continue;
+            const Vec3f away = (LatticePosition(other.at) - LatticePosition(point.at)) * lattice_.Cell();
+            const float weight = 1 / Dot(away, away);
+            total += weight;
+            for (std::size_t k = 0; k < kSHFloats; ++k)
+                surplus[k] += weight * (other.value[k] - interpolated[m][k]);
+        }
+        SolidValue &one = values.emplace_back(SolidValue{numbers[n], {}});
+        for (std::size_t k = 0; k < kSHFloats; ++k)
+            one.value[k] = interpolated[n][k] + (total > 0 ? surplus[k] / total : 0);
     }
 }
 

@@ -44,7 +44,13 @@ class OctreeRefiner {
     void AddUniformPoints(const LightGridSH &uniform, bool radiance);
     float SecondDifference(const LatticeSample &point) const;
     float MeasuredError(const OctreeCell &cell) const;
+    /// A value for a new point in a solid, from one of the cells that have it.
+    struct SolidValue {
+        std::uint32_t number = 0; ///< of the point
+        SHFloats value{};
+    };
     void FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew);
+    void AddSolidValues(const OctreeCell &cell, std::size_t firstNew, std::vector<SolidValue> &values) const;
     void SetErrorsAfterSplit(std::size_t cell);
 
     const BspSpace &space_;
