@@ -98,37 +98,69 @@ std::vector<std::size_t> Octree::OpenLeafs() const {
 
 // ---- Optimal pruning ----
 
-PruningStats PruneOctree(Octree &tree, float price, float maxNearLightError) {
-    std::vector<float> cost(tree.Size()); // by cell: the least sum over the leafs below it, or as a leaf
-    std::vector<bool> kept(tree.Size());  // nodes that lights nearby keep from being pruned, and their ancestors
-    for (std::size_t i = tree.Size(); i-- > 0;) { // children come after their parents
-        OctreeCell &cell = tree[i];
-        if (cell.openFraction <= 0)
-            continue;
-        if (cell.child != 0) { // the corners of a large cell say little about how open it is
-            cell.openFraction = 0;
-            for (std::size_t c = 0; c < 8; ++c)
-                cell.openFraction += tree[cell.child + c].openFraction / 8;
-        }
-        const float asLeaf = cell.error * cell.Volume() + price;
-        float asParent = 0;
-        kept[i] = cell.child != 0 && cell.nearLightError > maxNearLightError;
+namespace {
+
+/// What PruneOctree does below a root.
+class RootPruning {
+  public:
+    RootPruning(Octree &tree, float price, float maxNearLightError)
+        : tree_(tree), price_(price), maxNearLightError_(maxNearLightError) {}
+
+    struct Result {
+        float cost = 0;    ///< the least sum over the leafs below a cell, or as a leaf
+        bool kept = false; ///< lights nearby keep it from being pruned, or a cell below it
+    };
+    Result Prune(std::size_t i) {
+        OctreeCell &cell = tree_[i];
+        const std::size_t firstLeaf = leafs_.size();
+        Result below;
+        float open = 0; // the corners of a large cell say little about how open it is
         for (std::size_t c = 0; c < 8 && cell.child != 0; ++c) {
-            asParent += cost[cell.child + c];
-            kept[i] = kept[i] || kept[cell.child + c];
+            const Result ofChild = Prune(cell.child + c);
+            below.cost += ofChild.cost;
+            below.kept = below.kept || ofChild.kept;
+            open += tree_[cell.child + c].openFraction / 8;
         }
-        const bool prune = cell.child != 0 && i >= tree.RootCount() && asLeaf <= asParent && !kept[i];
-        if (prune)
-            cell.child = 0;
-        cost[i] = cell.child == 0 ? asLeaf : asParent;
+        if (cell.openFraction <= 0)
+            return {};
+        if (cell.child != 0) {
+            cell.openFraction = open;
+            below.kept = below.kept || cell.nearLightError > maxNearLightError_;
+        }
+        const float asLeaf = cell.error * cell.Volume() + price_;
+        if (cell.child != 0 && (i < tree_.RootCount() || !(asLeaf <= below.cost) || below.kept))
+            return below;
+        cell.child = 0;
+        leafs_.resize(firstLeaf);
+        if (cell.openFraction > 0)
+            leafs_.push_back({cell.error, cell.Volume()});
+        return {asLeaf, false};
     }
+
+    struct Leaf {
+        float error, volume;
+    };
+    const std::vector<Leaf> &Leafs() const { return leafs_; }
+
+  private:
+    Octree &tree_;
+    float price_, maxNearLightError_;
+    std::vector<Leaf> leafs_; ///< those with open space, depth first
+};
+
+} // namespace
+
+PruningStats PruneOctree(Octree &tree, float price, float maxNearLightError, const JobPool &jobs) {
+    std::vector<RootPruning> roots(tree.RootCount(), {tree, price, maxNearLightError});
+    jobs.For(std::int64_t(roots.size()), [&](std::int64_t i, int) { roots[std::size_t(i)].Prune(std::size_t(i)); });
     PruningStats result;
     double error = 0;
-    for (const std::size_t leaf : tree.OpenLeafs()) {
-        error += double(tree[leaf].error) * double(tree[leaf].Volume());
-        result.volume += double(tree[leaf].Volume());
-        ++result.leafs;
-    }
+    for (const RootPruning &root : roots)
+        for (const auto &[leafError, leafVolume] : root.Leafs()) {
+            error += double(leafError) * double(leafVolume);
+            result.volume += double(leafVolume);
+            ++result.leafs;
+        }
     result.error = result.volume > 0 ? std::sqrt(error / result.volume) : 0;
     return result;
 }

@@ -92,6 +92,7 @@ struct PruningStats {
 /// is least: the pruning of Breiman et al. (1984) and of Chou, Lookabaugh and Gray (1989). price: the Lagrange
 /// multiplier of the number of leafs, bytes^2 times smallest cells. maxNearLightError: inner nodes with a larger
 /// OctreeCell::nearLightError stay inner nodes. Sets openFraction of inner nodes from their children.
-PruningStats PruneOctree(Octree &tree, float price, float maxNearLightError = std::numeric_limits<float>::infinity());
+PruningStats PruneOctree(Octree &tree, float price, float maxNearLightError = std::numeric_limits<float>::infinity(),
+                         const JobPool &jobs = JobPool(1));
 
 } // namespace q3

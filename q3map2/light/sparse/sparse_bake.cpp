@@ -9,6 +9,7 @@
 #include "q3map2/light/sparse/octree_refine.h"
 
 #include <cmath>
+#include <limits>
 
 namespace q3 {
 
@@ -54,6 +55,8 @@ constexpr double kTargetSlack = 1.02;
 /// The expected error may be this many targets: where light changes little, it is above the measured one.
 constexpr double kExpectedSlack = 1.3;
 
+/// Limit of the error near lights that keeps no node from being pruned.
+constexpr float kAnyError = std::numeric_limits<float>::infinity();
 /// Receivers of one job.
 constexpr std::size_t kReceiversOfJob = 256;
 
@@ -141,10 +144,10 @@ void SparseGridBuilder::Prune(float price, PrunedTree &pruned) const {
     float maxNearLightError = maxNearLightError_;
     if (goal_.budget && !nearLights_.empty()) { // no error target: the expected error at that price serves as one
         pruned.tree = tree_;
-        maxNearLightError = Squared(kNearLightTargets * float(PruneOctree(pruned.tree, price).error));
+        maxNearLightError = Squared(kNearLightTargets * float(PruneOctree(pruned.tree, price, kAnyError, jobs_).error));
     }
     pruned.tree = tree_;
-    pruned.stats = PruneOctree(pruned.tree, price, maxNearLightError * nearLightSlack_);
+    pruned.stats = PruneOctree(pruned.tree, price, maxNearLightError * nearLightSlack_, jobs_);
 }
 
 /// RMS error of interpolation between the corners' own light, which is not fitted, at the receivers; 0 without
@@ -196,7 +199,7 @@ bool SparseGridBuilder::NearLightsTakeTooMuch(const PrunedTree &pruned) const {
     if (nearLights_.empty() || goal_.budget)
         return false;
     Octree tree = tree_;
-    const PruningStats withoutNearLights = PruneOctree(tree, minPrice_);
+    const PruningStats withoutNearLights = PruneOctree(tree, minPrice_, kAnyError, jobs_);
     return double(pruned.stats.leafs - withoutNearLights.leafs) > kMaxNearLightFraction * double(pruned.stats.leafs);
 }
 
