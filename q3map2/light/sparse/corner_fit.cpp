@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <memory>
 #include <unordered_set>
 
 namespace q3 {
@@ -280,29 +281,43 @@ enum class CornerRecord : std::uint8_t { Nothing, Stored, Hanging, LeftOut };
 class TreeWriter {
   public:
     TreeWriter(Octree tree, const LatticePoints &points, const CornerWeights &corners, const JobPool &jobs)
-        : tree_(std::move(tree)), points_(points), corners_(corners) {
+        : tree_(std::move(tree)), points_(points), corners_(corners), recordOfLeaf_(tree_.Size()) {
         const std::vector<std::size_t> leafs = tree_.OpenLeafs();
-        std::vector<std::uint8_t> unstored(leafs.size()); // by leaf: bit c is set if corner c is not stored
+        // By leaf: the numbers of its corners that are not stored.
+        const auto unstored = std::make_unique_for_overwrite<std::array<std::uint32_t, 8>[]>(leafs.size());
         ForAll(jobs, leafs.size(), [&](std::size_t i) {
-            for (std::size_t c = 0; c < 8; ++c)
-                if (!corners.IsStored(points.Find(tree_[leafs[i]].Corner(c))))
-                    unstored[i] |= std::uint8_t(1u << c);
-        });
-        for (const std::uint32_t number : corners.Stored())
-            Place(points[number].at, CornerRecord::Stored);
-        for (std::size_t i = 0; i < leafs.size(); ++i)
-            for (unsigned left = unstored[i]; left != 0; left &= left - 1) {
-                const LatticePoint p = tree_[leafs[i]].Corner(std::size_t(std::countr_zero(left)));
-                if (corners.IsLeftOut(points.Find(p)))
-                    Place(p, CornerRecord::LeftOut);
-                else
-                    PlaceHanging(p);
+            for (std::size_t c = 0; c < 8; ++c) {
+                const std::uint32_t number = points.Find(tree_[leafs[i]].Corner(c));
+                unstored[i][c] = corners.IsStored(number) ? LatticePoints::kUnknown : number;
             }
+        });
+        PlaceStored(jobs);
+        for (std::size_t i = 0; i < leafs.size(); ++i)
+            for (const std::uint32_t number : unstored[i])
+                if (number != LatticePoints::kUnknown && corners.IsLeftOut(number))
+                    Place(points[number].at, CornerRecord::LeftOut);
+                else if (number != LatticePoints::kUnknown)
+                    PlaceHanging(points[number].at);
     }
 
-    StoredTree Write() const;
+    StoredTree Write(const JobPool &jobs) const;
 
   private:
+    /// Places the stored corners. Most are lower corners of leafs, which can be marked at the same time.
+    void PlaceStored(const JobPool &jobs) {
+        const std::vector<std::uint32_t> &stored = corners_.Stored();
+        std::vector<std::uint8_t> isLowerCorner(stored.size()); // of a leaf
+        ForAll(jobs, stored.size(), [&](std::size_t i) {
+            const LatticePoint &p = points_[stored[i]].at;
+            const std::size_t leaf = tree_.LeafAt(p);
+            isLowerCorner[i] = leaf != Octree::kNone && tree_[leaf].origin == p;
+            if (isLowerCorner[i])
+                recordOfLeaf_[leaf] = CornerRecord::Stored;
+        });
+        for (std::size_t i = 0; i < stored.size(); ++i)
+            if (!isLowerCorner[i])
+                Place(points_[stored[i]].at, CornerRecord::Stored);
+    }
     /// Splits the leaf that contains p until p is its lower corner, and marks that. A leaf with open space is not
     /// split: p lies on its boundary, and a reader finds no corner there and goes on to the next larger cube around p.
     void Place(const LatticePoint &p, CornerRecord what) {
@@ -313,12 +328,11 @@ class TreeWriter {
             if (tree_[leaf].openFraction > 0)
                 return;
             tree_.Split(leaf);
-            recordOfLeaf_.resize(tree_.Size(), CornerRecord::Nothing);
+            recordOfLeaf_.resize(tree_.Size());
             std::swap(recordOfLeaf_[leaf],
                       recordOfLeaf_[tree_[leaf].child]); // the lower corner is now that of the first child
             leaf = tree_.LeafAt(p);
         }
-        recordOfLeaf_.resize(tree_.Size(), CornerRecord::Nothing);
         if (recordOfLeaf_[leaf] == CornerRecord::Nothing)
             recordOfLeaf_[leaf] = what;
     }
@@ -341,7 +355,7 @@ class TreeWriter {
     Octree tree_;
     const LatticePoints &points_;
     const CornerWeights &corners_;
-    std::vector<CornerRecord> recordOfLeaf_;    ///< by leaf; may be shorter than the tree
+    std::vector<CornerRecord> recordOfLeaf_;    ///< by cell; of leafs
     std::unordered_set<std::uint64_t> hanging_; ///< keys of the hanging points that are placed
 };
 
@@ -349,22 +363,20 @@ std::vector<bool> TreeWriter::FindUsed() const {
     std::vector<bool> used(tree_.Size());
     for (std::size_t i = tree_.Size(); i-- > 0;) {
         if (tree_[i].child == 0)
-            used[i] = i < recordOfLeaf_.size() && recordOfLeaf_[i] != CornerRecord::Nothing;
+            used[i] = recordOfLeaf_[i] != CornerRecord::Nothing;
         for (std::size_t c = 0; c < 8 && tree_[i].child != 0; ++c)
             used[i] = used[i] || used[tree_[i].child + c];
     }
     return used;
 }
 
-StoredTree TreeWriter::Write() const {
+StoredTree TreeWriter::Write(const JobPool &jobs) const {
     StoredTree file;
     const std::vector<bool> used = FindUsed();
     std::vector<std::size_t> cellsOfLevel(tree_.RootCount()), nextLevel;
     for (std::size_t i = 0; i < cellsOfLevel.size(); ++i)
         cellsOfLevel[i] = i;
-    std::vector<std::uint32_t> storedOf(points_.Size()); // by lattice point: index in corners_.Stored()
-    for (std::size_t i = 0; i < corners_.Stored().size(); ++i)
-        storedOf[corners_.Stored()[i]] = std::uint32_t(i);
+    std::vector<std::size_t> storedCells;
     for (; !cellsOfLevel.empty(); cellsOfLevel = std::move(nextLevel), nextLevel.clear())
         for (const std::size_t cell : cellsOfLevel) {
             SparseGridNode &node = file.nodes.emplace_back();
@@ -378,17 +390,20 @@ StoredTree TreeWriter::Write() const {
                     node.hanging |= bit;
                 else if (used[child] && recordOfLeaf_[child] == CornerRecord::Stored) {
                     node.stored |= bit;
-                    file.order.push_back(storedOf[points_.Find(tree_[child].origin)]);
+                    storedCells.push_back(child);
                 }
             }
         }
+    file.order.resize(storedCells.size());
+    ForAll(jobs, storedCells.size(),
+           [&](std::size_t i) { file.order[i] = corners_.StoredIndex(points_.Find(tree_[storedCells[i]].origin)); });
     return file;
 }
 
 } // namespace
 
 StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners, const JobPool &jobs) {
-    return TreeWriter(std::move(tree), points, corners, jobs).Write();
+    return TreeWriter(std::move(tree), points, corners, jobs).Write(jobs);
 }
 
 SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
@@ -396,8 +411,9 @@ SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const Co
     StoredTree stored = StoreTree(std::move(tree), points, corners, jobs);
     SparseGridTree file;
     file.nodes = std::move(stored.nodes);
-    for (const std::uint32_t i : stored.order)
-        file.values.push_back(std::bit_cast<bspGridPointSH_t>(values[i]));
+    file.values = VectorInParallel<bspGridPointSH_t>(stored.order.size(), jobs);
+    ForAll(jobs, file.values.size(),
+           [&](std::size_t i) { file.values[i] = std::bit_cast<bspGridPointSH_t>(values[stored.order[i]]); });
     const Vec3f &mins = lattice.Mins(), &cell = lattice.Cell();
     file.mins = {mins.x, mins.y, mins.z};
     file.cell = {cell.x, cell.y, cell.z};

@@ -41,6 +41,8 @@ class CornerWeights {
     /// Numbers, in LatticePoints, of the stored points.
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
     bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
+    /// Index in Stored of a stored point.
+    std::uint32_t StoredIndex(std::uint32_t point) const { return storedOf_[point]; }
     bool IsLeftOut(std::uint32_t point) const { return !rules_.empty() && rules_[point] == Rule::LeaveOut; }
     /// The interpolated value at a point inside or on the boundary of an open leaf, as a combination of stored values.
     /// Where corners are left out, the weights add up to less than 1.
