@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 namespace q3 {
@@ -133,10 +134,9 @@ void AddPositions(const BspSpace &space, const SparseLattice &lattice, const Lig
             }
 }
 
-/// The positions near all lights, sorted; one that is near several lights occurs once for each. maxCount: of more
-/// different positions, random ones are left out so that about this many are left.
+/// The positions near all lights, sorted; one that is near several lights occurs once for each.
 std::vector<NearLightPosition> FindPositions(const GridInputs &in, const SparseLattice &lattice,
-                                             const std::vector<Light> &lights, std::size_t maxCount) {
+                                             const std::vector<Light> &lights) {
     std::vector<std::vector<NearLightPosition>> found(lights.size());
     in.jobs.For(std::int64_t(lights.size()), [&](std::int64_t i, int) {
         if (const Light &light = lights[std::size_t(i)]; HasNearPositions(light))
@@ -150,15 +150,21 @@ std::vector<NearLightPosition> FindPositions(const GridInputs &in, const SparseL
     for (const std::vector<NearLightPosition> &some : found)
         positions.insert(positions.end(), some.begin(), some.end());
     SortInParallel(positions, in.jobs);
-    count = 0;
-    for (std::size_t i = 0; i < positions.size(); ++i)
-        count += i == 0 || positions[i].key != positions[i - 1].key;
-    if (count > maxCount) {
-        const double fraction = double(maxCount) / double(count);
-        std::erase_if(positions,
-                      [&](const NearLightPosition &one) { return UnitFromHash(HashIndex(one.key)) > fraction; });
-    }
     return positions;
+}
+
+/// Indexes of the first ones of equal positions. maxCount: of more different positions, random ones are left out so
+/// that about this many are left.
+std::vector<std::uint32_t> ChooseSamples(const std::vector<NearLightPosition> &positions, std::size_t maxCount) {
+    std::vector<std::uint32_t> firsts;
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        if (i == 0 || positions[i].key != positions[i - 1].key)
+            firsts.push_back(std::uint32_t(i));
+    if (firsts.size() > maxCount) {
+        const double fraction = double(maxCount) / double(firsts.size());
+        std::erase_if(firsts, [&](std::uint32_t i) { return UnitFromHash(HashIndex(positions[i].key)) > fraction; });
+    }
+    return firsts;
 }
 
 /// Light of a light as if nothing cast shadows, convolved with the cosine; spotlights count as point lights.
@@ -212,12 +218,10 @@ void Distribute(const Octree &tree, std::span<const NearLightSample> samples, co
 NearLightSet::NearLightSet(const GridInputs &in, const std::vector<Light> &lights, const LightAtPositions &light,
                            const SparseLattice &lattice, std::size_t maxSamples, GridStats &stats)
     : lights_(lights), lattice_(lattice) {
-    const std::vector<NearLightPosition> positions = FindPositions(in, lattice, lights, maxSamples);
-    for (std::size_t i = 0; i < positions.size(); ++i)
-        if (i == 0 || positions[i].key != positions[i - 1].key)
-            firstLight_.push_back(std::uint32_t(i));
+    const std::vector<NearLightPosition> positions = FindPositions(in, lattice, lights);
+    firstLight_ = ChooseSamples(positions, maxSamples);
     samples_ = VectorInParallel<NearLightSample>(firstLight_.size(), in.jobs);
-    firstLight_.push_back(std::uint32_t(positions.size()));
+    lightCounts_.resize(samples_.size());
     lightNumbers_.resize(positions.size());
     std::vector<GridStats> work(std::size_t(in.jobs.Threads()));
     const std::size_t bricks = (samples_.size() + kBrickSamples - 1) / kBrickSamples;
@@ -229,8 +233,8 @@ NearLightSet::NearLightSet(const GridInputs &in, const std::vector<Light> &light
             const NearLightPosition &near = positions[firstLight_[i]];
             receivers.push_back({near.position, near.cluster, std::uint32_t(HashIndex(~near.key))});
             samples_[i].at = lattice.InCells(near.position);
-            for (std::size_t n = firstLight_[i]; n < firstLight_[i + 1]; ++n)
-                lightNumbers_[n] = positions[n].light;
+            for (std::size_t n = firstLight_[i]; n < positions.size() && positions[n].key == near.key; ++n)
+                lightNumbers_[n] = positions[n].light, ++lightCounts_[i];
         }
         const auto values = light.At(receivers, HashIndex(receivers.front().seed), work[std::size_t(worker)]);
         for (std::size_t i = 0; i < values.size(); ++i)
@@ -243,8 +247,8 @@ NearLightSet::NearLightSet(const GridInputs &in, const std::vector<Light> &light
 /// Light at any position of those lights that are near a sample, without shadows.
 SHFloats NearLightSet::NearLightsAt(std::uint32_t sample, const Vec3f &position) const {
     SHFloats sum{};
-    for (std::size_t i = firstLight_[sample]; i < firstLight_[sample + 1]; ++i)
-        AddScaled(1, UnshadowedLight(lights_[lightNumbers_[i]], position), sum);
+    for (const std::uint32_t light : std::span(lightNumbers_).subspan(firstLight_[sample], lightCounts_[sample]))
+        AddScaled(1, UnshadowedLight(lights_[light], position), sum);
     return sum;
 }
 
@@ -293,9 +297,13 @@ void SplitNearLights(const NearLightSet &samples, float maxError, const BounceNo
                 split.push_back(at.cell);
         if (!split.empty())
             refiner.Split(split, tracer, stats);
-        for (const SampledCell &at : cells)
-            if (tree[at.cell].child != 0)
-                Distribute(tree, all, at, next);
+        std::vector<std::vector<SampledCell>> children(cells.size());
+        jobs.For(std::int64_t(cells.size()), [&](std::int64_t i, int) {
+            if (const SampledCell &at = cells[std::size_t(i)]; tree[at.cell].child != 0)
+                Distribute(tree, all, at, children[std::size_t(i)]);
+        });
+        for (std::vector<SampledCell> &some : children)
+            std::ranges::move(some, std::back_inserter(next));
     }
 }
 

@@ -35,8 +35,8 @@ class NearLightSet {
     const SparseLattice &lattice_;
     ScreenError screen_;
     std::vector<NearLightSample> samples_;
-    std::vector<std::uint32_t> lightNumbers_; ///< indexes of lights
-    std::vector<std::uint32_t> firstLight_;   ///< by sample: the first of its lights in lightNumbers_; then the end
+    std::vector<std::uint32_t> lightNumbers_;             ///< indexes of lights
+    std::vector<std::uint32_t> firstLight_, lightCounts_; ///< by sample: its lights in lightNumbers_
 };
 
 /// Sets OctreeCell::nearLightError, and splits leafs in which it is above `maxError` (mean squared, bytes^2) down to

@@ -19,6 +19,16 @@ Octree::Octree(const SparseLattice &lattice) : roots_(lattice.Roots()), levels_(
     rootCount_ = cells_.size();
 }
 
+void Octree::CopyFrom(const Octree &other, const JobPool &jobs) {
+    constexpr std::size_t kCellsOfJob = 16384;
+    GrowInParallel(other.Size(), jobs, cells_);
+    cells_.resize(other.Size());
+    jobs.For(std::int64_t((Size() + kCellsOfJob - 1) / kCellsOfJob), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kCellsOfJob, end = std::min(Size(), first + kCellsOfJob);
+        std::copy(&other.cells_[first], &other.cells_[0] + end, &cells_[first]);
+    });
+}
+
 void Octree::MakeChildren(std::size_t leaf, std::size_t child) {
     OctreeCell half = cells_[leaf];
     --half.level;

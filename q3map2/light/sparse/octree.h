@@ -53,6 +53,8 @@ class Octree {
   public:
     static constexpr std::size_t kNone = std::size_t(-1);
     explicit Octree(const SparseLattice &lattice);
+    /// Becomes a copy of an octree over the same lattice, which all workers make.
+    void CopyFrom(const Octree &other, const JobPool &jobs);
     /// Gives a leaf eight children, which inherit its openFraction. References to cells become invalid.
     void Split(std::size_t leaf);
     /// The same for several leafs, in order.

@@ -101,7 +101,7 @@ class SparseGridBuilder {
     };
     void Prune(float price, PrunedTree &pruned) const;
     PrunedTree Pruned(float price) const {
-        PrunedTree pruned{tree_, {}};
+        PrunedTree pruned{Octree(lattice_), {}};
         Prune(price, pruned);
         return pruned;
     }
@@ -143,10 +143,10 @@ class SparseGridBuilder {
 void SparseGridBuilder::Prune(float price, PrunedTree &pruned) const {
     float maxNearLightError = maxNearLightError_;
     if (goal_.budget && !nearLights_.empty()) { // no error target: the expected error at that price serves as one
-        pruned.tree = tree_;
+        pruned.tree.CopyFrom(tree_, jobs_);
         maxNearLightError = Squared(kNearLightTargets * float(PruneOctree(pruned.tree, price, kAnyError, jobs_).error));
     }
-    pruned.tree = tree_;
+    pruned.tree.CopyFrom(tree_, jobs_);
     pruned.stats = PruneOctree(pruned.tree, price, maxNearLightError * nearLightSlack_, jobs_);
 }
 
@@ -198,7 +198,8 @@ double SparseGridBuilder::EstimatedBytes(const PrunedTree &pruned) const {
 bool SparseGridBuilder::NearLightsTakeTooMuch(const PrunedTree &pruned) const {
     if (nearLights_.empty() || goal_.budget)
         return false;
-    Octree tree = tree_;
+    Octree tree(lattice_);
+    tree.CopyFrom(tree_, jobs_);
     const PruningStats withoutNearLights = PruneOctree(tree, minPrice_, kAnyError, jobs_);
     return double(pruned.stats.leafs - withoutNearLights.leafs) > kMaxNearLightFraction * double(pruned.stats.leafs);
 }
@@ -236,7 +237,7 @@ RefinementStop SparseGridBuilder::Refine(const LatticeTracer &tracer, GridStats 
 /// Highest price of a leaf at which the pruned tree still meets the goal.
 float SparseGridBuilder::FindPrice() const {
     float low = minPrice_, high = minPrice_ * kPriceRange;
-    PrunedTree pruned{tree_, {}};
+    PrunedTree pruned{Octree(lattice_), {}};
     for (int i = 0; i < kBisections; ++i) {
         const float middle = std::sqrt(low * high);
         Prune(middle, pruned);
@@ -248,7 +249,7 @@ float SparseGridBuilder::FindPrice() const {
 /// The grid at that price, or at the lowest higher one at which its lump keeps the limit.
 SparseGridSH SparseGridBuilder::GridAtPrice(float price, SparseStats &result) {
     double bytesPerLeaf = 0;
-    PrunedTree pruned{tree_, {}};
+    PrunedTree pruned{Octree(lattice_), {}};
     for (;; price *= kPriceStep, nearLightSlack_ *= Squared(kPriceStep)) {
         Prune(price, pruned);
         const bool isCoarsest = price > kMaxPrice;
