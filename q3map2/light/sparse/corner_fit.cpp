@@ -86,10 +86,18 @@ LeafCorners CornersOfLeafs(const Octree &tree, const LatticePoints &points, cons
 CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules,
                              const JobPool &jobs)
     : tree_(tree), points_(points), rules_(std::move(rules)), storedOf_(points.Size(), LatticePoints::kUnknown),
-      terms_(points.Size()), hungOn_(points.Size(), Octree::kNone) {
+      unstoredOf_(points.Size(), LatticePoints::kUnknown) {
     const LeafCorners corners = CornersOfLeafs(tree, points, jobs);
-    for (std::size_t i = 0; i < corners.numbers.size(); ++i)
-        hungOn_[corners.numbers[i]] = corners.hungOn[i];
+    for (std::size_t i = 0; i < corners.numbers.size(); ++i) {
+        const std::uint32_t number = corners.numbers[i];
+        const Rule rule = rules_.empty() ? Rule::HangOrStore : rules_[number];
+        if (rule == Rule::Store || (rule == Rule::HangOrStore && corners.hungOn[i] == Octree::kNone))
+            continue;
+        unstoredOf_[number] = std::uint32_t(unstored_.size());
+        unstored_.push_back(number);
+        hungOn_.push_back(corners.hungOn[i]);
+    }
+    terms_.resize(unstored_.size());
     for (const std::uint32_t number : corners.numbers)
         Resolve(number);
     hungOn_ = {};
@@ -100,21 +108,23 @@ std::size_t CountStoredCorners(const Octree &tree, const LatticePoints &points, 
 }
 
 void CornerWeights::Resolve(std::uint32_t number) {
-    if (IsStored(number) || !terms_[number].empty() || IsLeftOut(number))
+    if (IsStored(number) || IsLeftOut(number))
         return;
-    const std::size_t leaf = !rules_.empty() && rules_[number] == Rule::Store ? Octree::kNone : hungOn_[number];
-    const LatticePoint &corner = points_[number].at;
-    if (leaf != Octree::kNone) {
-        terms_[number] = rules_.empty() ? FindTermsIn(tree_[leaf], corner) : TermsOfParents(corner);
-        return;
+    if (const std::uint32_t i = unstoredOf_[number]; i == LatticePoints::kUnknown) {
+        storedOf_[number] = std::uint32_t(stored_.size());
+        stored_.push_back(number);
+    } else if (terms_[i].empty()) {
+        const LatticePoint &corner = points_[number].at;
+        terms_[i] = rules_.empty() ? FindTermsIn(tree_[hungOn_[i]], corner) : TermsOfParents(corner);
     }
-    storedOf_[number] = std::uint32_t(stored_.size());
-    stored_.push_back(number);
 }
 
 void CornerWeights::AddCorner(float weight, std::uint32_t number, std::vector<CornerTerm> &sum) const {
     const CornerTerm itself{storedOf_[number], 1.0f};
-    AddTerms(weight, IsStored(number) ? std::span(&itself, 1) : std::span(terms_[number]), sum);
+    if (IsStored(number))
+        AddTerms(weight, std::span(&itself, 1), sum);
+    else if (!IsLeftOut(number))
+        AddTerms(weight, terms_[unstoredOf_[number]], sum);
 }
 
 void CornerWeights::AddTerms(float weight, std::span<const CornerTerm> terms, std::vector<CornerTerm> &sum) {
@@ -282,22 +292,12 @@ class TreeWriter {
   public:
     TreeWriter(Octree tree, const LatticePoints &points, const CornerWeights &corners, const JobPool &jobs)
         : tree_(std::move(tree)), points_(points), corners_(corners), recordOfLeaf_(tree_.Size()) {
-        const std::vector<std::size_t> leafs = tree_.OpenLeafs();
-        // By leaf: the numbers of its corners that are not stored.
-        const auto unstored = std::make_unique_for_overwrite<std::array<std::uint32_t, 8>[]>(leafs.size());
-        ForAll(jobs, leafs.size(), [&](std::size_t i) {
-            for (std::size_t c = 0; c < 8; ++c) {
-                const std::uint32_t number = points.Find(tree_[leafs[i]].Corner(c));
-                unstored[i][c] = corners.IsStored(number) ? LatticePoints::kUnknown : number;
-            }
-        });
         PlaceStored(jobs);
-        for (std::size_t i = 0; i < leafs.size(); ++i)
-            for (const std::uint32_t number : unstored[i])
-                if (number != LatticePoints::kUnknown && corners.IsLeftOut(number))
-                    Place(points[number].at, CornerRecord::LeftOut);
-                else if (number != LatticePoints::kUnknown)
-                    PlaceHanging(points[number].at);
+        for (const std::uint32_t number : corners.Unstored())
+            if (corners.IsLeftOut(number))
+                Place(points[number].at, CornerRecord::LeftOut);
+            else
+                PlaceHanging(points[number].at);
     }
 
     StoredTree Write(const JobPool &jobs) const;

@@ -40,6 +40,8 @@ class CornerWeights {
                   const JobPool &jobs = JobPool(1));
     /// Numbers, in LatticePoints, of the stored points.
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
+    /// Numbers of the corners that hang or are left out.
+    const std::vector<std::uint32_t> &Unstored() const { return unstored_; }
     bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
     /// Index in Stored of a stored point.
     std::uint32_t StoredIndex(std::uint32_t point) const { return storedOf_[point]; }
@@ -64,10 +66,10 @@ class CornerWeights {
     const Octree &tree_;
     const LatticePoints &points_;
     std::vector<Rule> rules_; ///< by point; may be empty
-    std::vector<std::uint32_t> stored_;
-    std::vector<std::uint32_t> storedOf_;        ///< by point: index in stored_, or kUnknown
-    std::vector<std::vector<CornerTerm>> terms_; ///< by point: of hanging corners
-    std::vector<std::size_t> hungOn_;            ///< LeafHungOn, by point; only for corners, only while they are found
+    std::vector<std::uint32_t> stored_, unstored_;
+    std::vector<std::uint32_t> storedOf_, unstoredOf_; ///< by point: index in stored_ or unstored_, or kUnknown
+    std::vector<std::vector<CornerTerm>> terms_;       ///< by index in unstored_: of hanging corners
+    std::vector<std::size_t> hungOn_;                  ///< LeafHungOn, likewise; only while they are found
 };
 
 /// Number of corners that CornerWeights stores without rules.
