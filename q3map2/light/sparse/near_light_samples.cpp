@@ -35,6 +35,8 @@ constexpr float kLeastStep = 8, kMostStep = 32, kStepPerRadius = 1.0f / 16;
 constexpr float kLeastLight = 0.5f;
 /// Samples of a brick, which share a list of lights.
 constexpr std::size_t kBrickSamples = 256;
+/// Cells whose samples one job hands to their children.
+constexpr std::size_t kCellsOfJob = 64;
 /// The lights of a sample are hidden from it if their mean light without shadows is more than this times the mean of
 /// all traced light.
 constexpr float kHiddenRatio = 1.25f;
@@ -297,10 +299,12 @@ void SplitNearLights(const NearLightSet &samples, float maxError, const BounceNo
                 split.push_back(at.cell);
         if (!split.empty())
             refiner.Split(split, tracer, stats);
-        std::vector<std::vector<SampledCell>> children(cells.size());
-        jobs.For(std::int64_t(cells.size()), [&](std::int64_t i, int) {
-            if (const SampledCell &at = cells[std::size_t(i)]; tree[at.cell].child != 0)
-                Distribute(tree, all, at, children[std::size_t(i)]);
+        std::vector<std::vector<SampledCell>> children((cells.size() + kCellsOfJob - 1) / kCellsOfJob);
+        jobs.For(std::int64_t(children.size()), [&](std::int64_t job, int) {
+            const std::size_t first = std::size_t(job) * kCellsOfJob;
+            for (std::size_t i = first; i < std::min(cells.size(), first + kCellsOfJob); ++i)
+                if (tree[cells[i].cell].child != 0)
+                    Distribute(tree, all, cells[i], children[std::size_t(job)]);
         });
         for (std::vector<SampledCell> &some : children)
             std::ranges::move(some, std::back_inserter(next));

@@ -20,11 +20,11 @@ Octree::Octree(const SparseLattice &lattice) : roots_(lattice.Roots()), levels_(
 }
 
 void Octree::CopyFrom(const Octree &other, const JobPool &jobs) {
-    constexpr std::size_t kCellsOfJob = 16384;
+    constexpr std::size_t kCopiedCells = 16384;
     GrowInParallel(other.Size(), jobs, cells_);
     cells_.resize(other.Size());
-    jobs.For(std::int64_t((Size() + kCellsOfJob - 1) / kCellsOfJob), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kCellsOfJob, end = std::min(Size(), first + kCellsOfJob);
+    jobs.For(std::int64_t((Size() + kCopiedCells - 1) / kCopiedCells), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kCopiedCells, end = std::min(Size(), first + kCopiedCells);
         std::copy(&other.cells_[first], &other.cells_[0] + end, &cells_[first]);
     });
 }
