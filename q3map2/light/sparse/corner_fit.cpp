@@ -292,31 +292,42 @@ class TreeWriter {
   public:
     TreeWriter(Octree tree, const LatticePoints &points, const CornerWeights &corners, const JobPool &jobs)
         : tree_(std::move(tree)), points_(points), corners_(corners), recordOfLeaf_(tree_.Size()) {
-        PlaceStored(jobs);
-        for (const std::uint32_t number : corners.Unstored())
-            if (corners.IsLeftOut(number))
-                Place(points[number].at, CornerRecord::LeftOut);
-            else
-                PlaceHanging(points[number].at);
+        PlaceCorners(corners.Stored(), jobs);
+        const std::vector<std::uint32_t> &unstored = corners.Unstored();
+        PlaceCorners(unstored, jobs);
+        std::vector<std::uint8_t> hasOtherParents(unstored.size()); // by corner: 1 if it hangs on other points
+        ForAll(jobs, unstored.size(), [&](std::size_t i) {
+            hasOtherParents[i] = !corners.IsLeftOut(unstored[i]) &&
+                                 !std::ranges::all_of(ParentsOf(points[unstored[i]].at),
+                                                      [&](const LatticePoint &p) { return IsCorner(points.Find(p)); });
+        });
+        for (std::size_t i = 0; i < unstored.size(); ++i)
+            if (hasOtherParents[i])
+                PlaceParents(points[unstored[i]].at);
     }
 
     StoredTree Write(const JobPool &jobs) const;
 
   private:
-    /// Places the stored corners. Most are lower corners of leafs, which can be marked at the same time.
-    void PlaceStored(const JobPool &jobs) {
-        const std::vector<std::uint32_t> &stored = corners_.Stored();
-        std::vector<std::uint8_t> isLowerCorner(stored.size()); // of a leaf
-        ForAll(jobs, stored.size(), [&](std::size_t i) {
-            const LatticePoint &p = points_[stored[i]].at;
+    /// Of corners of open leafs.
+    CornerRecord RecordOf(std::uint32_t number) const {
+        if (corners_.IsStored(number))
+            return CornerRecord::Stored;
+        return corners_.IsLeftOut(number) ? CornerRecord::LeftOut : CornerRecord::Hanging;
+    }
+    /// Places corners of open leafs. Most are lower corners of leafs, which can be marked at the same time.
+    void PlaceCorners(const std::vector<std::uint32_t> &numbers, const JobPool &jobs) {
+        std::vector<std::uint8_t> isPlaced(numbers.size());
+        ForAll(jobs, numbers.size(), [&](std::size_t i) {
+            const LatticePoint &p = points_[numbers[i]].at;
             const std::size_t leaf = tree_.LeafAt(p);
-            isLowerCorner[i] = leaf != Octree::kNone && tree_[leaf].origin == p;
-            if (isLowerCorner[i])
-                recordOfLeaf_[leaf] = CornerRecord::Stored;
+            isPlaced[i] = leaf != Octree::kNone && tree_[leaf].origin == p;
+            if (isPlaced[i])
+                recordOfLeaf_[leaf] = RecordOf(numbers[i]);
         });
-        for (std::size_t i = 0; i < stored.size(); ++i)
-            if (!isLowerCorner[i])
-                Place(points_[stored[i]].at, CornerRecord::Stored);
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            if (!isPlaced[i])
+                Place(points_[numbers[i]].at, RecordOf(numbers[i]));
     }
     /// Splits the leaf that contains p until p is its lower corner, and marks that. A leaf with open space is not
     /// split: p lies on its boundary, and a reader finds no corner there and goes on to the next larger cube around p.
@@ -336,27 +347,30 @@ class TreeWriter {
         if (recordOfLeaf_[leaf] == CornerRecord::Nothing)
             recordOfLeaf_[leaf] = what;
     }
-    /// Places a hanging point and its parents. Those that are not stored hang in turn.
-    void PlaceHanging(const LatticePoint &p) {
-        if (!hanging_.insert(KeyOf(p)).second)
-            return;
-        Place(p, CornerRecord::Hanging);
+    /// Places those parents of a hanging point that are not corners of open leafs. They hang in turn, unless they are
+    /// left out.
+    void PlaceParents(const LatticePoint &p) {
         for (const LatticePoint &parent : ParentsOf(p)) {
             const std::uint32_t number = points_.Find(parent);
+            if (IsCorner(number))
+                continue;
             if (number != LatticePoints::kUnknown && corners_.IsLeftOut(number))
                 Place(parent, CornerRecord::LeftOut);
-            else if (number == LatticePoints::kUnknown || !corners_.IsStored(number))
-                PlaceHanging(parent);
+            else if (others_.insert(KeyOf(parent)).second) {
+                Place(parent, CornerRecord::Hanging);
+                PlaceParents(parent);
+            }
         }
     }
+    bool IsCorner(std::uint32_t number) const { return number != LatticePoints::kUnknown && corners_.IsCorner(number); }
     /// By cell: whether it, or a leaf below it, owns a point.
     std::vector<bool> FindUsed() const;
 
     Octree tree_;
     const LatticePoints &points_;
     const CornerWeights &corners_;
-    std::vector<CornerRecord> recordOfLeaf_;    ///< by cell; of leafs
-    std::unordered_set<std::uint64_t> hanging_; ///< keys of the hanging points that are placed
+    std::vector<CornerRecord> recordOfLeaf_;   ///< by cell; of leafs
+    std::unordered_set<std::uint64_t> others_; ///< keys of the hanging points that are no corners of open leafs
 };
 
 std::vector<bool> TreeWriter::FindUsed() const {

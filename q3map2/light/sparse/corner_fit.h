@@ -42,6 +42,9 @@ class CornerWeights {
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
     /// Numbers of the corners that hang or are left out.
     const std::vector<std::uint32_t> &Unstored() const { return unstored_; }
+    bool IsCorner(std::uint32_t point) const {
+        return IsStored(point) || unstoredOf_[point] != LatticePoints::kUnknown;
+    }
     bool IsStored(std::uint32_t point) const { return storedOf_[point] != LatticePoints::kUnknown; }
     /// Index in Stored of a stored point.
     std::uint32_t StoredIndex(std::uint32_t point) const { return storedOf_[point]; }
