@@ -215,9 +215,11 @@ void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTr
     for (const std::uint32_t bits : unknown)
         added += std::size_t(std::popcount(bits));
     points_.Reserve(firstNew + std::size_t(kNewOnce * double(added)), jobs_);
-    for (std::size_t i = 0; i < cells.size(); ++i)
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        points_.Reserve(points_.Size() + 27, jobs_); // in case more remain
         for (std::uint32_t left = unknown[i]; left != 0; left &= left - 1)
             points_.Add(ChildCorner(tree_[cells[i]], std::size_t(std::countr_zero(left))));
+    }
     tracer.Trace(points_, firstNew, stats);
     FillSolids(cells, firstNew);
     tree_.Split(cells, jobs_);
