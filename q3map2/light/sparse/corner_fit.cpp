@@ -16,8 +16,55 @@ namespace q3 {
 
 // ---- Stored and hanging corners ----
 
+namespace {
+
+/// Exponent of the greatest power of two that divides all three coordinates of a point.
+int PowerOf(const LatticePoint &p) {
+    return std::countr_zero(std::uint32_t(p[0] | p[1] | p[2]));
+}
+
+/// Leafs, corners or points of one job.
+constexpr std::size_t kJobSize = 1024;
+
+/// Calls use(i) for i from 0 to count - 1, on all workers.
+template <typename Use> void ForAll(const JobPool &jobs, std::size_t count, const Use &use) {
+    jobs.For(std::int64_t((count + kJobSize - 1) / kJobSize), [&](std::int64_t job, int) {
+        const std::size_t first = std::size_t(job) * kJobSize, end = std::min(count, first + kJobSize);
+        for (std::size_t i = first; i < end; ++i)
+            use(i);
+    });
+}
+
+/// Corners of the open leafs, each once, in the order of the leafs.
+struct LeafCorners {
+    std::vector<std::uint32_t> numbers;
+    std::vector<std::size_t> hungOn; ///< LeafHungOn of each
+};
+
+LeafCorners CornersOfLeafs(const Octree &tree, const LatticePoints &points, const JobPool &jobs) {
+    const std::vector<std::size_t> leafs = tree.OpenLeafs();
+    const auto all = std::make_unique_for_overwrite<std::uint32_t[]>(8 * leafs.size());
+    ForAll(jobs, leafs.size(), [&](std::size_t i) {
+        for (std::size_t c = 0; c < 8; ++c)
+            all[8 * i + c] = points.Find(tree[leafs[i]].Corner(c));
+    });
+    LeafCorners corners;
+    std::vector<bool> known(points.Size());
+    for (const std::uint32_t number : std::span(all.get(), 8 * leafs.size()))
+        if (!known[number]) {
+            known[number] = true;
+            corners.numbers.push_back(number);
+        }
+    corners.hungOn.resize(corners.numbers.size());
+    ForAll(jobs, corners.numbers.size(),
+           [&](std::size_t i) { corners.hungOn[i] = LeafHungOn(tree, points[corners.numbers[i]].at); });
+    return corners;
+}
+
+} // namespace
+
 std::vector<LatticePoint> ParentsOf(const LatticePoint &p) {
-    const int power = std::countr_zero(std::uint32_t(p[0] | p[1] | p[2]));
+    const int power = PowerOf(p);
     std::vector<LatticePoint> parents{p};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if ((p[axis] >> power & 1) == 0)
@@ -41,82 +88,67 @@ std::size_t LeafHungOn(const Octree &tree, const LatticePoint &p) {
     return largest;
 }
 
-namespace {
-
-/// Leafs, corners or points of one job.
-constexpr std::size_t kJobSize = 1024;
-
-/// Calls use(i) for i from 0 to count - 1, on all workers.
-template <typename Use> void ForAll(const JobPool &jobs, std::size_t count, const Use &use) {
-    jobs.For(std::int64_t((count + kJobSize - 1) / kJobSize), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kJobSize, end = std::min(count, first + kJobSize);
-        for (std::size_t i = first; i < end; ++i)
-            use(i);
-    });
-}
-
-/// Corners of the open leafs, each once, in the order of the leafs.
-struct LeafCorners {
-    std::vector<std::uint32_t> numbers;
-    std::vector<std::size_t> hungOn; ///< LeafHungOn of each
-};
-
-LeafCorners CornersOfLeafs(const Octree &tree, const LatticePoints &points, const JobPool &jobs) {
-    const std::vector<std::size_t> leafs = tree.OpenLeafs();
-    std::vector<std::uint32_t> all(8 * leafs.size());
-    ForAll(jobs, leafs.size(), [&](std::size_t i) {
-        for (std::size_t c = 0; c < 8; ++c)
-            all[8 * i + c] = points.Find(tree[leafs[i]].Corner(c));
-    });
-    LeafCorners corners;
-    std::vector<bool> known(points.Size());
-    for (const std::uint32_t number : all)
-        if (!known[number]) {
-            known[number] = true;
-            corners.numbers.push_back(number);
-        }
-    corners.hungOn.resize(corners.numbers.size());
-    ForAll(jobs, corners.numbers.size(),
-           [&](std::size_t i) { corners.hungOn[i] = LeafHungOn(tree, points[corners.numbers[i]].at); });
-    return corners;
-}
-
-} // namespace
-
 CornerWeights::CornerWeights(const Octree &tree, const LatticePoints &points, std::vector<Rule> rules,
                              const JobPool &jobs)
     : tree_(tree), points_(points), rules_(std::move(rules)), storedOf_(points.Size(), LatticePoints::kUnknown),
       unstoredOf_(points.Size(), LatticePoints::kUnknown) {
     const LeafCorners corners = CornersOfLeafs(tree, points, jobs);
+    std::vector<std::size_t> hungOn; // LeafHungOn, by index in unstored_
     for (std::size_t i = 0; i < corners.numbers.size(); ++i) {
         const std::uint32_t number = corners.numbers[i];
         const Rule rule = rules_.empty() ? Rule::HangOrStore : rules_[number];
-        if (rule == Rule::Store || (rule == Rule::HangOrStore && corners.hungOn[i] == Octree::kNone))
+        if (rule == Rule::Store || (rule == Rule::HangOrStore && corners.hungOn[i] == Octree::kNone)) {
+            storedOf_[number] = number; // until NumberStored
             continue;
+        }
         unstoredOf_[number] = std::uint32_t(unstored_.size());
         unstored_.push_back(number);
-        hungOn_.push_back(corners.hungOn[i]);
+        hungOn.push_back(corners.hungOn[i]);
     }
+    FindTerms(hungOn, jobs);
+    NumberStored(corners.numbers, jobs);
+}
+
+/// Sets terms_, in which numbers of points stand for stored corners.
+void CornerWeights::FindTerms(const std::vector<std::size_t> &hungOn, const JobPool &jobs) {
+    // By the power of two that divides the coordinates of hanging corners: where they hang on others, it is greater.
+    std::array<std::vector<std::uint32_t>, 32> byPower;
+    for (std::size_t i = 0; i < unstored_.size(); ++i)
+        if (const LatticePoint &p = points_[unstored_[i]].at; !IsLeftOut(unstored_[i]))
+            byPower[std::size_t(PowerOf(p))].push_back(std::uint32_t(i));
     terms_.resize(unstored_.size());
-    for (const std::uint32_t number : corners.numbers)
-        Resolve(number);
-    hungOn_ = {};
+    for (std::size_t power = byPower.size(); power-- > 0;)
+        ForAll(jobs, byPower[power].size(), [&](std::size_t n) {
+            const std::uint32_t i = byPower[power][n];
+            const LatticePoint &p = points_[unstored_[i]].at;
+            terms_[i] = rules_.empty() ? TermsIn(tree_[hungOn[i]], p) : TermsOfParents(p);
+        });
+}
+
+/// Gives stored corners their numbers, in the order in which the corners of the leafs have terms of them.
+void CornerWeights::NumberStored(const std::vector<std::uint32_t> &corners, const JobPool &jobs) {
+    std::vector<bool> known(points_.Size());
+    const auto add = [&](std::uint32_t number) {
+        if (!known[number]) {
+            known[number] = true;
+            stored_.push_back(number);
+        }
+    };
+    for (const std::uint32_t number : corners)
+        if (IsStored(number))
+            add(number);
+        else
+            for (const CornerTerm &term : terms_[unstoredOf_[number]])
+                add(term.stored);
+    ForAll(jobs, stored_.size(), [&](std::size_t i) { storedOf_[stored_[i]] = std::uint32_t(i); });
+    ForAll(jobs, terms_.size(), [&](std::size_t i) {
+        for (CornerTerm &term : terms_[i])
+            term.stored = storedOf_[term.stored];
+    });
 }
 
 std::size_t CountStoredCorners(const Octree &tree, const LatticePoints &points, const JobPool &jobs) {
     return std::size_t(std::ranges::count(CornersOfLeafs(tree, points, jobs).hungOn, Octree::kNone));
-}
-
-void CornerWeights::Resolve(std::uint32_t number) {
-    if (IsStored(number) || IsLeftOut(number))
-        return;
-    if (const std::uint32_t i = unstoredOf_[number]; i == LatticePoints::kUnknown) {
-        storedOf_[number] = std::uint32_t(stored_.size());
-        stored_.push_back(number);
-    } else if (terms_[i].empty()) {
-        const LatticePoint &corner = points_[number].at;
-        terms_[i] = rules_.empty() ? FindTermsIn(tree_[hungOn_[i]], corner) : TermsOfParents(corner);
-    }
 }
 
 void CornerWeights::AddCorner(float weight, std::uint32_t number, std::vector<CornerTerm> &sum) const {
@@ -139,28 +171,18 @@ void CornerWeights::AddTerms(float weight, std::span<const CornerTerm> terms, st
 }
 
 /// What a hanging point gets where some corners on larger leafs are stored: readers take these before others.
-std::vector<CornerTerm> CornerWeights::TermsOfParents(const LatticePoint &p) {
+std::vector<CornerTerm> CornerWeights::TermsOfParents(const LatticePoint &p) const {
     std::vector<CornerTerm> sum;
     const std::vector<LatticePoint> parents = ParentsOf(p);
     for (const LatticePoint &parent : parents) {
         const float weight = 1 / float(parents.size());
         const std::uint32_t number = points_.Find(parent);
-        if (number != LatticePoints::kUnknown && (IsLeftOut(number) || LeafHasCorner(parent)))
-            Resolve(number), AddCorner(weight, number, sum);
+        if (number != LatticePoints::kUnknown && (IsLeftOut(number) || IsCorner(number)))
+            AddCorner(weight, number, sum);
         else
             AddTerms(weight, TermsOfParents(parent), sum);
     }
     return sum;
-}
-
-std::vector<CornerTerm> CornerWeights::FindTermsIn(const OctreeCell &leaf, const LatticePoint &p) {
-    std::vector<CornerTerm> combined;
-    for (std::size_t c = 0; c < 8; ++c)
-        if (const float weight = leaf.Weight(c, LatticePosition(p)); weight != 0) {
-            const std::uint32_t number = points_.Find(leaf.Corner(c));
-            Resolve(number), AddCorner(weight, number, combined);
-        }
-    return combined;
 }
 
 std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec3f &at) const {
@@ -169,14 +191,6 @@ std::vector<CornerTerm> CornerWeights::TermsIn(const OctreeCell &leaf, const Vec
         if (const float weight = leaf.Weight(c, at); weight != 0)
             AddCorner(weight, points_.Find(leaf.Corner(c)), combined);
     return combined;
-}
-
-/// Whether a point is a corner of an open leaf.
-bool CornerWeights::LeafHasCorner(const LatticePoint &p) const {
-    for (const std::size_t leaf : tree_.LeafsAround(p))
-        if (leaf != Octree::kNone && tree_[leaf].openFraction > 0 && tree_[leaf].HasCorner(p))
-            return true;
-    return false;
 }
 
 // ---- Least-squares fit of the stored corners to the light inside the cells ----

@@ -57,13 +57,10 @@ class CornerWeights {
     std::vector<CornerTerm> TermsIn(const OctreeCell &leaf, const Vec3f &at) const;
 
   private:
-    /// A corner that does not hang becomes a stored one when it is met first; of others, sets terms_.
-    void Resolve(std::uint32_t number);
-    /// Adds the value of a resolved corner.
+    void FindTerms(const std::vector<std::size_t> &hungOn, const JobPool &jobs);
+    void NumberStored(const std::vector<std::uint32_t> &corners, const JobPool &jobs);
     void AddCorner(float weight, std::uint32_t number, std::vector<CornerTerm> &sum) const;
-    std::vector<CornerTerm> FindTermsIn(const OctreeCell &leaf, const LatticePoint &p);
-    std::vector<CornerTerm> TermsOfParents(const LatticePoint &p);
-    bool LeafHasCorner(const LatticePoint &p) const;
+    std::vector<CornerTerm> TermsOfParents(const LatticePoint &p) const;
     static void AddTerms(float weight, std::span<const CornerTerm> terms, std::vector<CornerTerm> &sum);
 
     const Octree &tree_;
@@ -72,7 +69,6 @@ class CornerWeights {
     std::vector<std::uint32_t> stored_, unstored_;
     std::vector<std::uint32_t> storedOf_, unstoredOf_; ///< by point: index in stored_ or unstored_, or kUnknown
     std::vector<std::vector<CornerTerm>> terms_;       ///< by index in unstored_: of hanging corners
-    std::vector<std::size_t> hungOn_;                  ///< LeafHungOn, likewise; only while they are found
 };
 
 /// Number of corners that CornerWeights stores without rules.
