@@ -42,6 +42,7 @@ class CornerWeights {
     const std::vector<std::uint32_t> &Stored() const { return stored_; }
     /// Numbers of the corners that hang or are left out.
     const std::vector<std::uint32_t> &Unstored() const { return unstored_; }
+    /// Whether a point is a corner of an open leaf.
     bool IsCorner(std::uint32_t point) const {
         return IsStored(point) || unstoredOf_[point] != LatticePoints::kUnknown;
     }
