@@ -164,12 +164,17 @@ void GeometryCache::Keep(const Source &source, const CompiledMap &compiled, RunE
     rest.surfaceFile = compiled.surfaceFile, rest.portalFile = compiled.portalFile;
     const std::vector<std::byte> eventBytes = events.Take();
     rest.events = eventBytes;
-    const std::vector<std::byte> bsp = WriteBsp(compiled.bsp, format_), restBytes = BytesOf(rest);
-    UnitFile entry;
-    entry.header.stage = "-bsp";
-    entry.header.text = "the geometry of a map";
-    entry.results = {{kBsp, bsp}, {kRest, restBytes}};
-    cache_->Write(source.key, entry);
+    const std::vector<std::byte> restBytes = BytesOf(rest);
+    try {
+        const std::vector<std::byte> bsp = WriteBsp(compiled.bsp, format_);
+        UnitFile entry;
+        entry.header.stage = "-bsp";
+        entry.header.text = "the geometry of a map";
+        entry.results = {{kBsp, bsp}, {kRest, restBytes}};
+        cache_->Write(source.key, entry);
+    } catch (const Error &) {
+        // No file can be made of this map, which the stage says when it writes it.
+    }
 }
 
 CompiledMap GeometryCache::Compile(Map &map, std::string_view text, BspContext context) const {

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. SH grid points fitted to the light between them.
 #include "q3map2/light/grid/gridsh_fit.h"
 
-#include "common/parallel_memory.h"
+#include "common/parallel.h"
 #include "libs/math/elementary.h"
 #include "libs/math/sampling.h"
 #include "libs/sh/sh.h"

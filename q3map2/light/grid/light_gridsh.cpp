@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The SH light grid: the light of its points, and its form without negative lobes.
 #include "q3map2/light/grid/light_gridsh.h"
 
-#include "common/parallel_memory.h"
+#include "common/parallel.h"
 #include "libs/sh/sh.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/grid/gridsh_fill.h"

@@ -2,7 +2,7 @@
 // interpolated; light between the points.
 #include "q3map2/light/grid/weak_field.h"
 
-#include "common/parallel_memory.h"
+#include "common/parallel.h"
 #include "libs/math/elementary.h"
 #include "libs/math/morton.h"
 #include "libs/math/sampling.h"

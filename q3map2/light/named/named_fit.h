@@ -3,6 +3,7 @@
 
 #include "q3map2/light/named/named_cells.h"
 #include "q3map2/light/sparse/corner_fit.h"
+#include "q3map2/light/sparse/sparse_tree.h"
 
 #include <cstdint>
 #include <map>

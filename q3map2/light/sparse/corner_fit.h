@@ -1,8 +1,6 @@
-// GPL-2.0-or-later. Corners of the cells of an octree: which are stored, their fit to the light inside the cells, and
-// their values.
+// GPL-2.0-or-later. Corners of the cells of an octree: which are stored, and their fit to the light inside the cells.
 #pragma once
 
-#include "q3map2/bspfile/bspfile_sparse.h"
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sparse/lattice.h"
 #include "q3map2/light/sparse/octree.h"
@@ -82,20 +80,5 @@ std::size_t CountStoredCorners(const Octree &tree, const LatticePoints &points, 
 std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
                                  const SparseLattice &lattice, const BspSpace &space,
                                  std::span<const NearLightSample> nearLights = {}, const JobPool &jobs = JobPool(1));
-
-/// The nodes that a file has, and for each stored cell, in their order, the index of its point in corners.Stored().
-struct StoredTree {
-    std::vector<SparseGridNode> nodes;
-    std::vector<std::uint32_t> order;
-};
-/// A cell owns its lower corner alone, so cells without open space are split where a stored or hanging corner is not
-/// theirs.
-StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
-                     const JobPool &jobs = JobPool(1));
-/// The nodes and values that the file has. values: of the stored corners, in the order of
-/// corners.Stored().
-SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
-                              const SparseLattice &lattice, const std::vector<SHFloats> &values,
-                              const JobPool &jobs = JobPool(1));
 
 } // namespace q3

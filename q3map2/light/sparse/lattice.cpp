@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. The lattice of the sparse SH grid: positions of its points, and the light that is known there.
 #include "q3map2/light/sparse/lattice.h"
 
-#include "common/parallel_memory.h"
-#include "common/parallel_sort.h"
+#include "common/parallel.h"
 #include "libs/math/sampling.h"
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/sparse/display_error.h"

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. Sparse linear least squares with a pull towards initial values, by conjugate gradients.
 #pragma once
 
-#include "common/jobs.h"
+#include "common/parallel.h"
 #include "q3map2/light/grid/probe_integrator.h"
 
 #include <algorithm>
@@ -102,7 +102,7 @@ template <typename Value> class LeastSquares {
             AddScaledValue(-1, Combined(terms, x.data()), differences[s]);
         });
         // A^T W (value - A x) for x = x0, where the pull is 0; and z.
-        ForParts(jobs, x.size(), [&](std::size_t i) {
+        ForAll(jobs, x.size(), kPart, [&](std::size_t i) {
             r[i] = {};
             AddColumn(i, differences, r[i]);
             direction[i] = z[i] = Preconditioned(i, r[i]);
@@ -114,14 +114,14 @@ template <typename Value> class LeastSquares {
             if (!(curvature > 0))
                 return;
             const auto alpha = float(rho / curvature);
-            ForParts(jobs, x.size(), [&](std::size_t i) {
+            ForAll(jobs, x.size(), kPart, [&](std::size_t i) {
                 AddScaledValue(alpha, direction[i], x[i]);
                 AddScaledValue(-alpha, product[i], r[i]);
                 z[i] = Preconditioned(i, r[i]);
             });
             const double nextRho = Dot(r, z, jobs);
             const auto beta = float(nextRho / rho);
-            ForParts(jobs, x.size(), [&](std::size_t i) {
+            ForAll(jobs, x.size(), kPart, [&](std::size_t i) {
                 Value next = z[i];
                 AddScaledValue(beta, direction[i], next);
                 direction[i] = next;
@@ -131,6 +131,7 @@ template <typename Value> class LeastSquares {
     }
 
   private:
+    static constexpr std::size_t kPart = 2048; ///< unknowns of one job
     /// Not initialized: the workers that fill it get its memory from the system, too.
     using Vector = std::unique_ptr<Value[]>;
     /// A sample in which an unknown has a term, and w(s) a(s, unknown).
@@ -139,15 +140,6 @@ template <typename Value> class LeastSquares {
         float weight;
     };
 
-    /// Calls use(i) for i from 0 to count - 1, on all workers.
-    template <typename Use> static void ForParts(const JobPool &jobs, std::size_t count, const Use &use) {
-        constexpr std::size_t kPart = 2048;
-        jobs.For(std::int64_t((count + kPart - 1) / kPart), [&](std::int64_t part, int) {
-            const std::size_t first = std::size_t(part) * kPart, end = std::min(count, first + kPart);
-            for (std::size_t i = first; i < end; ++i)
-                use(i);
-        });
-    }
     /// Calls use(s, value, weight, terms) for the samples s of a block.
     template <typename Use> void ForSamplesOf(std::size_t block, const Use &use) const {
         blocks_[block].ForEach(
@@ -192,7 +184,7 @@ template <typename Value> class LeastSquares {
             factors[place] = factor;
             entries_[place++] = {std::uint32_t(s), weight * factor};
         });
-        ForParts(jobs, pull_.size(), [&](std::size_t i) {
+        ForAll(jobs, pull_.size(), kPart, [&](std::size_t i) {
             for (std::uint32_t e = BeginOf(i); e < ends_[i]; ++e) {
                 weights_[i] += entries_[e].weight;
                 diagonal_[i] += entries_[e].weight * factors[e];
@@ -217,7 +209,7 @@ template <typename Value> class LeastSquares {
         ForSamples(jobs, [&](std::size_t s, const Value &, float, std::span<const UnknownTerm> terms) {
             ofSamples[s] = Combined(terms, x.get());
         });
-        ForParts(jobs, pull_.size(), [&](std::size_t i) {
+        ForAll(jobs, pull_.size(), kPart, [&](std::size_t i) {
             product[i] = {};
             AddScaledValue(pull_[i], x[i], product[i]);
             AddColumn(i, ofSamples, product[i]);
@@ -226,7 +218,7 @@ template <typename Value> class LeastSquares {
     /// The sum is made in order.
     double Dot(const Vector &a, const Vector &b, const JobPool &jobs) const {
         std::vector<float> products(pull_.size());
-        ForParts(jobs, products.size(), [&](std::size_t i) { products[i] = DotOfValues(a[i], b[i]); });
+        ForAll(jobs, products.size(), kPart, [&](std::size_t i) { products[i] = DotOfValues(a[i], b[i]); });
         double sum = 0;
         for (const float product : products)
             sum += double(product);

@@ -1,8 +1,7 @@
 // GPL-2.0-or-later. Positions near lights.
 #include "q3map2/light/sparse/near_light_samples.h"
 
-#include "common/parallel_memory.h"
-#include "common/parallel_sort.h"
+#include "common/parallel.h"
 #include "libs/math/sampling.h"
 #include "libs/math/winding.h"
 #include "libs/sh/polygon_moments.h"

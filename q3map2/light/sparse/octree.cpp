@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. The octree of the sparse SH grid while it is built, and its optimal pruning.
 #include "q3map2/light/sparse/octree.h"
 
-#include "common/parallel_memory.h"
+#include "common/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,10 +23,7 @@ void Octree::CopyFrom(const Octree &other, const JobPool &jobs) {
     constexpr std::size_t kCopiedCells = 16384;
     GrowInParallel(other.Size(), jobs, cells_);
     cells_.resize(other.Size());
-    jobs.For(std::int64_t((Size() + kCopiedCells - 1) / kCopiedCells), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kCopiedCells, end = std::min(Size(), first + kCopiedCells);
-        std::copy(&other.cells_[first], &other.cells_[0] + end, &cells_[first]);
-    });
+    ForAll(jobs, Size(), kCopiedCells, [&](std::size_t i) { cells_[i] = other.cells_[i]; });
 }
 
 void Octree::MakeChildren(std::size_t leaf, std::size_t child) {
@@ -48,11 +45,7 @@ void Octree::Split(std::span<const std::size_t> leafs, const JobPool &jobs) {
     const std::size_t firstChild = cells_.size();
     GrowInParallel(firstChild + 8 * leafs.size(), jobs, cells_);
     cells_.resize(firstChild + 8 * leafs.size());
-    jobs.For(std::int64_t((leafs.size() + kLeafsOfJob - 1) / kLeafsOfJob), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kLeafsOfJob, end = std::min(leafs.size(), first + kLeafsOfJob);
-        for (std::size_t i = first; i < end; ++i)
-            MakeChildren(leafs[i], firstChild + 8 * i);
-    });
+    ForAll(jobs, leafs.size(), kLeafsOfJob, [&](std::size_t i) { MakeChildren(leafs[i], firstChild + 8 * i); });
 }
 
 std::size_t Octree::RootAt(const Vec3f &at) const {

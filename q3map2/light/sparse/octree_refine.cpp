@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Refinement of the octree where the light is not smooth.
 #include "q3map2/light/sparse/octree_refine.h"
 
+#include "common/parallel.h"
 #include "q3map2/light/batch/lanes.h"
 #include "q3map2/light/sparse/display_error.h"
 
@@ -38,15 +39,6 @@ template <typename Use> void ForUniformPoints(const SparseLattice &lattice, cons
         for (std::int32_t y = 0; y <= cell.Edge(); y += step(1))
             for (std::int32_t x = 0; x <= cell.Edge(); x += step(0))
                 use(LatticePoint{cell.origin[0] + x, cell.origin[1] + y, cell.origin[2] + z});
-}
-
-/// Calls use(i) for i from 0 to count - 1, on all workers.
-template <typename Use> void ForEach(const JobPool &jobs, std::size_t count, const Use &use) {
-    jobs.For(std::int64_t((count + kChunk - 1) / kChunk), [&](std::int64_t chunk, int) {
-        const std::size_t first = std::size_t(chunk) * kChunk, end = std::min(count, first + kChunk);
-        for (std::size_t i = first; i < end; ++i)
-            use(i);
-    });
 }
 
 SHFloats Interpolated(const OctreeCell &cell, const CornerLight &corners, const LatticePoint &p) {
@@ -103,8 +95,8 @@ float OctreeRefiner::OpenFraction(const OctreeCell &cell) const {
 
 void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
     for (std::size_t first = 0, end = tree_.Size(); first < end; first = end, end = tree_.Size()) { // cells of a level
-        ForEach(jobs_, end - first,
-                [&](std::size_t i) { tree_[first + i].openFraction = HasOpenSpace(tree_[first + i]) ? 1.0f : 0.0f; });
+        ForAll(jobs_, end - first, kChunk,
+               [&](std::size_t i) { tree_[first + i].openFraction = HasOpenSpace(tree_[first + i]) ? 1.0f : 0.0f; });
         std::vector<std::size_t> split;
         for (std::size_t i = first; i < end; ++i)
             if (tree_[i].openFraction > 0 && tree_[i].level > lattice_.BaseLevel())
@@ -112,7 +104,7 @@ void OctreeRefiner::Start(const LightGridSH &uniform, bool radiance) {
         tree_.Split(split, jobs_);
     }
     AddUniformPoints(uniform, radiance);
-    ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
+    ForAll(jobs_, tree_.Size(), kChunk, [&](std::size_t i) {
         if (tree_[i].openFraction > 0)
             tree_[i].openFraction = OpenFraction(tree_[i]);
     });
@@ -126,7 +118,7 @@ void OctreeRefiner::AddUniformPoints(const LightGridSH &uniform, bool radiance) 
                     ForUniformPoints(lattice_, tree_[i], add);
         },
         jobs_);
-    ForEach(jobs_, points_.Size(), [&](std::size_t i) {
+    ForAll(jobs_, points_.Size(), kChunk, [&](std::size_t i) {
         LatticeSample &point = points_[i];
         point.value = ToDisplayed(uniform.points[lattice_.UniformIndex(point.at)], radiance);
         point.traced = PlaceInOpen(space_, lattice_.PositionOf(point.at)).state == PointState::Open;
@@ -177,8 +169,8 @@ float OctreeRefiner::MeasuredError(const OctreeCell &cell) const {
 void OctreeRefiner::EstimateErrors(BounceNoise noise) {
     noise_ = std::move(noise);
     std::vector<float> second(points_.Size());
-    ForEach(jobs_, second.size(), [&](std::size_t i) { second[i] = SecondDifference(points_[i]); });
-    ForEach(jobs_, tree_.Size(), [&](std::size_t i) {
+    ForAll(jobs_, second.size(), kChunk, [&](std::size_t i) { second[i] = SecondDifference(points_[i]); });
+    ForAll(jobs_, tree_.Size(), kChunk, [&](std::size_t i) {
         OctreeCell &cell = tree_[i];
         if (cell.level < lattice_.BaseLevel() || cell.openFraction <= 0)
             return;
@@ -207,7 +199,7 @@ void OctreeRefiner::Refine(float threshold, const LatticeTracer &tracer, GridSta
 void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTracer &tracer, GridStats &stats) {
     const std::size_t firstNew = points_.Size();
     std::vector<std::uint32_t> unknown(cells.size()); // by cell: bit n is set if ChildCorner n is not in points_
-    ForEach(jobs_, cells.size(), [&](std::size_t i) {
+    ForAll(jobs_, cells.size(), kChunk, [&](std::size_t i) {
         for (std::size_t n = 0; n < 27; ++n)
             unknown[i] |= std::uint32_t(points_.Find(ChildCorner(tree_[cells[i]], n)) == LatticePoints::kUnknown) << n;
     });
@@ -223,13 +215,14 @@ void OctreeRefiner::Split(const std::vector<std::size_t> &cells, const LatticeTr
     tracer.Trace(points_, firstNew, stats);
     FillSolids(cells, firstNew);
     tree_.Split(cells, jobs_);
-    ForEach(jobs_, cells.size(), [&](std::size_t i) { SetErrorsAfterSplit(cells[i]); });
+    ForAll(jobs_, cells.size(), kChunk, [&](std::size_t i) { SetErrorsAfterSplit(cells[i]); });
 }
 
 /// Sets the values of new points in solids. A point of several cells gets the mean over them.
 void OctreeRefiner::FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew) {
     std::vector<std::vector<SolidValue>> values((cells.size() + kChunk - 1) / kChunk);
-    ForEach(jobs_, cells.size(), [&](std::size_t i) { AddSolidValues(tree_[cells[i]], firstNew, values[i / kChunk]); });
+    ForAll(jobs_, cells.size(), kChunk,
+           [&](std::size_t i) { AddSolidValues(tree_[cells[i]], firstNew, values[i / kChunk]); });
     std::vector<float> counts(points_.Size() - firstNew); // by new point: values that it has got
     for (const std::vector<SolidValue> &ofChunk : values)
         for (const SolidValue &one : ofChunk) {

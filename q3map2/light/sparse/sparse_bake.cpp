@@ -1,12 +1,14 @@
 // GPL-2.0-or-later. Bakes the sparse SH grid.
 #include "q3map2/light/sparse/sparse_bake.h"
 
+#include "common/parallel.h"
 #include "q3map2/bspfile/bspfile_grid.h"
 #include "q3map2/light/sparse/corner_fit.h"
 #include "q3map2/light/sparse/display_error.h"
 #include "q3map2/light/sparse/near_light_samples.h"
 #include "q3map2/light/sparse/octree.h"
 #include "q3map2/light/sparse/octree_refine.h"
+#include "q3map2/light/sparse/sparse_tree.h"
 
 #include <cmath>
 #include <limits>
@@ -155,19 +157,15 @@ void SparseGridBuilder::Prune(float price, PrunedTree &pruned) const {
 double SparseGridBuilder::InterpolationError(const Octree &tree) const {
     constexpr float kNoCell = -1; // of a receiver outside of cells whose light is known
     std::vector<float> squared(exact_ ? exact_->Size() : 0, kNoCell);
-    jobs_.For(std::int64_t((squared.size() + kReceiversOfJob - 1) / kReceiversOfJob), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kReceiversOfJob;
-        for (std::size_t i = first; i < std::min(squared.size(), first + kReceiversOfJob); ++i) {
-            const Vec3f at = lattice_.InCells(exact_->Position(i));
-            const std::size_t leaf = tree.LeafAt(CellAt(at));
-            if (leaf == Octree::kNone || tree[leaf].openFraction <= 0)
-                continue;
-            const CornerLight corners = CornersOf(points_, tree[leaf]);
-            if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
-                continue;
-            squared[i] =
-                screen_.Squared(InterpolatedLight(tree[leaf], corners, at), ToDisplayed(exact_->At(i), radiance_));
-        }
+    ForAll(jobs_, squared.size(), kReceiversOfJob, [&](std::size_t i) {
+        const Vec3f at = lattice_.InCells(exact_->Position(i));
+        const std::size_t leaf = tree.LeafAt(CellAt(at));
+        if (leaf == Octree::kNone || tree[leaf].openFraction <= 0)
+            return;
+        const CornerLight corners = CornersOf(points_, tree[leaf]);
+        if (std::find(corners.begin(), corners.end(), nullptr) != corners.end())
+            return;
+        squared[i] = screen_.Squared(InterpolatedLight(tree[leaf], corners, at), ToDisplayed(exact_->At(i), radiance_));
     });
     double sum = 0, count = 0;
     for (const float one : squared)
@@ -290,19 +288,16 @@ void SparseGridBuilder::MeasureNearLights(const SparseGridSH &grid, SparseStats 
     const std::vector<std::byte> lump = EncodeSparseGrid(grid);
     const shgrid_grid reader = SparseReader(lump);
     std::vector<float> squared(nearLights_.size());
-    jobs_.For(std::int64_t((squared.size() + kReceiversOfJob - 1) / kReceiversOfJob), [&](std::int64_t job, int) {
-        const std::size_t first = std::size_t(job) * kReceiversOfJob;
-        for (std::size_t i = first; i < std::min(squared.size(), first + kReceiversOfJob); ++i) {
-            const Vec3f p = lattice_.PositionOf(nearLights_[i].at);
-            const float position[3] = {p.x, p.y, p.z};
-            shgrid_coeffs read;
-            shgrid_sample(&reader, position, &read);
-            bspGridPointSH_t value;
-            for (std::size_t k = 0; k < 9; ++k)
-                for (std::size_t channel = 0; channel < 3; ++channel)
-                    value.coeffs[k][channel] = read.c[k][channel];
-            squared[i] = screen_.Squared(ToDisplayed(value, radiance_), nearLights_[i].light);
-        }
+    ForAll(jobs_, squared.size(), kReceiversOfJob, [&](std::size_t i) {
+        const Vec3f p = lattice_.PositionOf(nearLights_[i].at);
+        const float position[3] = {p.x, p.y, p.z};
+        shgrid_coeffs read;
+        shgrid_sample(&reader, position, &read);
+        bspGridPointSH_t value;
+        for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t channel = 0; channel < 3; ++channel)
+                value.coeffs[k][channel] = read.c[k][channel];
+        squared[i] = screen_.Squared(ToDisplayed(value, radiance_), nearLights_[i].light);
     });
     double sum = 0;
     for (const float one : squared)

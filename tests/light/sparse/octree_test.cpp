@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Parts of the bake of the sparse SH grid: lattice, pruning, hanging corners, fit, tree of the file.
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/sparse/corner_fit.h"
+#include "q3map2/light/sparse/sparse_tree.h"
 #include "q3map2/light/sparse/octree.h"
 #include "tests/support/sparse_view.h"
 

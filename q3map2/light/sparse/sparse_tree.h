@@ -1,0 +1,26 @@
+// GPL-2.0-or-later. Nodes and values of the sparse grid in the file, from an octree.
+#pragma once
+
+#include "q3map2/bspfile/bspfile_sparse.h"
+#include "q3map2/light/sparse/corner_fit.h"
+
+#include <vector>
+
+namespace q3 {
+
+/// The nodes that a file has, and for each stored cell, in their order, the index of its point in corners.Stored().
+struct StoredTree {
+    std::vector<SparseGridNode> nodes;
+    std::vector<std::uint32_t> order;
+};
+/// A cell owns its lower corner alone, so cells without open space are split where a stored or hanging corner is not
+/// theirs.
+StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
+                     const JobPool &jobs = JobPool(1));
+/// The nodes and values that the file has. values: of the stored corners, in the order of
+/// corners.Stored().
+SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
+                              const SparseLattice &lattice, const std::vector<SHFloats> &values,
+                              const JobPool &jobs = JobPool(1));
+
+} // namespace q3
