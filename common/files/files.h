@@ -58,9 +58,9 @@ std::vector<std::byte> ReadFile(const std::filesystem::path &path);
 /// The whole file as text. Errors as InputFile.
 std::string ReadTextFile(const std::filesystem::path &path);
 
-/// How names of files end that FileReplacement has not finished.
+/// End of the names of files that FileReplacement writes, PATH.XXXXXX.tmp with six letters or digits.
 inline constexpr std::string_view kUnfinished = ".tmp";
-/// The name of the file in whose place an unfinished file of this name was written; empty: it is no such name.
+/// PATH for such a name, else empty. Other programs may use such names too, so check that PATH is one of ours.
 std::string TargetOfUnfinished(std::string_view name);
 
 /// Replaces a file piece by piece. Atomic and durable: writes a temporary file beside it, flushes it to disk and

@@ -367,6 +367,11 @@ std::vector<std::string> VirtualFileSystem::Requests() const {
     return {state_->requests.begin(), state_->requests.end()};
 }
 
+void VirtualFileSystem::AddRequests(std::span<const std::string> requests) {
+    const std::lock_guard lock(state_->mutex);
+    state_->requests.insert(requests.begin(), requests.end());
+}
+
 bool VirtualFileSystem::ReadFilesAreUnchanged() const {
     const std::lock_guard lock(state_->mutex);
     return std::ranges::all_of(state_->readFiles,
@@ -393,6 +398,7 @@ Hash128 VirtualFileSystem::AnswersTo(std::span<const std::string> requests) cons
                 key.Add(true);
                 if (!reads)
                     return true;
+                state_->NoteFile(path);
                 try {
                     const Hash128 hash = HashOf(MappedFile(path).Bytes());
                     key.Add(hash.low, hash.high);

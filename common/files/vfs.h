@@ -54,6 +54,8 @@ class VirtualFileSystem {
     void RecordRequests();
     /// What was asked for since RecordRequests, each once, sorted; for AnswersTo.
     std::vector<std::string> Requests() const;
+    /// Notes requests that an earlier run has made for what this run takes from it.
+    void AddRequests(std::span<const std::string> requests);
     /// Whether the loose files that were read since RecordRequests are as they were before they were read.
     bool ReadFilesAreUnchanged() const;
     /// A hash of what the requests find: it differs once a file that they read has other contents, or they find other

@@ -23,7 +23,6 @@
 #include "q3map2/tree/visible_sides.h"
 
 #include <algorithm>
-#include <array>
 
 namespace q3 {
 
@@ -354,21 +353,18 @@ CompiledMap CompileGeometry(Map &map, const BspContext &context) {
     return MapCompiler(map, context).Compile();
 }
 
-void WriteEntities(const Map &map, const BspContext &context, CompiledMap &compiled) {
+CompiledMap CompileMap(Map &map, const BspContext &context, const GeometryMaker &makeGeometry) {
+    if (map.entities.empty())
+        throw Error("{}: no entities, expected at least the world", map.name);
+    NumberEntities(map, context);
+    CompiledMap compiled = makeGeometry(map, context);
+    if (compiled.abandoned || context.options.autoCaulk)
+        return compiled;
     Bsp &bsp = compiled.bsp;
     bsp.entities = GameEntities(map, context);
     if (bsp.ident == kFbspIdent)
         bsp.lightmapSide = FbspLightmapSide(StoredWorld(bsp.entities));
     WarnOfLimits(bsp, context.game, context.log);
-}
-
-CompiledMap CompileMap(Map &map, const BspContext &context) {
-    if (map.entities.empty())
-        throw Error("{}: no entities, expected at least the world", map.name);
-    NumberEntities(map, context);
-    CompiledMap compiled = CompileGeometry(map, context);
-    if (!compiled.abandoned && !context.options.autoCaulk)
-        WriteEntities(map, context, compiled);
     return compiled;
 }
 

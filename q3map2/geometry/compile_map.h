@@ -7,6 +7,7 @@
 #include "q3map2/map/map.h"
 #include "q3map2/tree/flood.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,11 +32,13 @@ struct CompiledMap {
     bool abandoned = false;            ///< the map leaks and -leaktest is on: there is no .bsp
 };
 
-/// Compiles the map, which is modified. Throws Error if no entity stands in the open or a limit is exceeded.
-CompiledMap CompileMap(Map &map, const BspContext &context);
-/// CompileMap without the entities of the .bsp. Those of the map must have been numbered by NumberEntities.
+/// Compiles all but the entities of the .bsp. Those of the map have been numbered (NumberEntities). Modifies the map.
+/// Throws Error if no entity stands in the open or a limit is exceeded.
 CompiledMap CompileGeometry(Map &map, const BspContext &context);
-/// The last part of CompileMap: writes the entities of the map into the .bsp, and warns of limits.
-void WriteEntities(const Map &map, const BspContext &context, CompiledMap &compiled);
+
+using GeometryMaker = std::function<CompiledMap(Map &, const BspContext &)>;
+/// Compiles the map, which is modified. makeGeometry: CompileGeometry, or what knows its result. Throws Error as
+/// CompileGeometry.
+CompiledMap CompileMap(Map &map, const BspContext &context, const GeometryMaker &makeGeometry = CompileGeometry);
 
 } // namespace q3

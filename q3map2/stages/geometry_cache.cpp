@@ -22,7 +22,7 @@ namespace {
 std::set<std::string> TargetsOfDecals(const Map &map) {
     std::set<std::string> names;
     for (const MapEntity &entity : map.entities)
-        if (EqualNoCase(entity.pairs.ClassName(), "_decal"))
+        if (EqualNoCase(entity.pairs.ClassName(), "_decal") && entity.pairs.Has("target"))
             names.insert(LowerCase(entity.pairs.Value("target")));
     return names;
 }
@@ -131,32 +131,38 @@ bool FloodSameRegions(const Map &map, const std::vector<FloodRegions> &trees) {
 
 // ---- Finding and keeping geometry ----
 
-std::optional<CompiledMap> GeometryCache::Find(const Source &source, const BspContext &context) const {
+std::optional<CompiledMap> GeometryCache::Find(const Source &source, const BspContext &context) {
     const std::optional<UnitFile> entry = cache_->Read(source.key);
     if (!entry || entry->results.size() != 2 || entry->results[0].key != kBsp || entry->results[1].key != kRest)
         return std::nullopt;
     std::optional<KeptRest> rest = ReadRest(entry->results[1].bytes);
     if (!rest || (rest->hasWarnings != 0 && rest->places != source.places) ||
-        context.vfs->AnswersTo(rest->requests) != rest->answers || !FloodSameRegions(source.map, rest->trees))
+        vfs_.AnswersTo(rest->requests) != rest->answers || !FloodSameRegions(source.map, rest->trees))
         return std::nullopt;
     CompiledMap compiled;
-    compiled.bsp = ReadBsp(entry->results[0].bytes, "the geometry in the cache", format_, context.log);
+    try {
+        Log silent([](LogLevel, std::string_view) {}); // the stage says what is wrong with the file that it writes
+        compiled.bsp = ReadBsp(entry->results[0].bytes, "the geometry in the cache", format_, silent);
+    } catch (const Error &) { // beyond a limit of this program's reader
+        return std::nullopt;
+    }
+    vfs_.AddRequests(rest->requests);
     compiled.surfaceFile = std::move(rest->surfaceFile);
     compiled.portalFile = std::move(rest->portalFile);
     compiled.idleAreaPortals = rest->idleAreaPortals;
     RunEvents::Replay(rest->events, context.log);
     WarnOfEntitiesInSolid(rest->trees.front(), source.map, context);
+    context.log.Print("Only entities without geometry have changed: the geometry is taken from the cache\n");
     return compiled;
 }
 
-void GeometryCache::Keep(const Source &source, const CompiledMap &compiled, RunEvents &events,
-                         const BspContext &context) const {
+void GeometryCache::Keep(const Source &source, const CompiledMap &compiled, RunEvents &events) const {
     const bool isSealed = !compiled.abandoned && !compiled.portalFile.empty();
-    if (!isSealed || !context.vfs->ReadFilesAreUnchanged())
+    if (!isSealed || !vfs_.ReadFilesAreUnchanged())
         return;
     KeptRest rest;
-    rest.requests = context.vfs->Requests();
-    rest.answers = context.vfs->AnswersTo(rest.requests);
+    rest.requests = vfs_.Requests();
+    rest.answers = vfs_.AnswersTo(rest.requests);
     rest.places = source.places;
     rest.hasWarnings = events.HasWarnings() ? 1 : 0;
     rest.trees = compiled.regions;
@@ -177,25 +183,20 @@ void GeometryCache::Keep(const Source &source, const CompiledMap &compiled, RunE
     }
 }
 
-CompiledMap GeometryCache::Compile(Map &map, std::string_view text, BspContext context) const {
-    const BspOptions &options = context.options;
-    // Flares are made from lights.
-    if (!cache_ || map.texts.empty() || options.flares || options.autoCaulk)
+CompiledMap GeometryCache::Compile(Map &map, std::string_view text, const BspContext &context) {
+    // -flares makes surfaces of lights.
+    if (!cache_ || map.texts.empty() || context.options.flares || context.options.autoCaulk)
         return CompileMap(map, context);
     const Source source(map, text, settings_);
-    NumberEntities(map, context);
-    std::optional<CompiledMap> compiled = Find(source, context);
-    if (compiled) {
-        context.log.Print("Only entities without geometry have changed: the geometry is taken from the cache\n");
-    } else {
-        context.findsRegions = true;
+    return CompileMap(map, context, [&](Map &numbered, BspContext inner) {
+        if (std::optional<CompiledMap> known = Find(source, context))
+            return std::move(*known);
+        inner.findsRegions = true;
         RunEvents events(context.log, {kEntityInSolid, kLightInDetail}); // Find prints them
-        compiled = CompileGeometry(map, context);
-        Keep(source, *compiled, events, context);
-    }
-    if (!compiled->abandoned)
-        WriteEntities(map, context, *compiled);
-    return std::move(*compiled);
+        CompiledMap compiled = CompileGeometry(numbered, inner);
+        Keep(source, compiled, events);
+        return compiled;
+    });
 }
 
 } // namespace q3

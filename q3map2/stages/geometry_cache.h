@@ -17,19 +17,20 @@ class RunEvents;
 class GeometryCache {
   public:
     /// cache: of the stage; without -cache every map is compiled.
-    GeometryCache(const StageCache &cache, const BspFormat &format)
-        : cache_(cache.Folder()), settings_(cache.Settings()), format_(format) {}
+    GeometryCache(const StageCache &cache, VirtualFileSystem &vfs, const BspFormat &format)
+        : cache_(cache.Folder()), settings_(cache.Settings()), vfs_(vfs), format_(format) {}
 
     /// CompileMap. text: the source of the map.
-    CompiledMap Compile(Map &map, std::string_view text, BspContext context) const;
+    CompiledMap Compile(Map &map, std::string_view text, const BspContext &context);
 
   private:
     struct Source;
-    std::optional<CompiledMap> Find(const Source &source, const BspContext &context) const;
-    void Keep(const Source &source, const CompiledMap &compiled, RunEvents &events, const BspContext &context) const;
+    std::optional<CompiledMap> Find(const Source &source, const BspContext &context);
+    void Keep(const Source &source, const CompiledMap &compiled, RunEvents &events) const;
 
     std::optional<Cache> cache_;
     Hash128 settings_;
+    VirtualFileSystem &vfs_;
     const BspFormat &format_;
 };
 

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Counts and warnings of a run, kept to print them again.
+// GPL-2.0-or-later. Sections, counts and warnings of a run, kept to print them again.
 #pragma once
 
 #include "common/log.h"

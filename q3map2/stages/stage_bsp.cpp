@@ -175,7 +175,7 @@ void AddFaults(const CompiledMap &compiled, const BspContext &context, RunReport
 
 /// False: -leaktest found a leak.
 bool CompileToFiles(const fs::path &source, const MapFiles &files, LoadedSource &loaded,
-                    const std::vector<std::string> &recorded, const GeometryCache &cache, const FileGuard &guard,
+                    const std::vector<std::string> &recorded, GeometryCache cache, const FileGuard &guard,
                     const BspContext &context, const BspFormat &format, RunReport &report) {
     Map &map = loaded.map;
     Entity &world = map.World().pairs;
@@ -248,8 +248,8 @@ int BspStage(const StageContext &context, Arguments arguments) {
     if (options.onlyEntities)
         ReplaceStoredEntities(files.bsp, loaded.map, guard, bspContext, format);
     else
-        done = CompileToFiles(source, files, loaded, file.wordsToRecord, {cache, format}, guard, bspContext, format,
-                              context.report);
+        done = CompileToFiles(source, files, loaded, file.wordsToRecord, {cache, vfs, format}, guard, bspContext,
+                              format, context.report);
     if (!options.tempName.empty())
         fs::remove(fs::absolute(options.tempName));
     if (done)

@@ -87,7 +87,7 @@ void WarnOfLightsInDetail(const Map &map, const BspContext &context) {
             continue;
         const Vec3f origin = entity.origin;
         for (const Brush &brush : map.entities.front().brushes) {
-            if (!brush.detail || !InSolidBrush(brush, origin, map.planes))
+            if (!(brush.detail || HasFewSides(brush)) || !InSolidBrush(brush, origin, map.planes))
                 continue;
             const std::string_view name = entity.pairs.Value("targetname");
             context.log.Warn(
@@ -101,27 +101,30 @@ void WarnOfLightsInDetail(const Map &map, const BspContext &context) {
     }
 }
 
-void WarnOfSolid(const MapEntity &entity, const BspContext &context) {
-    context.log.Warn(kEntityInSolid, "{}: the {} stands in solid", entity.MessagePrefix(), entity.pairs.ClassName());
+/// isOpaque(p): whether p is in an opaque leaf.
+template <typename Test> void WarnOfSolids(const Map &map, const BspContext &context, const Test &isOpaque) {
+    WarnOfLightsInDetail(map, context);
+    for (std::size_t i = 1; i < map.entities.size(); ++i)
+        if (const MapEntity &entity = map.entities[i]; StartsFlood(entity) && isOpaque(entity.origin + kLift))
+            context.log.Warn(kEntityInSolid, "{}: the {} stands in solid", entity.MessagePrefix(),
+                             entity.pairs.ClassName());
 }
 
 } // namespace
 
 Sealing FloodEntities(Tree &tree, const Map &map, const BspContext &context, SolidWarnings warnings) {
     context.log.VerboseSection("FloodEntities");
+    const auto leafAt = [&](const Vec3f &p) { return tree.LeafAt(p, map.planes); };
     if (warnings == SolidWarnings::Print)
-        WarnOfLightsInDetail(map, context);
+        WarnOfSolids(map, context, [&](const Vec3f &p) { return tree.nodes[std::size_t(leafAt(p))].opaque; });
     bool anyFlood = false;
     for (std::size_t i = 1; i < map.entities.size(); i++) {
         const MapEntity &entity = map.entities[i];
         if (!StartsFlood(entity))
             continue;
-        const int leaf = tree.LeafAt(entity.origin + kLift, map.planes);
-        if (tree.nodes[std::size_t(leaf)].opaque) {
-            if (warnings == SolidWarnings::Print)
-                WarnOfSolid(entity, context);
+        const int leaf = leafAt(entity.origin + kLift);
+        if (tree.nodes[std::size_t(leaf)].opaque)
             continue;
-        }
         tree.nodes[std::size_t(leaf)].floodEntity = int(i);
         FloodSteps(tree, leaf);
         if (EqualNoCase(entity.pairs.ClassName(), "_skybox"))
@@ -186,10 +189,7 @@ bool FloodsSameRegions(const FloodRegions &regions, const Map &map) {
 }
 
 void WarnOfEntitiesInSolid(const FloodRegions &regions, const Map &map, const BspContext &context) {
-    WarnOfLightsInDetail(map, context);
-    for (std::size_t i = 1; i < map.entities.size(); ++i)
-        if (StartsFlood(map.entities[i]) && regions.RegionAt(map.entities[i].origin + kLift) < 0)
-            WarnOfSolid(map.entities[i], context);
+    WarnOfSolids(map, context, [&](const Vec3f &p) { return regions.RegionAt(p) < 0; });
 }
 
 // ---- Leafs outside, and the leak line ----

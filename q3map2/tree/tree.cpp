@@ -314,7 +314,7 @@ Tree SingleLeafTree(const Boundsf &bounds) {
 
 namespace {
 
-constexpr std::size_t kMinSides = 4; ///< fewest sides that enclose a volume
+constexpr long long kMinSides = 4; ///< fewest sides that enclose a volume
 
 /// Faces with higher priority split earlier: hints, other structural faces, area portals and antiportals, detail.
 int PriorityOf(std::uint32_t flags) {
@@ -354,7 +354,15 @@ void WarnOfStructure(const MapEntity &world, const BspContext &context) {
             world.brushes.size());
 }
 
+long long UsableSides(const Brush &brush) {
+    return std::ranges::count_if(brush.sides, [](const BrushSide &side) { return !side.winding.empty(); });
+}
+
 } // namespace
+
+bool HasFewSides(const Brush &brush) {
+    return UsableSides(brush) < kMinSides;
+}
 
 std::vector<TreeFace> StructuralFaces(MapEntity &world, const BspContext &context) {
     std::vector<TreeFace> faces;
@@ -362,11 +370,9 @@ std::vector<TreeFace> StructuralFaces(MapEntity &world, const BspContext &contex
     for (Brush &brush : world.brushes) {
         if (brush.detail && !context.options.deep)
             continue;
-        const auto windings = std::count_if(brush.sides.begin(), brush.sides.end(),
-                                            [](const auto &side) { return !side.winding.empty(); });
-        if (!brush.detail && std::size_t(windings) < kMinSides) {
+        if (!brush.detail && HasFewSides(brush)) {
             context.WarnAt("structural brush with few sides", brush.settings.entity, brush.primitive,
-                           fmt::format("structural brush with {} usable sides becomes detail", windings));
+                           fmt::format("structural brush with {} usable sides becomes detail", UsableSides(brush)));
             brush.detail = true;
             continue;
         }

@@ -70,8 +70,10 @@ Tree BuildTree(std::vector<TreeFace> faces, const std::array<int, 3> &blockSize,
 /// A tree of one leaf, for brush entities.
 Tree SingleLeafTree(const Boundsf &bounds);
 
-/// Whole sides of structural brushes (and of detail brushes with -deep), for the first tree. Structural brushes with
-/// fewer than four sides become detail.
+/// Whether a structural brush becomes detail, since it has fewer than four sides with an area.
+bool HasFewSides(const Brush &brush);
+/// Whole sides of structural brushes (and of detail brushes with -deep), for the first tree. Structural brushes that
+/// HasFewSides become detail.
 std::vector<TreeFace> StructuralFaces(MapEntity &world, const BspContext &context);
 /// Visible hulls of the same sides, for the second tree.
 std::vector<TreeFace> VisibleFaces(const MapEntity &world, const BspContext &context);

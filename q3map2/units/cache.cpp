@@ -79,7 +79,7 @@ void Cache::Trim() const {
         std::error_code gone; // another program may have removed it
         if (!at->is_regular_file(gone))
             continue;
-        const bool isUnfinished = !TargetOfUnfinished(at->path().filename().string()).empty();
+        const bool isUnfinished = TargetOfUnfinished(at->path().filename().string()).ends_with(kExtension);
         if (isUnfinished && now - at->last_write_time(gone) > kUnfinishedAge && !gone)
             fs::remove(at->path(), gone);
         if (at->path().extension() != kExtension)

@@ -102,7 +102,7 @@ TEST_F(CacheTest, AMovedLampComputesOnlyWhatItReaches) {
 TEST_F(CacheTest, EntriesThatKilledProgramsLeftUnfinishedAreRemovedAfterADay) {
     Compile("");
     const fs::path old = folder_ / "cache/ab/abcd.q3c.aB3dE6.tmp", recent = folder_ / "cache/ab/abcd.q3c.zB3dE6.tmp",
-                   other = folder_ / "cache/ab/abcd.backup";
+                   other = folder_ / "cache/notes.backup.tmp";
     for (const fs::path &file : {old, recent, other})
         folder_.Write(fs::relative(file, folder_.Root()).generic_string(), "x");
     for (const fs::path &file : {old, other})
@@ -137,6 +137,33 @@ TEST_F(CacheTest, GeometryIsTakenOnlyWhileTheSameRoomsAreFlooded) {
     EXPECT_FALSE(build({180, 180, 64})) << "the closet is open now";
     walls += BoxText({-64, 0, 0}, {-48, 16, 16}, "test/pillar");
     EXPECT_FALSE(build({0, 16, 64})) << "another brush";
+}
+
+TEST_F(CacheTest, GeometryThatWasTakenStillDependsOnItsModels) {
+    const auto writeModel = [&](int height) {
+        folder_.Write("base/baseq3/models/tent.obj",
+                      fmt::format("v 0 0 0\nv 64 0 0\nv 0 64 0\nv 0 0 {}\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", height));
+    };
+    const std::string tent =
+        EntityText({{"classname", "misc_model"}, {"model", "models/tent.obj"}, {"origin", "0 0 64"}});
+    const auto build = [&](const std::string &cache) {
+        fs::remove(MapFile());
+        const Outcome run = RunWords(cache + "-bsp -meta");
+        EXPECT_EQ(run.status, 0) << run.text;
+        lastText_ = run.text;
+        return MapBytes();
+    };
+    writeModel(32);
+    Compile(tent + Lamp({100, 100, 64}, 100));
+    build(Cached());
+    Compile(tent + Lamp({100, 120, 64}, 100));
+    const std::vector<std::byte> low = build(Cached());
+    EXPECT_NE(lastText_.find("geometry is taken from the cache"), std::string::npos);
+    EXPECT_TRUE(build("") == low);
+    writeModel(48);
+    const std::vector<std::byte> high = build(Cached());
+    EXPECT_TRUE(high != low);
+    EXPECT_TRUE(build("") == high);
 }
 
 TEST_F(CacheTest, RandomEditsHaveTheSameBytes) {

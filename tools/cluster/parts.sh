@@ -15,6 +15,12 @@ die() {
     exit 1
 }
 
+# quoted WORDS: as any shell reads them.
+quoted() {
+    local word
+    for word; do printf "'%s' " "${word//\'/\'\\\'\'}"; done
+}
+
 # read_words N -- STAGE OPTIONS maps/x.bsp: sets count, options, map and folder. `usage` comes from the script.
 read_words() {
     [[ $# -ge 4 && $1 =~ ^[1-9][0-9]*$ && $2 == -- ]] || { echo "usage: ${usage-}" >&2; exit 2; }
@@ -22,7 +28,8 @@ read_words() {
     shift 2
     options=("${@:1:$#-1}")
     map=${*: -1}
-    map=${map%.*}.bsp
+    map=${map%.map}
+    map=${map%.bsp}.bsp
     folder=${map%.bsp}.parts
     [[ -f $map ]] || die "$map: no such file"
 }

@@ -24,9 +24,9 @@ std::string_view NameOfOriginal(const MapEntity &entity) {
     return keys::kInstance.Text(entity.pairs);
 }
 
-/// Whether the entity becomes a model. Patches of decals are no surfaces.
-bool IsModel(const MapEntity &entity) {
-    return (!entity.brushes.empty() || !entity.patches.empty()) && !EqualNoCase(entity.pairs.ClassName(), "_decal");
+/// Whether primitives of the entity become a model. Those of decals do not.
+bool MayBeModel(const MapEntity &entity) {
+    return !EqualNoCase(entity.pairs.ClassName(), "_decal");
 }
 
 /// Gives each clone the `model` value of the entity that it names.
@@ -57,11 +57,13 @@ void NumberModels(Map &map, const BspContext &context) {
             entity.model = 0;
             continue;
         }
+        if (!MayBeModel(entity))
+            continue;
         if (!NameOfOriginal(entity).empty()) {
             entity.brushes.clear();
             entity.patches.clear();
         }
-        if (IsModel(entity)) {
+        if (!entity.brushes.empty() || !entity.patches.empty()) {
             entity.model = models++;
             entity.pairs.Set("model", fmt::format("*{}", entity.model));
         }

@@ -272,8 +272,8 @@ void OctreeRefiner::AddSolidValues(const OctreeCell &cell, std::size_t firstNew,
     }
 }
 
-/// Sets the error of a cell that was split to what it had, the mean squared surplus of its children's corners, and the
-/// open fractions and expected errors of the children.
+/// Sets the error that a cell had before it was split, which is the mean squared surplus of its children's corners, and
+/// the open fractions and expected errors of the children.
 void OctreeRefiner::SetErrorsAfterSplit(std::size_t parent) {
     OctreeCell &cell = tree_[parent];
     const CornerLight corners = CornersOf(points_, cell);

@@ -51,7 +51,7 @@ class OctreeRefiner {
     };
     void FillSolids(const std::vector<std::size_t> &cells, std::size_t firstNew);
     void AddSolidValues(const OctreeCell &cell, std::size_t firstNew, std::vector<SolidValue> &values) const;
-    void SetErrorsAfterSplit(std::size_t cell);
+    void SetErrorsAfterSplit(std::size_t parent);
 
     const BspSpace &space_;
     const JobPool &jobs_;

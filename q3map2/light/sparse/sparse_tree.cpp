@@ -11,8 +11,7 @@ namespace q3 {
 
 namespace {
 
-/// Corners or cells of one job.
-constexpr std::size_t kJobSize = 1024;
+constexpr std::size_t kCornersOfJob = 1024;
 
 /// What the file says of the lower corner of a leaf.
 enum class CornerRecord : std::uint8_t { Nothing, Stored, Hanging, LeftOut };
@@ -27,7 +26,7 @@ class TreeWriter {
         const std::vector<std::uint32_t> &unstored = corners.Unstored();
         PlaceCorners(unstored, jobs);
         std::vector<std::uint8_t> hasOtherParents(unstored.size()); // by corner: 1 if it hangs on other points
-        ForAll(jobs, unstored.size(), kJobSize, [&](std::size_t i) {
+        ForAll(jobs, unstored.size(), kCornersOfJob, [&](std::size_t i) {
             hasOtherParents[i] = !corners.IsLeftOut(unstored[i]) &&
                                  !std::ranges::all_of(ParentsOf(points[unstored[i]].at),
                                                       [&](const LatticePoint &p) { return IsCorner(points.Find(p)); });
@@ -49,7 +48,7 @@ class TreeWriter {
     /// Places corners of open leafs. Most are lower corners of leafs, which can be marked at the same time.
     void PlaceCorners(const std::vector<std::uint32_t> &numbers, const JobPool &jobs) {
         std::vector<std::uint8_t> isPlaced(numbers.size());
-        ForAll(jobs, numbers.size(), kJobSize, [&](std::size_t i) {
+        ForAll(jobs, numbers.size(), kCornersOfJob, [&](std::size_t i) {
             const LatticePoint &p = points_[numbers[i]].at;
             const std::size_t leaf = tree_.LeafAt(p);
             isPlaced[i] = leaf != Octree::kNone && tree_[leaf].origin == p;
@@ -140,7 +139,7 @@ StoredTree TreeWriter::Write(const JobPool &jobs) const {
             }
         }
     file.order.resize(storedCells.size());
-    ForAll(jobs, storedCells.size(), kJobSize,
+    ForAll(jobs, storedCells.size(), kCornersOfJob,
            [&](std::size_t i) { file.order[i] = corners_.StoredIndex(points_.Find(tree_[storedCells[i]].origin)); });
     return file;
 }
@@ -157,7 +156,7 @@ SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const Co
     SparseGridTree file;
     file.nodes = std::move(stored.nodes);
     file.values = VectorInParallel<bspGridPointSH_t>(stored.order.size(), jobs);
-    ForAll(jobs, file.values.size(), kJobSize,
+    ForAll(jobs, file.values.size(), kCornersOfJob,
            [&](std::size_t i) { file.values[i] = std::bit_cast<bspGridPointSH_t>(values[stored.order[i]]); });
     const Vec3f &mins = lattice.Mins(), &cell = lattice.Cell();
     file.mins = {mins.x, mins.y, mins.z};

@@ -13,8 +13,8 @@ struct StoredTree {
     std::vector<SparseGridNode> nodes;
     std::vector<std::uint32_t> order;
 };
-/// A cell owns its lower corner alone, so cells without open space are split where a stored or hanging corner is not
-/// theirs.
+/// The tree of the file. In it a cell owns only its lower corner, so cells without open space are split until each
+/// stored or hanging corner of a leaf is the lower corner of a cell.
 StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
                      const JobPool &jobs = JobPool(1));
 /// The nodes and values that the file has. values: of the stored corners, in the order of
