@@ -173,10 +173,9 @@ void AddFaults(const CompiledMap &compiled, const BspContext &context, RunReport
         report.AddFault(Counted(compiled.idleAreaPortals, "areaportals without effect"));
 }
 
-/// False: -leaktest found a leak.
-bool CompileToFiles(const fs::path &source, const MapFiles &files, LoadedSource &loaded,
-                    const std::vector<std::string> &recorded, GeometryCache cache, const FileGuard &guard,
-                    const BspContext &context, const BspFormat &format, RunReport &report) {
+/// recorded: words of the command line that the .bsp keeps.
+CompiledMap Compile(LoadedSource &loaded, const std::vector<std::string> &recorded, GeometryCache cache,
+                    const BspContext &context) {
     Map &map = loaded.map;
     Entity &world = map.World().pairs;
     PrintChangedKeys(world, keys::kWorldKeys, "worldspawn", context.log);
@@ -187,12 +186,10 @@ bool CompileToFiles(const fs::path &source, const MapFiles &files, LoadedSource 
         world.Set(keys::kKeepModels.info.name, "1");
     if (context.options.fakeMap)
         WriteText(fs::absolute("fakemap.map"), FakeMapText(map.World(), map.planes), context.log);
-    const CompiledMap compiled = cache.Compile(map, loaded.text, context);
+    CompiledMap compiled = cache.Compile(map, loaded.text, context);
     if (!compiled.abandoned && !context.options.autoCaulk)
         PrintCounts(compiled.bsp, context.log);
-    AddFaults(compiled, context, report);
-    WriteFiles(source, files, compiled, guard, context, format);
-    return !compiled.abandoned;
+    return compiled;
 }
 
 void ReplaceStoredEntities(const fs::path &path, Map &map, const FileGuard &guard, const BspContext &context,
@@ -244,12 +241,15 @@ int BspStage(const StageContext &context, Arguments arguments) {
                                 .vfs = &vfs,
                                 .leakFile = files.lin.string()};
     LoadedSource loaded = ReadSource(source, options, bspContext);
-    bool done = true;
-    if (options.onlyEntities)
+    bool done = true; // false: -leaktest found a leak
+    if (options.onlyEntities) {
         ReplaceStoredEntities(files.bsp, loaded.map, guard, bspContext, format);
-    else
-        done = CompileToFiles(source, files, loaded, file.wordsToRecord, {cache, vfs, format}, guard, bspContext,
-                              format, context.report);
+    } else {
+        const CompiledMap compiled = Compile(loaded, file.wordsToRecord, {cache, vfs, format}, bspContext);
+        AddFaults(compiled, bspContext, context.report);
+        WriteFiles(source, files, compiled, guard, bspContext, format);
+        done = !compiled.abandoned;
+    }
     if (!options.tempName.empty())
         fs::remove(fs::absolute(options.tempName));
     if (done)
