@@ -54,6 +54,8 @@ double CpuSeconds();
 double ThreadCpuSeconds();
 /// Peak resident memory so far, in bytes.
 double PeakMemory();
+/// Asks the operating system for large pages in fresh memory that is read at random. A hint: may do nothing.
+void UseLargePages(void *memory, std::size_t bytes);
 
 /// The path of a name in game data, which may be no UTF-8: such a name is taken for Latin-1 by Windows.
 std::filesystem::path PathOf(std::string_view name);

@@ -143,6 +143,16 @@ double ThreadCpuSeconds() {
     return SecondsOf(CLOCK_THREAD_CPUTIME_ID);
 }
 
+void UseLargePages([[maybe_unused]] void *memory, [[maybe_unused]] std::size_t bytes) {
+#ifdef MADV_HUGEPAGE
+    constexpr std::uintptr_t kPage = std::uintptr_t(1) << 21;
+    const std::uintptr_t first = (reinterpret_cast<std::uintptr_t>(memory) + kPage - 1) / kPage * kPage,
+                         end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / kPage * kPage;
+    if (first < end)
+        madvise(reinterpret_cast<void *>(first), end - first, MADV_HUGEPAGE);
+#endif
+}
+
 double PeakMemory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);

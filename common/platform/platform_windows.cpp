@@ -174,6 +174,9 @@ double ThreadCpuSeconds() {
     return Seconds(kernel) + Seconds(user);
 }
 
+// Windows gives large pages only to processes that may lock memory.
+void UseLargePages(void *, std::size_t) {}
+
 double PeakMemory() {
     PROCESS_MEMORY_COUNTERS counters{};
     GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters);

@@ -51,6 +51,7 @@ class BitTable {
     std::size_t Words() const { return words_; }
     BitWord *Row(std::size_t row) { return data_.data() + row * words_; }
     const BitWord *Row(std::size_t row) const { return data_.data() + row * words_; }
+    std::span<BitWord> Bits(std::size_t row) { return {Row(row), words_}; }
     std::span<const BitWord> Bits(std::size_t row) const { return {Row(row), words_}; }
     bool Test(std::size_t row, std::size_t bit) const { return TestBit(Row(row), bit); }
     /// All rows, one after another.

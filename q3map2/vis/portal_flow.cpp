@@ -2,6 +2,7 @@
 #include "q3map2/vis/portal_flow.h"
 
 #include "common/log.h"
+#include "q3map2/vis/chain_link.h"
 #include "q3map2/vis/vis_map.h"
 #include "q3map2/vis/vis_parts.h"
 #include "q3map2/vis/vis_winding.h"
@@ -10,6 +11,7 @@
 #include <chrono>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 namespace q3 {
 
@@ -26,17 +28,20 @@ constexpr int kMaxSourceClipLength = 5;
 class ChainSearch {
   public:
     ChainSearch(const VisMap &map, const MightSeeTable &mightSee, const FlowSettings &settings)
-        : map_(map), mightSee_(mightSee), settings_(settings) {}
+        : map_(map), mightSee_(mightSee), settings_(settings), blockWords_(BlockWordsOf(map.Words())) {}
 
     /// Adds the portals that are seen through portal `base` to `seen`, which may hold portals known to be seen.
     void Run(std::size_t base, BitWord *seen) {
         base_ = &map_.Portal(base);
         seen_ = seen;
         ChainLink &first = Link(0);
-        first.mightSee = mightSee_.Row(base);
-        first.low = 0, first.high = mightSee_.Words();
-        std::iota(first.unseenStorage.begin(), first.unseenStorage.end(), 0u);
-        first.unseenWords = first.unseenStorage;
+        const SparseBits &row = mightSee_[base];
+        first.blocks = row.Blocks();
+        ForEachBitOf(first.blocks, [&](std::size_t block) {
+            std::fill_n(&first.mightSee[blockWords_ * block], blockWords_, BitWord(0));
+        });
+        row.ForEachWord([&](std::size_t i, BitWord word) { first.mightSee[i] = word; });
+        first.unseenBlocks = UnseenBlocks(first, first.blocks);
         first.length = 1;
         first.source = base_->winding;
         StartLink(first, base);
@@ -49,7 +54,7 @@ class ChainSearch {
                 continue;
             }
             const std::size_t candidate = last.nextCandidate++, q = std::size_t(last.candidates[candidate]);
-            if (!last.MaySee(q))
+            if (!MaySee(last, q))
                 continue;
             ChainLink &next = Link(depth + 1);
             if (settings_.clip ? ExtendClipped(last, candidate, q, next) : Extend(last, candidate, q, next)) {
@@ -62,7 +67,7 @@ class ChainSearch {
   private:
     ChainLink &Link(std::size_t depth) {
         if (depth == links_.size())
-            links_.push_back(std::make_unique<ChainLink>(mightSee_.Words()));
+            links_.push_back(std::make_unique<ChainLink>(map_.Words()));
         return *links_[depth];
     }
 
@@ -76,43 +81,69 @@ class ChainSearch {
 
     /// Portals that may be seen through the last portal of the chain and then q, which is candidate number `candidate`,
     /// here and below.
-    const BitWord *PassageRow(const ChainLink &last, std::size_t candidate, std::size_t q) const {
-        return settings_.passages ? settings_.passages->Row(last.lastPortal, candidate) : mightSee_.Row(q);
+    const SparseBits &PassageRow(const ChainLink &last, std::size_t candidate, std::size_t q) const {
+        const SparseBits *const row =
+            settings_.passages ? settings_.passages->Row(last.lastPortal, candidate) : nullptr;
+        return row ? *row : mightSee_[q];
+    }
+
+    bool MaySee(const ChainLink &link, std::size_t q) const {
+        const std::size_t column = map_.Column(q);
+        return (link.blocks >> column / (kBitsPerWord * blockWords_) & 1) != 0 && TestBit(link.mightSee.data(), column);
     }
 
     /// Whether a portal not seen yet may be seen through the chain and q.
     bool HasUnseen(const ChainLink &last, std::size_t candidate, std::size_t q) const {
-        const BitWord *const seenThroughQ = mightSee_.Row(q), *const passage = PassageRow(last, candidate, q);
-        for (const std::uint32_t i : last.unseenWords)
-            if ((last.mightSee[i] & seenThroughQ[i] & passage[i] & ~seen_[i]) != 0)
-                return true;
+        const SparseBits &seenThroughQ = mightSee_[q], &passage = PassageRow(last, candidate, q);
+        BitWord common = last.unseenBlocks & passage.Blocks() & seenThroughQ.Blocks();
+        for (; common != 0; common &= common - 1) {
+            const auto block = std::size_t(std::countr_zero(common));
+            const SparseBits::Block through = passage[block], beyond = seenThroughQ[block];
+            const BitWord *const mightSee = &last.mightSee[blockWords_ * block], *const seen =
+                                                                                     seen_ + blockWords_ * block;
+            for (BitWord words = through.stored & beyond.stored; words != 0; words &= words - 1) {
+                const auto i = std::size_t(std::countr_zero(words));
+                const BitWord unseen = mightSee[i] & ~seen[i];
+                if (unseen != 0 && (unseen & through[i] & beyond[i]) != 0)
+                    return true;
+            }
+        }
         return false;
+    }
+    /// Those of some blocks of link.mightSee that hold portals not seen yet.
+    BitWord UnseenBlocks(const ChainLink &link, BitWord blocks) const {
+        BitWord unseen = 0;
+        ForEachBitOf(blocks, [&](std::size_t block) {
+            BitWord any = 0;
+            for (std::size_t i = blockWords_ * block; i < blockWords_ * (block + 1); ++i)
+                any |= link.mightSee[i] & ~seen_[i];
+            unseen |= BitWord(any != 0) << block;
+        });
+        return unseen;
     }
 
     /// Sets next.mightSee: the portals that may be seen through the chain and q.
     void RestrictMightSee(const ChainLink &last, std::size_t candidate, std::size_t q, ChainLink &next) const {
-        const BitWord *const mightSee = last.mightSee, *const seenThroughQ = mightSee_.Row(q);
-        const BitWord *const passage = PassageRow(last, candidate, q);
-        BitWord *const into = next.storage.data();
-        for (std::size_t i = last.low; i < last.high; ++i)
-            into[i] = mightSee[i] & seenThroughQ[i] & passage[i];
-        next.mightSee = into;
-        next.low = last.low, next.high = last.high;
-        while (next.low < next.high && into[next.low] == 0)
-            ++next.low;
-        while (next.high > next.low && into[next.high - 1] == 0)
-            --next.high;
-        std::size_t count = 0;
-        for (const std::uint32_t i : last.unseenWords) {
-            next.unseenStorage[count] = i;
-            count += (into[i] & ~seen_[i]) != 0;
-        }
-        next.unseenWords = {next.unseenStorage.data(), count};
+        const SparseBits &seenThroughQ = mightSee_[q], &passage = PassageRow(last, candidate, q);
+        next.blocks = 0;
+        ForEachBitOf(last.blocks & passage.Blocks() & seenThroughQ.Blocks(), [&](std::size_t block) {
+            const SparseBits::Block through = passage[block], beyond = seenThroughQ[block];
+            const BitWord *const mightSee = &last.mightSee[blockWords_ * block];
+            BitWord *const into = &next.mightSee[blockWords_ * block];
+            std::fill_n(into, blockWords_, BitWord(0));
+            BitWord any = 0;
+            ForEachBitOf(through.stored & beyond.stored, [&](std::size_t i) {
+                if (mightSee[i] != 0)
+                    any |= into[i] = mightSee[i] & through[i] & beyond[i];
+            });
+            next.blocks |= BitWord(any != 0) << block;
+        });
+        next.unseenBlocks = UnseenBlocks(next, last.unseenBlocks & next.blocks);
     }
 
     /// Makes `next` the chain with q at its end. False: no portal that is not seen yet can be seen through it.
     bool Extend(const ChainLink &last, std::size_t candidate, std::size_t q, ChainLink &next) {
-        SetBit(seen_, q);
+        SetBit(seen_, map_.Column(q));
         if (!HasUnseen(last, candidate, q))
             return false;
         RestrictMightSee(last, candidate, q, next);
@@ -126,7 +157,7 @@ class ChainSearch {
         if (ahead < -portal.radius || behind > base_->radius)
             return false;
         const bool continues = HasUnseen(last, candidate, q);
-        if (!continues && TestBit(seen_, q))
+        if (!continues && TestBit(seen_, portal.column))
             return false;
         next.pass = portal.winding;
         if (!(ahead > portal.radius) && !next.ClipPass(base_->plane))
@@ -140,7 +171,7 @@ class ChainSearch {
         if (continues && !settings_.reference && last.HasPass() && next.length <= kMaxSourceClipLength &&
             !ClipSourceBackwards(last, portal, next))
             return false;
-        SetBit(seen_, q);
+        SetBit(seen_, portal.column);
         if (!continues)
             return false;
         RestrictMightSee(last, candidate, q, next);
@@ -151,18 +182,14 @@ class ChainSearch {
     /// visited. `portal` is the last of the chain. True: some are left that are not seen yet.
     bool PruneMightSee(ChainLink &link, const FlowPortal &portal) const {
         link.MakeSeparators(base_->plane.normal, portal.plane.normal);
-        std::size_t count = 0;
-        for (const std::uint32_t i : link.unseenWords) {
-            for (BitWord word = link.mightSee[i] & ~seen_[i]; word != 0; word &= word - 1) {
-                const std::size_t t = kBitsPerWord * i + std::size_t(std::countr_zero(word));
-                if (link.Hides(map_.Portal(t)))
-                    ClearBit(link.storage.data(), t);
-            }
-            link.unseenStorage[count] = i;
-            count += (link.mightSee[i] & ~seen_[i]) != 0;
-        }
-        link.unseenWords = {link.unseenStorage.data(), count};
-        return count > 0;
+        ForEachBitOf(link.unseenBlocks, [&](std::size_t block) {
+            for (std::size_t i = blockWords_ * block; i < blockWords_ * (block + 1); ++i)
+                for (BitWord word = link.mightSee[i] & ~seen_[i]; word != 0; word &= word - 1)
+                    if (link.Hides(map_.Portal(map_.PortalAt(kBitsPerWord * i + std::size_t(std::countr_zero(word))))))
+                        link.mightSee[i] &= ~(word & -word);
+        });
+        link.unseenBlocks = UnseenBlocks(link, link.unseenBlocks);
+        return link.unseenBlocks != 0;
     }
 
     static bool Clip(const ChainLink &last, const FlowPortal &portal, ChainLink &next) {
@@ -216,28 +243,11 @@ class ChainSearch {
     const VisMap &map_;
     const MightSeeTable &mightSee_;
     const FlowSettings &settings_;
+    const std::size_t blockWords_; ///< of rows
     const FlowPortal *base_ = nullptr;
     BitWord *seen_ = nullptr;
     std::vector<std::unique_ptr<ChainLink>> links_; ///< by depth; kept from portal to portal
 };
-
-/// Stores the row of a portal. With `symmetric`, bits that were cleared in it are cleared for the opposite direction
-/// too.
-void StoreResult(const VisMap &map, std::size_t p, std::span<const BitWord> seen, bool symmetric,
-                 MightSeeTable &mightSee) {
-    BitWord *const row = mightSee.Row(p);
-    for (std::size_t word = 0; word < seen.size(); ++word) {
-        BitWord cleared = row[word] & ~seen[word];
-        row[word] = symmetric ? row[word] & seen[word] : seen[word];
-        if (!symmetric || !map.Portal(p).hasTwin)
-            continue;
-        for (; cleared != 0; cleared &= cleared - 1) {
-            const std::size_t q = kBitsPerWord * word + std::size_t(std::countr_zero(cleared));
-            if (map.Portal(q).hasTwin)
-                ClearBit(mightSee.Row(q ^ 1), p ^ 1);
-        }
-    }
-}
 
 /// Follows all portals, batch after batch.
 class FlowRun {
@@ -245,7 +255,7 @@ class FlowRun {
     FlowRun(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const VisUnits &units,
             const JobPool &jobs, MightSeeTable &mightSee)
         : map_(map), order_(order), settings_(settings), units_(units), jobs_(jobs), mightSee_(mightSee),
-          batch_(BatchOf(settings, order.size())), found_(batch_, map.NumPortals()), settled_(mightSee.Words()),
+          batch_(BatchOf(settings, order.size())), found_(batch_, map.Columns()), settled_(map.Words()),
           busy_(std::size_t(jobs.Threads())) {
         for (int worker = 0; worker < jobs.Threads(); ++worker)
             searches_.emplace_back(map, mightSee, settings);
@@ -253,14 +263,22 @@ class FlowRun {
 
     /// Replaces rows by those that earlier rounds of parts found.
     void UseKnown(std::span<const int> portals) {
-        std::vector<BitWord> row(mightSee_.Words());
-        for (const int p : portals)
-            if (units_.Find(VisUnits::Row::Flow, std::size_t(p), row))
-                StoreRow(std::size_t(p), row);
+        std::vector<int> known;
+        const auto store = [&] {
+            Store(known);
+            known.clear();
+        };
+        for (const int p : portals) {
+            if (units_.Find(VisUnits::Row::Flow, std::size_t(p), found_.Bits(known.size())))
+                known.push_back(p);
+            if (known.size() == batch_)
+                store();
+        }
+        store();
     }
     /// Searches some portals from the state of the table, and keeps what it finds.
     void RunPart(std::span<const int> portals) {
-        BitTable found(std::size_t(jobs_.Threads()), map_.NumPortals());
+        BitTable found(std::size_t(jobs_.Threads()), map_.Columns());
         jobs_.For(std::int64_t(portals.size()), [&](std::int64_t index, int worker) {
             // The last portal is the most expensive one.
             const auto p = std::size_t(portals[portals.size() - 1 - std::size_t(index)]);
@@ -277,7 +295,7 @@ class FlowRun {
                 // The last portal is the most expensive one. It starts first, which shortens the end of the batch.
                 const std::size_t slot = portals.size() - 1 - std::size_t(index);
                 const auto p = std::size_t(portals[slot]);
-                if (!units_.Find(VisUnits::Row::Flow, p, {found_.Row(slot), found_.Words()}))
+                if (!units_.Find(VisUnits::Row::Flow, p, found_.Bits(slot)))
                     Search(std::size_t(worker), p, found_.Row(slot));
             });
             Store(portals);
@@ -297,21 +315,37 @@ class FlowRun {
     void Search(std::size_t worker, std::size_t p, BitWord *seen) {
         const auto start = std::chrono::steady_clock::now();
         const bool useTwins = !settings_.reference && map_.Portal(p).hasTwin;
-        for (std::size_t word = 0; word < found_.Words(); ++word)
-            seen[word] = useTwins ? mightSee_.Row(p)[word] & settled_[word] : 0;
+        for (std::size_t word = 0; word < map_.Words(); ++word)
+            seen[word] = useTwins ? mightSee_[p].Word(word) & settled_[word] : 0;
         if (!map_.Portal(p).removed)
             searches_[worker].Run(p, seen);
         busy_[worker] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
+    /// Restricts the rows of portals to what was found. Bits that this clears are cleared for the opposite direction
+    /// too, except in reference mode.
     void Store(std::span<const int> portals) {
-        for (std::size_t i = 0; i < portals.size(); ++i)
-            StoreRow(std::size_t(portals[i]), found_.Bits(i));
-    }
-    void StoreRow(std::size_t p, std::span<const BitWord> seen) {
-        StoreResult(map_, p, seen, !settings_.reference, mightSee_);
-        if (map_.Portal(p).hasTwin)
-            SetBit(settled_.data(), p ^ 1);
+        const auto portalOf = [&](std::size_t slot) { return std::size_t(portals[slot]); };
+        jobs_.For(std::int64_t(portals.size()), [&](std::int64_t index, int) {
+            const auto slot = std::size_t(index);
+            mightSee_[portalOf(slot)].Restrict(found_.Bits(slot));
+        });
+        if (settings_.reference)
+            return;
+        // A worker clears bits in the rows of the twins of some columns, for all portals.
+        jobs_.For(std::int64_t(map_.Words()), [&](std::int64_t index, int) {
+            const auto word = std::size_t(index);
+            for (std::size_t slot = 0; slot < portals.size(); ++slot)
+                for (BitWord cleared = map_.Portal(portalOf(slot)).hasTwin ? found_.Row(slot)[word] : 0; cleared != 0;
+                     cleared &= cleared - 1) {
+                    const std::size_t q = map_.PortalAt(kBitsPerWord * word + std::size_t(std::countr_zero(cleared)));
+                    if (map_.Portal(q).hasTwin)
+                        mightSee_[q ^ 1].Clear(map_.Column(portalOf(slot) ^ 1));
+                }
+        });
+        for (const int p : portals)
+            if (map_.Portal(std::size_t(p)).hasTwin)
+                SetBit(settled_.data(), map_.Column(std::size_t(p) ^ 1));
     }
 
     const VisMap &map_;
@@ -321,9 +355,9 @@ class FlowRun {
     const JobPool &jobs_;
     MightSeeTable &mightSee_;
     std::size_t batch_;
-    BitTable found_;                    ///< by portal of the batch: what its search found
-    std::vector<BitWord> settled_;      ///< twins of finished portals: their bits in a row of mightSee_ are final
-    std::vector<double> busy_;          ///< seconds, by worker
+    BitTable found_;               ///< by portal of the batch: what its search found, then the bits that this clears
+    std::vector<BitWord> settled_; ///< twins of finished portals: their bits in a row of mightSee_ are final
+    std::vector<double> busy_;     ///< seconds, by worker
     std::vector<ChainSearch> searches_; ///< by worker
 };
 
@@ -336,7 +370,7 @@ void PartOfPortalFlow(const VisMap &map, std::span<const int> order, const FlowS
                       end = std::min(order.size(), first + size);
     std::vector<double> costs;
     for (const int p : order.subspan(first, end - first)) {
-        const auto seen = double(CountBits(mightSee.Bits(std::size_t(p))));
+        const auto seen = double(mightSee[std::size_t(p)].Count());
         costs.push_back(seen * seen); // about the time of a search
     }
     const std::vector<std::uint8_t> own = units.Own(costs, UnitStore::Division::BySize);

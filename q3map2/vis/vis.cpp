@@ -3,6 +3,8 @@
 
 #include "common/text/text.h"
 #include "q3map2/bspfile/map_keys.h"
+#include "q3map2/vis/passages.h"
+#include "q3map2/vis/portal_flow.h"
 #include "q3map2/vis/vis_map.h"
 #include "q3map2/vis/vis_parts.h"
 
@@ -89,6 +91,18 @@ std::vector<SettingGroup<VisStageOptions>> VisSettings() {
             .since = "0.2.0",
             .example = "4"},
            VisField(&VisOptions::flowRounds)},
+          {{.name = "-vismemory",
+            .values = "MB",
+            .initial = "4096",
+            .range = {.low = 1, .high = 1000000},
+            .help = "Bounds the memory of the tables of portals, in megabytes",
+            .details =
+                "Passages that would not fit are left out. The stage then takes longer and hides less, and warns. "
+                "The rows of the portals themselves are always kept, so the stage may take more if the number "
+                "is small. A map of 1,000 rooms and 35,000 portals takes about FIGURE MB.",
+            .since = "0.2.0",
+            .example = "1024"},
+           VisField(&VisOptions::memory)},
           {{.name = "-plain",
             .help = "Computes visibility as NetRadiant's q3map2 does, one portal after the other on one thread",
             .details = "Each direction is computed separately, and the lump has the same bytes as that of "
@@ -106,7 +120,7 @@ std::vector<SettingGroup<VisStageOptions>> VisSettings() {
 
 namespace {
 
-constexpr std::uint64_t kMaxPassageBytes = std::uint64_t(4) << 30; ///< 4 GB
+constexpr std::uint64_t kMegabyte = 1 << 20; ///< bytes
 /// The lump begins with two 32-bit numbers: of clusters, and of bytes of a row.
 constexpr std::size_t kVisHeaderBytes = 8;
 
@@ -139,22 +153,24 @@ void LogFarPlane(const FarPlane &farPlane, Log &log) {
         log.Print("farplane Exact distance mode on\n");
 }
 
-/// Passages, if the options ask for them and they fit. mightSee: what may be seen, and then tightened by them.
+/// Passages, if the options ask for them. mightSee: what may be seen, and then tightened by them.
 std::optional<Passages> MakePassages(const VisMap &map, const VisOptions &options, const VisUnits &units,
                                      const JobPool &jobs, Log &log, MightSeeTable &mightSee) {
-    const std::size_t count = map.NumPortals();
-    const std::uint64_t bytes = Passages::BytesFor(map);
     if (options.noPassage)
         return std::nullopt;
-    if (bytes > kMaxPassageBytes) {
-        log.Warn("too many passages", "passages would take {} MB, so there are none; -merge makes fewer portals",
-                 bytes >> 20);
-        return std::nullopt;
-    }
-    log.Print("{:7} average number of passages per leaf\n{:7} MB required passage memory\n",
-              bytes / sizeof(BitWord) / std::max<std::size_t>(1, mightSee.Words() * count), bytes >> 20);
+    const std::size_t count = map.NumPortals(), rows = Passages::NumRows(map);
+    log.Print("{:7} average number of passages per leaf\n", rows / std::max<std::size_t>(1, count));
     log.Section(fmt::format("CreatePassages ({})", count));
-    Passages passages(map, mightSee, units, jobs, log);
+    // The rounds that tighten the table hold a second one.
+    const std::uint64_t limit = std::uint64_t(options.memory) * kMegabyte, tables = 2 * mightSee.Bytes();
+    Passages passages(map, mightSee, limit - std::min(limit, tables), units, jobs, log);
+    log.Print("{:7} MB required passage memory\n", passages.Bytes() / kMegabyte);
+    if (passages.Made() < count)
+        log.Warn(
+            "too many passages",
+            "passages of {} of {} portals would take more than {} MB (-vismemory), and are left out: vis takes longer "
+            "and hides less; -merge makes fewer portals",
+            count - passages.Made(), count, options.memory);
     if (!options.plain && !units.IsFirstPart())
         passages.TightenMightSee(map, mightSee, jobs);
     return passages;
@@ -167,17 +183,12 @@ struct FlowStart {
 };
 FlowStart StartFlow(const VisMap &map, const VisOptions &options, const VisUnits &units, const JobPool &jobs,
                     Log &log) {
-    const std::size_t count = map.NumPortals();
-    const bool hasPassages = !options.noPassage && Passages::BytesFor(map) <= kMaxPassageBytes;
     if (units.HasFirstRound()) {
-        FlowStart known{MightSeeTable(count, count), Passages(map)};
-        if (units.FindState(known.mightSee.All(), hasPassages ? known.passages->All() : std::span<BitWord>())) {
-            if (!hasPassages)
-                known.passages.reset();
+        FlowStart known{MightSeeTable(map.NumPortals()), std::nullopt};
+        if (units.FindState(known.mightSee, known.passages))
             return known;
-        }
     }
-    log.Section(fmt::format("BasePortalVis ({})", count));
+    log.Section(fmt::format("BasePortalVis ({})", map.NumPortals()));
     FlowStart start{FloodMightSee(map, options.farPlane, units, jobs, log), {}};
     if (!options.plain && !units.IsFirstPart())
         ApplySymmetry(map, jobs, start.mightSee);
@@ -195,7 +206,7 @@ std::optional<MightSeeTable> PortalVisibility(const VisMap &map, const VisOption
     if (units.IsFirstPart())
         return std::nullopt;
     if (units.EndsBeforeFlow()) {
-        units.KeepState(start.mightSee.All(), start.passages ? start.passages->All() : std::span<const BitWord>());
+        units.KeepState(start.mightSee, start.passages ? &*start.passages : nullptr);
         return std::nullopt;
     }
     if (options.fast)
@@ -222,18 +233,19 @@ BitTable ClusterRows(const PortalGraph &graph, const VisMap &map, const MightSee
     for (std::size_t c = 0; c < clusters; ++c)
         root[c] = std::size_t(graph.Root(int(c)));
     BitTable leafRows(clusters, clusters), rows(clusters, clusters);
-    std::vector<BitWord> seen(mightSee.Words());
+    std::vector<BitWord> seen(map.Words());
     for (std::size_t leaf = 0; leaf < clusters; ++leaf) {
         if (root[leaf] != leaf)
             continue;
         std::fill(seen.begin(), seen.end(), BitWord(0));
         for (const int p : map.PortalsOf(int(leaf))) {
-            SetBit(seen.data(), std::size_t(p));
-            for (std::size_t i = 0; i < seen.size(); ++i)
-                seen[i] |= mightSee.Row(std::size_t(p))[i];
+            SetBit(seen.data(), map.Column(std::size_t(p)));
+            mightSee[std::size_t(p)].ForEachWord([&](std::size_t i, BitWord word) { seen[i] |= word; });
         }
         SetBit(leafRows.Row(leaf), leaf);
-        ForEachBit(seen, [&](std::size_t q) { SetBit(leafRows.Row(leaf), std::size_t(map.Portal(q).leaf)); });
+        ForEachBit(seen, [&](std::size_t column) {
+            SetBit(leafRows.Row(leaf), std::size_t(map.Portal(map.PortalAt(column)).leaf));
+        });
     }
     for (std::size_t c = 0; c < clusters; ++c)
         for (std::size_t other = 0; other < clusters; ++other)
@@ -298,8 +310,7 @@ std::optional<Visibility> ComputeVisibility(const PortalFile &file, std::string_
     log.Print("visdatasize:{}\n", kVisHeaderBytes + std::size_t(result.clusters) * result.rowBytes);
     LogFarPlane(options.farPlane, log);
     const VisMap map(graph, !options.plain);
-    const std::optional<MightSeeTable> mightSee =
-        PortalVisibility(map, options, VisUnits(units, map.NumPortals()), jobs, log);
+    const std::optional<MightSeeTable> mightSee = PortalVisibility(map, options, VisUnits(units, &map), jobs, log);
     if (!mightSee)
         return std::nullopt;
     log.Print("creating leaf vis...\n");

@@ -44,6 +44,7 @@ struct VisOptions {
     bool passageOnly = false;  ///< -passageOnly: passages alone
     bool noSort = false;       ///< -nosort: portals in the order of the file
     int flowRounds = 0;        ///< -flowrounds: see its help; 0: rounds of a constant number of portals
+    int memory = 4096;         ///< -vismemory: megabytes
     bool plain = false;        ///< -plain: reference mode, see FlowSettings::reference
     FarPlane farPlane{};
 };

@@ -1,13 +1,16 @@
-// GPL-2.0-or-later. Portals in compact form, and the passes over them: flood, passages, symmetry.
+// GPL-2.0-or-later. Portals in compact form, and the first passes over them: flood, symmetry.
 #include "q3map2/vis/vis_map.h"
 
 #include "common/log.h"
+#include "common/simd.h"
 #include "q3map2/vis/vis_parts.h"
 #include "q3map2/vis/vis_winding.h"
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 namespace q3 {
 
@@ -52,42 +55,82 @@ bool AnyPointInFront(const VisPlane &plane, const FlowPortal &t, double sign) {
     return false;
 }
 
-/// AnyPointInFront, decided for most portals by the bounding sphere. The center is the mean of the points: if it is in
-/// front, some point is too.
-inline bool ReachesFront(const VisPlane &plane, const FlowPortal &t, float sign) {
-    constexpr float kRounding = 0.5f; // game units: more than the float error of the distance of the center
-    const float center = sign * plane.Distance(t.center);
-    if (center > kOnEpsilon + kRounding)
-        return true;
-    return center >= -t.radius - kRounding && AnyPointInFront(plane, t, double(sign));
+/// What the bounding spheres of two portals say of FacesFrom.
+enum Facing : std::uint8_t { kNever, kPerhaps, kAlways };
+
+/// Whether a part of `t` is in front of `p` and a part of `p` is behind `t`.
+bool FacesFrom(const FlowPortal &p, const FlowPortal &t) {
+    return AnyPointInFront(p.plane, t, 1) && AnyPointInFront(t.plane, p, -1);
 }
 
-void FloodFrom(const VisMap &map, const FarPlane &farPlane, std::size_t from, BitWord *seen, BitTable &tested,
-               std::vector<int> &leafs) {
-    const FlowPortal &p = map.Portal(from);
-    std::fill_n(tested.Row(0), tested.Words(), BitWord(0));
-    leafs.assign(1, p.leaf);
-    while (!leafs.empty()) {
-        const int leaf = leafs.back();
-        leafs.pop_back();
-        for (const int next : map.PortalsOf(leaf)) {
-            const auto q = std::size_t(next);
-            if (TestBit(tested.Row(0), q))
-                continue;
-            SetBit(tested.Row(0), q);
+/// Planes and bounding spheres of all portals, number after number.
+struct PortalColumns {
+    std::vector<float> x, y, z, radius, normalX, normalY, normalZ, dist;
+
+    explicit PortalColumns(const VisMap &map) {
+        for (std::size_t q = 0; q < map.NumPortals(); ++q) {
             const FlowPortal &t = map.Portal(q);
-            if (q == from || IsTooFar(farPlane, p, t) || !ReachesFront(p.plane, t, 1) || !ReachesFront(t.plane, p, -1))
-                continue;
-            SetBit(seen, q);
-            leafs.push_back(t.leaf);
+            x.push_back(t.center.x), y.push_back(t.center.y), z.push_back(t.center.z), radius.push_back(t.radius);
+            normalX.push_back(t.plane.normal.x), normalY.push_back(t.plane.normal.y);
+            normalZ.push_back(t.plane.normal.z), dist.push_back(t.plane.dist);
         }
     }
-}
+    /// Sets facing[q] for FacesFrom(p, q) of the portals in a range. A center is the mean of the points: if it is in
+    /// front of a plane, some point is too.
+    void Compare(const FlowPortal &p, std::size_t first, std::size_t end, std::uint8_t *facing) const {
+        constexpr float kRounding = 0.5f; // game units: more than the float error of a distance
+        const Vec3f n = p.plane.normal, c = p.center;
+        const float planeDist = p.plane.dist, farBehind = -p.radius - kRounding, inFront = kOnEpsilon + kRounding;
+        const float *const cx = x.data(), *const cy = y.data(), *const cz = z.data(), *const r = radius.data(),
+                           *const nx = normalX.data(), *const ny = normalY.data(), *const nz = normalZ.data(),
+                           *const d = dist.data();
+        Vectorize([=]() Q3_INLINE {
+            Q3_INDEPENDENT
+            for (std::size_t q = first; q < end; ++q) {
+                const float ahead = cx[q] * n.x + cy[q] * n.y + cz[q] * n.z - planeDist;
+                const float behind = d[q] - (nx[q] * c.x + ny[q] * c.y + nz[q] * c.z);
+                const bool never = (ahead < -r[q] - kRounding) | (behind < farBehind);
+                const bool always = (ahead > inFront) & (behind > inFront);
+                facing[q] = std::uint8_t(never ? kNever : always ? kAlways : kPerhaps);
+            }
+        });
+    }
+};
 
-/// Swaps bits 2 i and 2 i + 1, which belong to a portal and its twin.
-BitWord SwapPairs(BitWord word) {
-    constexpr BitWord kEven = 0x5555555555555555u;
-    return (word & kEven) << 1 | (word >> 1 & kEven);
+/// Storage of a worker for floods.
+struct FloodScratch {
+    std::vector<std::uint8_t> facing; ///< of kFloodTile portals, one after another: by portal
+    std::vector<BitWord> seen, reached;
+    std::vector<int> leafs;
+};
+/// Portals that are compared with all others at once, and portals of a comparison whose columns stay in the cache.
+constexpr std::size_t kFloodTile = 8, kFloodColumns = 512;
+
+/// Sets mine.seen from what `facing` says of portal `from` and the others.
+void FloodFrom(const VisMap &map, const FarPlane &farPlane, std::size_t from, const std::uint8_t *facing,
+               FloodScratch &mine) {
+    const FlowPortal &p = map.Portal(from);
+    std::ranges::fill(mine.seen, BitWord(0));
+    std::ranges::fill(mine.reached, BitWord(0));
+    SetBit(mine.reached.data(), std::size_t(p.leaf));
+    mine.leafs.assign(1, p.leaf);
+    while (!mine.leafs.empty()) {
+        const int leaf = mine.leafs.back();
+        mine.leafs.pop_back();
+        for (const int next : map.PortalsOf(leaf)) {
+            const auto q = std::size_t(next);
+            if (facing[q] == kNever || q == from)
+                continue;
+            const FlowPortal &t = map.Portal(q);
+            if (IsTooFar(farPlane, p, t) || (facing[q] == kPerhaps && !FacesFrom(p, t)))
+                continue;
+            SetBit(mine.seen.data(), t.column);
+            if (!TestBit(mine.reached.data(), std::size_t(t.leaf))) {
+                SetBit(mine.reached.data(), std::size_t(t.leaf));
+                mine.leafs.push_back(t.leaf);
+            }
+        }
+    }
 }
 
 /// Transposes a 64 x 64 bit matrix (Warren, Hacker's Delight, 7-3).
@@ -99,6 +142,20 @@ void Transpose64(std::array<BitWord, 64> &block) {
             block[k] ^= exchanged << step;
             block[k + step] ^= exchanged;
         }
+}
+
+PortalBounds BoundsOf(const VisMap &map, std::size_t word) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    Vec3f low(kInfinity, kInfinity, kInfinity), high = -low;
+    for (std::size_t column = kBitsPerWord * word; column < kBitsPerWord * (word + 1); ++column) {
+        const WindingView winding = map.HasPortal(column) ? map.Portal(map.PortalAt(column)).winding : WindingView();
+        for (int i = 0; i < winding.count; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min(low[axis], winding.Point(i)[axis]);
+                high[axis] = std::max(high[axis], winding.Point(i)[axis]);
+            }
+    }
+    return {(low + high) * 0.5f, (high - low) * 0.5f};
 }
 
 } // namespace
@@ -136,6 +193,38 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
             });
     }
     leafFirst_.push_back(int(leafPortals_.size()));
+    SetColumns();
+}
+
+void VisMap::SetColumns() {
+    constexpr std::size_t kGroupBits = 8 * kBitsPerWord; // whole cache lines
+    // By the axis of its normal: of each pair of a portal and its twin the one that faces the positive side.
+    std::array<std::vector<std::size_t>, 3> facing;
+    for (std::size_t p = 0; p < NumPortals(); p += 2) {
+        const Vec3f n = portals_[p].plane.normal;
+        const float x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
+        const std::size_t axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+        facing[axis].push_back(n[axis] > 0 ? p : p + 1);
+    }
+    for (const std::vector<std::size_t> &group : facing) {
+        const std::size_t first = portalAt_.size(), size = (group.size() + kGroupBits - 1) / kGroupBits * kGroupBits;
+        portalAt_.resize(first + 2 * size, -1);
+        for (std::size_t i = 0; i < group.size(); ++i) {
+            const std::size_t p = group[i];
+            portals_[p].column = std::uint32_t(first + i);
+            portals_[p ^ 1].column = std::uint32_t(first + size + i);
+            portalAt_[first + i] = int(p), portalAt_[first + size + i] = int(p ^ 1);
+        }
+        for (std::size_t word = 0; word < WordsOf(2 * size); ++word)
+            twinWord_.push_back((first + (word * kBitsPerWord + size) % std::max<std::size_t>(1, 2 * size)) /
+                                kBitsPerWord);
+    }
+    const std::size_t block = BlockWordsOf(Words()) * kBitsPerWord;
+    portalAt_.resize((Columns() + block - 1) / block * block, -1);
+    while (twinWord_.size() < Words())
+        twinWord_.push_back(twinWord_.size());
+    for (std::size_t word = 0; word < Words(); ++word)
+        bounds_.push_back(BoundsOf(*this, word));
 }
 
 std::vector<std::uint8_t> OwnPortals(const VisMap &map, const VisUnits &units) {
@@ -163,29 +252,41 @@ std::vector<std::uint8_t> FloodedPortals(const VisMap &map, const VisUnits &unit
 MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const VisUnits &units, const JobPool &jobs,
                             Log &log) {
     const std::size_t count = map.NumPortals();
-    MightSeeTable mightSee(count, count);
-    struct Scratch {
-        BitTable tested;
-        std::vector<int> leafs;
-    };
-    std::vector<Scratch> scratch(std::size_t(jobs.Threads()));
-    for (Scratch &one : scratch)
-        one.tested = BitTable(1, count);
+    MightSeeTable mightSee(count, jobs.Threads());
+    const PortalColumns columns(map);
+    std::vector<FloodScratch> scratch(std::size_t(jobs.Threads()));
+    for (FloodScratch &one : scratch) {
+        one.facing.resize(kFloodTile * count);
+        one.seen.resize(map.Words());
+        one.reached.resize(WordsOf(map.NumLeafs()));
+    }
     const bool isPart = units.IsFirstPart();
     const std::vector<std::uint8_t> own = isPart ? OwnPortals(map, units) : std::vector<std::uint8_t>(),
                                     wanted = isPart ? FloodedPortals(map, units) : std::vector<std::uint8_t>(count, 1);
-    Progress progress(log, std::int64_t(count));
-    jobs.For(
-        std::int64_t(count),
-        [&](std::int64_t index, int worker) {
-            const auto p = std::size_t(index);
-            Scratch &mine = scratch[std::size_t(worker)];
-            if (map.Portal(p).removed || wanted[p] == 0 ||
-                units.Find(VisUnits::Row::Flood, p, {mightSee.Row(p), mightSee.Words()}))
-                return;
-            FloodFrom(map, farPlane, p, mightSee.Row(p), mine.tested, mine.leafs);
+    const auto flood = [&](std::size_t p, const std::uint8_t *facing, FloodScratch &mine, int worker) {
+        if (!units.Find(VisUnits::Row::Flood, p, mine.seen)) {
+            FloodFrom(map, farPlane, p, facing, mine);
             if (isPart && own[p] != 0)
-                units.Keep(VisUnits::Row::Flood, p, mightSee.Bits(p));
+                units.Keep(VisUnits::Row::Flood, p, mine.seen);
+        }
+        mightSee.Set(p, mine.seen, worker);
+    };
+    const std::size_t tiles = (count + kFloodTile - 1) / kFloodTile;
+    Progress progress(log, std::int64_t(tiles));
+    jobs.For(
+        std::int64_t(tiles),
+        [&](std::int64_t index, int worker) {
+            FloodScratch &mine = scratch[std::size_t(worker)];
+            std::vector<std::size_t> portals;
+            for (std::size_t p = kFloodTile * std::size_t(index); p < count && portals.size() < kFloodTile; ++p)
+                if (!map.Portal(p).removed && wanted[p] != 0)
+                    portals.push_back(p);
+            for (std::size_t first = 0; first < count; first += kFloodColumns)
+                for (std::size_t i = 0; i < portals.size(); ++i)
+                    columns.Compare(map.Portal(portals[i]), first, std::min(count, first + kFloodColumns),
+                                    mine.facing.data() + i * count);
+            for (std::size_t i = 0; i < portals.size(); ++i)
+                flood(portals[i], mine.facing.data() + i * count, mine, worker);
         },
         [&](std::int64_t done) { progress.Update(done, 0); });
     progress.Finish();
@@ -193,31 +294,42 @@ MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const V
 }
 
 void ApplySymmetry(const VisMap &map, const JobPool &jobs, MightSeeTable &mightSee) {
-    const std::size_t count = map.NumPortals(), words = mightSee.Words();
+    const std::size_t words = map.Words();
     std::vector<BitWord> twins(words);
-    for (std::size_t p = 0; p < count; ++p)
+    for (std::size_t p = 0; p < map.NumPortals(); ++p)
         if (map.Portal(p).hasTwin)
-            SetBit(twins.data(), p);
-    // Compares bit q of row p with bit p ^ 1 of row q ^ 1: each block of 64 x 64 bits with its mirror image.
-    const auto load = [&](std::size_t row, std::size_t word, std::array<BitWord, 64> &into) {
-        for (std::size_t k = 0; k < 64; ++k)
-            into[k] = 64 * row + k < count ? mightSee.Row(64 * row + k)[word] : 0;
+            SetBit(twins.data(), map.Column(p));
+    // Compares the bit of q in row p with that of p ^ 1 in row q ^ 1: each block of 64 rows, in the order of columns,
+    // and 64 columns with its mirror image. False: all of its bits are 0.
+    const auto load = [&](std::size_t rows, std::size_t word, std::array<BitWord, 64> &into) {
+        BitWord any = 0;
+        for (std::size_t k = 0; k < 64; ++k) {
+            const std::size_t column = 64 * rows + k;
+            any |= into[k] = map.HasPortal(column) ? mightSee[map.PortalAt(column)].Word(word) : 0;
+        }
+        return any != 0;
     };
-    const auto restrict = [&](std::size_t row, std::size_t word, const std::array<BitWord, 64> &by) {
-        for (std::size_t k = 0; k < 64 && 64 * row + k < count; ++k)
-            if (TestBit(twins.data(), 64 * row + k))
-                mightSee.Row(64 * row + k)[word] &= SwapPairs(by[k ^ 1]) | ~twins[word];
+    const auto restrict = [&](std::size_t rows, std::size_t word, const std::array<BitWord, 64> &by) {
+        for (std::size_t k = 0; k < 64; ++k)
+            if (TestBit(twins.data(), 64 * rows + k))
+                if (BitWord *const bits = mightSee[map.PortalAt(64 * rows + k)].Find(word))
+                    *bits &= by[k] | ~twins[word];
     };
     jobs.For(std::int64_t(words), [&](std::int64_t index, int) {
         std::array<BitWord, 64> block, across;
-        const auto row = std::size_t(index);
-        for (std::size_t word = row; word < words; ++word) {
-            load(row, word, block);
-            load(word, row, across);
+        const auto rows = std::size_t(index);
+        for (std::size_t word = 0; word < words; ++word) {
+            const std::size_t mirrorRows = map.TwinWord(word), mirrorWord = map.TwinWord(rows);
+            // Of each pair of blocks, the one that comes first; a block may be its own mirror image.
+            if (std::pair(mirrorRows, mirrorWord) < std::pair(rows, word))
+                continue;
+            const bool hasBlock = load(rows, word, block), hasAcross = load(mirrorRows, mirrorWord, across);
             Transpose64(block);
             Transpose64(across);
-            restrict(row, word, across);
-            restrict(word, row, block);
+            if (hasBlock)
+                restrict(rows, word, across);
+            if (hasAcross)
+                restrict(mirrorRows, mirrorWord, block);
         }
     });
 }
@@ -229,149 +341,10 @@ std::vector<int> OrderPortals(const VisMap &map, const MightSeeTable &mightSee, 
         return order;
     std::vector<std::size_t> cost(order.size());
     for (std::size_t p = 0; p < cost.size(); ++p)
-        cost[p] = CountBits(mightSee.Bits(p));
+        cost[p] = mightSee[p].Count();
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return cost[std::size_t(a)] < cost[std::size_t(b)]; });
     return order;
-}
-
-// ---- Passages: the portals seen through a pair of consecutive portals ----
-
-namespace {
-
-constexpr int kMaxPlanes = 64; ///< with fewer planes more is seen, which is safe
-
-/// Separators of a pair of consecutive portals: the region seen through both is in front of all of them.
-struct PassagePlanes {
-    VisPlane planes[kMaxPlanes];
-    int count = 0;
-
-    PassagePlanes(const WindingView &first, const WindingView &second) {
-        AddSeparators(first, second, InFront::T);
-        AddSeparators(second, first, InFront::S);
-    }
-    void AddSeparators(const WindingView &s, const WindingView &t, InFront inFront) {
-        for (int edge = 0; edge < s.count && count < kMaxPlanes; ++edge)
-            count += SeparatorOfEdge(s, t, edge, inFront, planes[count]);
-    }
-    /// Whether a part of the portal is in front of all planes.
-    bool MaySee(const FlowPortal &q) const {
-        WindingBuffer buffers[2];
-        const VisPlane *cutting[kMaxPlanes];
-        int cuts = 0;
-        for (int i = 0; i < count; ++i) {
-            const float d = planes[i].Distance(q.center);
-            if (d < -q.radius + kOnEpsilon)
-                return false;
-            if (d <= q.radius)
-                cutting[cuts++] = &planes[i];
-        }
-        for (int i = 0; i < cuts; ++i)
-            if (PointDistances(q.winding, *cutting[i]).max < kOnEpsilon)
-                return false;
-        WindingView winding = q.winding;
-        for (int i = 0; i < cuts; ++i)
-            if (!ChopInFront(winding, *cutting[i], buffers[i & 1]))
-                return false;
-        return true;
-    }
-};
-
-} // namespace
-
-std::uint64_t Passages::BytesFor(const VisMap &map) {
-    std::uint64_t rows = 0;
-    for (std::size_t p = 0; p < map.NumPortals(); ++p)
-        rows += map.Portal(p).removed ? 0 : map.PortalsAfter(p).size();
-    return rows * WordsOf(map.NumPortals()) * sizeof(BitWord);
-}
-
-Passages::Passages(const VisMap &map) {
-    const std::size_t count = map.NumPortals();
-    start_.resize(count);
-    std::size_t rows = 0;
-    for (std::size_t p = 0; p < count; ++p) {
-        start_[p] = rows;
-        rows += map.Portal(p).removed ? 0 : map.PortalsAfter(p).size();
-    }
-    rows_ = rows, words_ = WordsOf(count);
-    // Workers set their rows first: the system gives each the memory that it uses.
-    table_ = std::make_unique_for_overwrite<BitWord[]>(rows_ * words_);
-}
-
-/// Makes the rows of a portal.
-void Passages::Make(const VisMap &map, const MightSeeTable &mightSee, std::size_t p) {
-    const auto after = map.PortalsAfter(p);
-    for (std::size_t next = 0; next < after.size(); ++next) {
-        const auto t = std::size_t(after[next]);
-        BitWord *const row = &table_[(start_[p] + next) * words_];
-        const BitWord *const a = mightSee.Row(p), *const b = mightSee.Row(t);
-        for (std::size_t i = 0; i < words_; ++i)
-            row[i] = a[i] & b[i];
-        const PassagePlanes planes(map.Portal(p).winding, map.Portal(t).winding);
-        ForEachBit(std::span<const BitWord>(row, words_), [&](std::size_t q) {
-            if (!planes.MaySee(map.Portal(q)))
-                ClearBit(row, q);
-        });
-    }
-}
-
-Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, const VisUnits &units, const JobPool &jobs,
-                   Log &log)
-    : Passages(map) {
-    const std::size_t count = map.NumPortals();
-    const bool isPart = units.IsFirstPart();
-    const std::vector<std::uint8_t> own = isPart ? OwnPortals(map, units) : std::vector<std::uint8_t>(count, 1);
-    Progress progress(log, std::int64_t(count));
-    jobs.For(
-        std::int64_t(count),
-        [&](std::int64_t index, int) {
-            const auto p = std::size_t(index);
-            if (map.Portal(p).removed || own[p] == 0)
-                return;
-            const auto after = map.PortalsAfter(p);
-            const std::span<BitWord> rows(table_.get() + start_[p] * words_, after.size() * words_);
-            if (!units.Find(VisUnits::Row::Passage, p, rows)) {
-                Make(map, mightSee, p);
-                if (isPart)
-                    units.Keep(VisUnits::Row::Passage, p, rows);
-                return;
-            }
-            // The part did not know yet what symmetry has cleared.
-            for (std::size_t next = 0; next < after.size(); ++next)
-                for (std::size_t i = 0; i < words_; ++i)
-                    rows[next * words_ + i] &= mightSee.Row(p)[i] & mightSee.Row(std::size_t(after[next]))[i];
-        },
-        [&](std::int64_t done) { progress.Update(done, 0); });
-    progress.Finish();
-}
-
-void Passages::TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const JobPool &jobs) const {
-    constexpr int kRounds = 4; // later ones find little
-    const std::size_t words = mightSee.Words();
-    for (int round = 0; round < kRounds; ++round) {
-        const MightSeeTable before = mightSee;
-        jobs.For(std::int64_t(map.NumPortals()), [&](std::int64_t index, int) {
-            const auto p = std::size_t(index);
-            if (map.Portal(p).removed)
-                return;
-            BitWord *const row = mightSee.Row(p);
-            std::fill_n(row, words, BitWord(0));
-            const auto after = map.PortalsAfter(p);
-            for (std::size_t next = 0; next < after.size(); ++next) {
-                const auto t = std::size_t(after[next]);
-                if (!before.Test(p, t))
-                    continue;
-                SetBit(row, t);
-                const BitWord *const through = Row(p, next), *const beyond = before.Row(t);
-                for (std::size_t i = 0; i < words; ++i)
-                    row[i] |= through[i] & beyond[i];
-            }
-            for (std::size_t i = 0; i < words; ++i)
-                row[i] &= before.Row(p)[i];
-        });
-        ApplySymmetry(map, jobs, mightSee);
-    }
 }
 
 } // namespace q3

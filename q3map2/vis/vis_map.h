@@ -1,11 +1,10 @@
-// GPL-2.0-or-later. Portals in compact form, and the passes over them: flood, passages, symmetry.
+// GPL-2.0-or-later. Portals in compact form, and the first passes over them: flood, symmetry.
 #pragma once
 
-#include "libs/math/bit_table.h"
 #include "q3map2/vis/portal_graph.h"
+#include "q3map2/vis/sparse_bits.h"
 #include "q3map2/vis/vis.h"
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,10 +18,21 @@ struct alignas(16) FlowPortal {
     Vec3f center;
     float radius = 0;
     WindingView winding;
-    int leaf = 0; ///< leaf to which the portal leads
+    int leaf = 0;             ///< leaf to which the portal leads
+    std::uint32_t column = 0; ///< its bit in rows of the tables
     bool sky = false, removed = false;
     bool hasTwin = false; ///< portal ^ 1 has the same winding and the opposite direction
 };
+
+/// An axial box: center, and half of its size.
+struct PortalBounds {
+    Vec3f center, extent;
+};
+/// How far a box reaches from its center along the normal of a plane.
+inline float Reach(const PortalBounds &box, const VisPlane &plane) {
+    const Vec3f &n = plane.normal;
+    return std::abs(n.x) * box.extent.x + std::abs(n.y) * box.extent.y + std::abs(n.z) * box.extent.z;
+}
 
 /// The portal graph, read only.
 class VisMap {
@@ -32,6 +42,7 @@ class VisMap {
     VisMap(const VisMap &) = delete;
     VisMap &operator=(const VisMap &) = delete;
 
+    std::size_t NumLeafs() const { return leafFirst_.size() - 1; }
     std::size_t NumPortals() const { return portals_.size(); }
     const FlowPortal &Portal(std::size_t index) const { return portals_[index]; }
     /// Portals that lead out of a leaf; removed ones are left out.
@@ -41,15 +52,34 @@ class VisMap {
     }
     /// Portals that lead out of the leaf behind a portal: the candidates for the next portal of a chain.
     std::span<const int> PortalsAfter(std::size_t portal) const { return PortalsOf(portals_[portal].leaf); }
+    // Columns: bits of rows. Portals of about the same direction are next to each other, since what is seen through a
+    // portal faces one way: so blocks of rows are either full or not stored.
+
+    /// Number of bits of a row: a multiple of that of a block.
+    std::size_t Columns() const { return portalAt_.size(); }
+    std::size_t Words() const { return WordsOf(Columns()); }
+    std::size_t Column(std::size_t portal) const { return portals_[portal].column; }
+    bool HasPortal(std::size_t column) const { return portalAt_[column] >= 0; }
+    /// The portal of a column that has one.
+    std::size_t PortalAt(std::size_t column) const { return std::size_t(portalAt_[column]); }
+    /// The word that holds, at the same bits, the twins of the portals of a word.
+    std::size_t TwinWord(std::size_t word) const { return twinWord_[word]; }
+    /// Bounds of the portals of a word.
+    const PortalBounds &BoundsOfWord(std::size_t word) const { return bounds_[word]; }
 
   private:
+    void SetColumns();
+
     std::vector<FlowPortal> portals_;
+    std::vector<int> portalAt_; ///< by column; -1: none
+    std::vector<std::size_t> twinWord_;
     std::vector<int> leafFirst_, leafPortals_;
     std::vector<float> points_;
+    std::vector<PortalBounds> bounds_; ///< by word
 };
 
-/// Bit q of row p: portal q may be seen through portal p. Passes only clear bits.
-using MightSeeTable = BitTable;
+/// Bit VisMap::Column(q) of row p: portal q may be seen through portal p. Passes only clear bits.
+using MightSeeTable = SparseBitTable;
 
 /// The first estimate: q may be seen through p if part of q is in front of p, part of p is behind q, both are within
 /// the far plane, and a chain of such portals leads from p to q.
@@ -64,55 +94,8 @@ void ApplySymmetry(const VisMap &map, const JobPool &jobs, MightSeeTable &mightS
 /// Portals in ascending order of the number of bits of their rows, ties by index; all by index unless `sorted`.
 std::vector<int> OrderPortals(const VisMap &map, const MightSeeTable &mightSee, bool sorted);
 
-/// For each pair of successive portals of a chain: the portals that may be seen through both.
-class Passages {
-  public:
-    /// Memory of the table in bytes.
-    static std::uint64_t BytesFor(const VisMap &map);
-    /// units: as in FloodMightSee.
-    Passages(const VisMap &map, const MightSeeTable &mightSee, const VisUnits &units, const JobPool &jobs, Log &log);
-    /// The rows have no values yet.
-    explicit Passages(const VisMap &map);
-
-    /// Portals seen through `first` and then through VisMap::PortalsAfter(first)[next].
-    const BitWord *Row(std::size_t first, std::size_t next) const { return &table_[(start_[first] + next) * words_]; }
-    /// All rows, one after another.
-    std::span<BitWord> All() { return {table_.get(), rows_ * words_}; }
-
-    /// Restricts each row p to the union over next portals t of t itself and of passage(p, t) & row t, in several
-    /// rounds, since a smaller row can shrink others.
-    void TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const JobPool &jobs) const;
-
-  private:
-    void Make(const VisMap &map, const MightSeeTable &mightSee, std::size_t p);
-
-    std::vector<std::size_t> start_;   ///< by portal: its first row of table_
-    std::size_t rows_ = 0, words_ = 0; ///< number of rows, and words of a row
-    std::unique_ptr<BitWord[]> table_;
-};
-
 /// The portals that a part of the first round computes, by portal: those next to each other in the file, which are
 /// neighbors in the map.
 std::vector<std::uint8_t> OwnPortals(const VisMap &map, const VisUnits &units);
-
-/// How portal flow searches.
-struct FlowSettings {
-    const Passages *passages = nullptr; ///< nullptr: none
-    bool clip = true;                   ///< clip windings by separators; else only passages restrict chains
-    /// Reference mode: one portal after the other, without results of twins, and only the separators that the
-    /// established algorithm finds.
-    bool reference = false;
-    int rounds = 0; ///< VisOptions::flowRounds
-};
-
-/// Replaces the row of every portal, taken in the given order, by the portals that chains from it reach. The
-/// result does not depend on the number of workers.
-/// units: rows that are known are not searched again.
-void PortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings, const VisUnits &units,
-                const JobPool &jobs, Log &log, MightSeeTable &mightSee);
-
-/// Computes and keeps the rows of a part of a round of flow; mightSee: before the flow.
-void PartOfPortalFlow(const VisMap &map, std::span<const int> order, const FlowSettings &settings,
-                      const VisUnits &units, const JobPool &jobs, Log &log, MightSeeTable &mightSee);
 
 } // namespace q3

@@ -9,40 +9,65 @@ namespace q3 {
 
 namespace {
 
-/// Most words of rows are zero: the others are stored with their index.
-std::vector<std::byte> BytesOfWords(std::span<const BitWord> words) {
-    std::vector<std::uint32_t> indices;
-    std::vector<BitWord> values;
-    for (std::size_t i = 0; i < words.size(); ++i)
-        if (words[i] != 0)
-            indices.push_back(std::uint32_t(i)), values.push_back(words[i]);
-    UnitWriter writer;
-    writer.PutAll(indices);
-    writer.PutAll(values);
-    return writer.Take();
-}
-
-/// words: zero. They are rows of that many portals; bits beyond the last one do not fit.
-bool ReadWords(UnitReader &reader, std::size_t portals, std::span<BitWord> words) {
-    const std::size_t perRow = WordsOf(portals);
-    const BitWord last = portals % kBitsPerWord == 0 ? ~BitWord(0) : (BitWord(1) << portals % kBitsPerWord) - 1;
-    std::vector<std::uint32_t> indices;
-    std::vector<BitWord> values;
-    reader.GetAll(indices);
-    reader.GetAll(values);
-    if (!reader.Fits() || indices.size() != values.size())
-        return false;
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-        if (indices[i] >= words.size() || (indices[i] % perRow == perRow - 1 && (values[i] & ~last) != 0))
-            return false;
-        words[indices[i]] = values[i];
+/// Most words of rows are zero: the others are stored with their place.
+class WordList {
+  public:
+    explicit WordList(std::span<const BitWord> dense) {
+        for (std::size_t i = 0; i < dense.size(); ++i)
+            if (dense[i] != 0)
+                Add(i, dense[i]);
     }
-    return true;
-}
+    explicit WordList(const SparseBits &row) {
+        row.ForEachWord([&](std::size_t i, BitWord word) { Add(i, word); });
+    }
+    void Put(UnitWriter &writer) const {
+        writer.PutAll(places_);
+        writer.PutAll(words_);
+    }
+    /// row: zero. Bits of columns without a portal do not fit.
+    static bool Get(UnitReader &reader, const VisMap &map, std::span<BitWord> row) {
+        std::vector<std::uint32_t> places;
+        std::vector<BitWord> words;
+        reader.GetAll(places);
+        reader.GetAll(words);
+        if (!reader.Fits() || places.size() != words.size())
+            return false;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            if (places[i] >= row.size())
+                return false;
+            row[places[i]] = words[i];
+        }
+        bool hasPortals = true;
+        ForEachBit(row, [&](std::size_t column) { hasPortals &= map.HasPortal(column); });
+        return hasPortals;
+    }
+    static bool GetRows(UnitReader &reader, const VisMap &map, SparseBitTable &rows) {
+        std::vector<BitWord> dense(map.Words());
+        for (std::size_t row = 0; row < rows.Rows(); ++row) {
+            std::ranges::fill(dense, BitWord(0));
+            if (!Get(reader, map, dense))
+                return false;
+            rows.Set(row, dense);
+        }
+        return true;
+    }
+
+  private:
+    void Add(std::size_t place, BitWord word) { places_.push_back(std::uint32_t(place)), words_.push_back(word); }
+
+    std::vector<std::uint32_t> places_;
+    std::vector<BitWord> words_;
+};
 
 Hash128 KeyOfRow(VisUnits::Row kind, std::size_t portal) {
     KeyBuilder key("vis row");
     key.Add(kind, std::uint64_t(portal));
+    return key.Key();
+}
+
+Hash128 KeyOfPassages(std::size_t portal) {
+    KeyBuilder key("vis passages");
+    key.Add(std::uint64_t(portal));
     return key.Key();
 }
 
@@ -55,7 +80,9 @@ Hash128 KeyOfState(std::string_view part) {
 } // namespace
 
 void VisUnits::Keep(Row kind, std::size_t portal, std::span<const BitWord> words) const {
-    units_->Keep(KeyOfRow(kind, portal), BytesOfWords(words));
+    UnitWriter writer;
+    WordList(words).Put(writer);
+    units_->Keep(KeyOfRow(kind, portal), writer.Take());
 }
 
 bool VisUnits::Find(Row kind, std::size_t portal, std::span<BitWord> words) const {
@@ -64,24 +91,59 @@ bool VisUnits::Find(Row kind, std::size_t portal, std::span<BitWord> words) cons
         return false;
     std::ranges::fill(words, BitWord(0));
     UnitReader reader(*bytes);
-    return ReadWords(reader, portals_, words);
+    return WordList::Get(reader, *map_, words);
 }
 
-void VisUnits::KeepState(std::span<const BitWord> mightSee, std::span<const BitWord> passages) const {
+void VisUnits::KeepPassages(std::size_t portal, std::span<const BitWord> rows) const {
+    UnitWriter writer;
+    for (std::size_t first = 0; first < rows.size(); first += map_->Words())
+        WordList(rows.subspan(first, map_->Words())).Put(writer);
+    units_->Keep(KeyOfPassages(portal), writer.Take());
+}
+
+bool VisUnits::FindPassages(std::size_t portal, std::span<BitWord> rows) const {
+    const auto bytes = units_ ? units_->Find(KeyOfPassages(portal)) : std::nullopt;
+    if (!bytes)
+        return false;
+    std::ranges::fill(rows, BitWord(0));
+    UnitReader reader(*bytes);
+    for (std::size_t first = 0; first < rows.size(); first += map_->Words())
+        if (!WordList::Get(reader, *map_, rows.subspan(first, map_->Words())))
+            return false;
+    return true;
+}
+
+void VisUnits::KeepState(const MightSeeTable &mightSee, const Passages *passages) const {
+    UnitWriter seen, through;
+    for (std::size_t p = 0; p < mightSee.Rows(); ++p)
+        WordList(mightSee[p]).Put(seen);
+    through.Put(std::uint8_t(passages != nullptr));
+    through.Put(std::uint64_t(passages ? passages->Made() : 0));
+    for (std::size_t row = 0; passages && row < passages->Rows().Rows(); ++row)
+        WordList(passages->Rows()[row]).Put(through);
     units_->Clear();
-    units_->Keep(KeyOfState("might see"), BytesOfWords(mightSee));
-    units_->Keep(KeyOfState("passages"), BytesOfWords(passages));
+    units_->Keep(KeyOfState("might see"), seen.Take());
+    units_->Keep(KeyOfState("passages"), through.Take());
 }
 
-bool VisUnits::FindState(std::span<BitWord> mightSee, std::span<BitWord> passages) const {
+bool VisUnits::FindState(MightSeeTable &mightSee, std::optional<Passages> &passages) const {
     const auto seen = units_ ? units_->Find(KeyOfState("might see")) : std::nullopt,
                through = units_ ? units_->Find(KeyOfState("passages")) : std::nullopt;
     if (!seen || !through)
         return false;
-    std::ranges::fill(mightSee, BitWord(0));
-    std::ranges::fill(passages, BitWord(0));
     UnitReader seenReader(*seen), throughReader(*through);
-    return ReadWords(seenReader, portals_, mightSee) && ReadWords(throughReader, portals_, passages);
+    if (!WordList::GetRows(seenReader, *map_, mightSee))
+        return false;
+    std::uint8_t hasPassages = 0;
+    std::uint64_t made = 0;
+    throughReader.Get(hasPassages);
+    throughReader.Get(made);
+    SparseBitTable rows(hasPassages != 0 ? Passages::NumRows(*map_) : 0);
+    if (!throughReader.Fits() || made > map_->NumPortals() || !WordList::GetRows(throughReader, *map_, rows))
+        return false;
+    if (hasPassages != 0)
+        passages.emplace(*map_, std::move(rows), std::size_t(made));
+    return true;
 }
 
 } // namespace q3

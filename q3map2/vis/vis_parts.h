@@ -3,6 +3,7 @@
 
 #include "libs/math/bit_table.h"
 #include "q3map2/units/unit_store.h"
+#include "q3map2/vis/passages.h"
 #include "q3map2/vis/vis_map.h"
 
 #include <algorithm>
@@ -24,12 +25,11 @@ inline constexpr int kFlowRoundsOfParts = 4;
 class VisUnits {
   public:
     enum class Row {
-        Flood,   ///< of a portal: FloodMightSee
-        Passage, ///< of a portal: its passages one after another, as if both of their ends saw all that the flood gives
-        Flow     ///< of a portal: what the portal flow finds
+        Flood, ///< of a portal: FloodMightSee
+        Flow   ///< of a portal: what the portal flow finds
     };
-    /// units: null, or of the purpose Parts.
-    explicit VisUnits(UnitStore *units, std::size_t portals = 0) : units_(units), portals_(portals) {}
+    /// units: null, or of the purpose Parts; map: needed by the latter.
+    explicit VisUnits(UnitStore *units, const VisMap *map = nullptr) : units_(units), map_(map) {}
 
     /// Whether this process computes part of the first round, or of a later one.
     bool IsFirstPart() const { return units_ && units_->IsPartOfFirstRound(); }
@@ -42,20 +42,24 @@ class VisUnits {
     int FlowRoundsBefore() const { return units_ ? std::max(0, units_->roundsBefore - 1) : 0; }
 
     void Keep(Row kind, std::size_t portal, std::span<const BitWord> words) const;
-    /// False: it is not there.
+    /// False: it is not there, and words are as before.
     bool Find(Row kind, std::size_t portal, std::span<BitWord> words) const;
+    /// The passages of a portal, dense rows one after another. A part keeps them as if both of their ends saw all that
+    /// the flood gives.
+    void KeepPassages(std::size_t portal, std::span<const BitWord> rows) const;
+    bool FindPassages(std::size_t portal, std::span<BitWord> rows) const;
     std::vector<std::uint8_t> Own(std::span<const double> costs, UnitStore::Division division) const {
         return units_->Own(costs, division);
     }
 
     /// The state before the portal flow: what may be seen, and passages. It replaces all results of the first round.
-    void KeepState(std::span<const BitWord> mightSee, std::span<const BitWord> passages) const;
+    void KeepState(const MightSeeTable &mightSee, const Passages *passages) const;
     /// False: the state is not there.
-    bool FindState(std::span<BitWord> mightSee, std::span<BitWord> passages) const;
+    bool FindState(MightSeeTable &mightSee, std::optional<Passages> &passages) const;
 
   private:
     UnitStore *units_;
-    std::size_t portals_;
+    const VisMap *map_;
 };
 
 } // namespace q3

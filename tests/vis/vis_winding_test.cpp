@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Planes between two windings, and the order in which portals are followed.
+#include "q3map2/vis/portal_flow.h"
 #include "q3map2/vis/vis_map.h"
 #include "q3map2/vis/vis_parts.h"
 #include "q3map2/vis/vis_winding.h"
@@ -122,9 +123,7 @@ TEST(VisMapOrder, PortalsWithLeastInFrontComeFirst) {
         EXPECT_EQ(asInFile[i], int(i));
         differs |= sorted[i] != int(i);
     }
-    const auto fewer = [&](int a, int b) {
-        return CountBits(sight.Bits(std::size_t(a))) < CountBits(sight.Bits(std::size_t(b)));
-    };
+    const auto fewer = [&](int a, int b) { return sight[std::size_t(a)].Count() < sight[std::size_t(b)].Count(); };
     EXPECT_TRUE(std::is_sorted(sorted.begin(), sorted.end(), fewer));
     EXPECT_TRUE(differs);
 }
@@ -151,22 +150,79 @@ TEST(Passages, NarrowSightBetweenFloodAndFlow) {
     Log log(Log::Nowhere());
     const auto narrowed = [&](int threads) {
         MightSeeTable sight = FloodMightSee(map, {}, VisUnits(nullptr), JobPool(threads), log);
-        const Passages passages(map, sight, VisUnits(nullptr), JobPool(threads), log);
+        const Passages passages(map, sight, std::uint64_t(1) << 30, VisUnits(nullptr), JobPool(threads), log);
         passages.TightenMightSee(map, sight, JobPool(threads));
         return sight;
     };
-    const MightSeeTable flood = FloodMightSee(map, {}, VisUnits(nullptr), JobPool(1), log), one = narrowed(1), three = narrowed(3);
-    MightSeeTable flow = flood;
+    const MightSeeTable flood = FloodMightSee(map, {}, VisUnits(nullptr), JobPool(1), log), one = narrowed(1),
+                        three = narrowed(3);
+    MightSeeTable flow = FloodMightSee(map, {}, VisUnits(nullptr), JobPool(1), log);
     PortalFlow(map, OrderPortals(map, flood, true), {}, VisUnits(nullptr), JobPool(1), log, flow);
     std::size_t fewer = 0;
     for (std::size_t p = 0; p < map.NumPortals(); ++p)
         for (std::size_t q = 0; q < map.NumPortals(); ++q) {
-            EXPECT_EQ(one.Test(p, q), three.Test(p, q));
-            EXPECT_LE(one.Test(p, q), flood.Test(p, q));
-            EXPECT_LE(flow.Test(p, q), one.Test(p, q)) << p << " sees " << q;
-            fewer += flood.Test(p, q) && !one.Test(p, q);
+            const std::size_t column = map.Column(q);
+            EXPECT_EQ(one.Test(p, column), three.Test(p, column));
+            EXPECT_LE(one.Test(p, column), flood.Test(p, column));
+            EXPECT_LE(flow.Test(p, column), one.Test(p, column)) << p << " sees " << q;
+            fewer += flood.Test(p, column) && !one.Test(p, column);
         }
     EXPECT_GT(fewer, 0u);
+}
+
+/// Each portal has a column of its own, and the twins of the portals of a word are at the same bits of one other word.
+TEST(VisMapColumns, TwinsAreAtTheSameBits) {
+    const RoomGrid grid(10);
+    const VisMap map(BuildPortalGraph(ParsePortalFile(grid.Prt(), "grid.prt"), "grid.prt"), true);
+    ASSERT_GT(map.NumPortals(), 200u);
+    for (std::size_t p = 0; p < map.NumPortals(); ++p) {
+        const std::size_t column = map.Column(p), twin = map.Column(p ^ 1);
+        EXPECT_EQ(map.PortalAt(column), p);
+        EXPECT_EQ(map.TwinWord(column / kBitsPerWord), twin / kBitsPerWord);
+        EXPECT_EQ(column % kBitsPerWord, twin % kBitsPerWord);
+    }
+}
+
+/// Rows of random words against dense rows, for small and for large maps.
+TEST(SparseBits, AreWhatDenseRowsAre) {
+    std::mt19937_64 random(11);
+    for (const std::size_t words : {std::size_t(8), std::size_t(72), std::size_t(2048)}) {
+        std::vector<BitWord> dense(words), kept(words);
+        for (std::size_t i = 0; i < words; ++i) {
+            dense[i] = random() % 5 == 0 ? random() & random() : 0;
+            kept[i] = random();
+        }
+        BitPool pool;
+        SparseBits row(dense, pool);
+        EXPECT_EQ(row.Count(), CountBits(dense));
+        std::vector<BitWord> visited(words);
+        row.ForEachWord([&](std::size_t i, BitWord word) { visited[i] = word; });
+        EXPECT_EQ(visited, dense);
+        for (std::size_t k = 0; k < 200; ++k) {
+            const std::size_t bit = random() % (kBitsPerWord * words);
+            row.Clear(bit);
+            ClearBit(dense.data(), bit);
+        }
+        std::vector<BitWord> cleared = kept;
+        row.Restrict(cleared);
+        for (std::size_t i = 0; i < words; ++i) {
+            EXPECT_EQ(row.Word(i), dense[i] & kept[i]);
+            EXPECT_EQ(cleared[i], dense[i] & ~kept[i]);
+        }
+        EXPECT_LT(row.Bytes(), sizeof(BitWord) * words * 2 / 3 + 200) << "words that are 0 take no memory";
+    }
+}
+
+/// A bound of the memory leaves out passages: more counts as seen, and the result is the same on more threads.
+TEST(Passages, BeyondTheBoundOfMemoryAreLeftOut) {
+    const RoomGrid grid(12);
+    const VisRun all = RunVis(grid.Prt()), one = RunVis(grid.Prt(), {.memory = 0}),
+                 three = RunVis(grid.Prt(), {.memory = 0}, 3);
+    EXPECT_FALSE(all.Printed("are left out"));
+    EXPECT_TRUE(one.Printed("would take more than 0 MB (-vismemory), and are left out"));
+    EXPECT_EQ(one.rows, three.rows);
+    for (std::size_t i = 0; i < all.visibility.rows.size(); ++i)
+        EXPECT_EQ(all.visibility.rows[i] & ~one.visibility.rows[i], 0) << "nothing visible is hidden";
 }
 
 } // namespace

@@ -1,0 +1,181 @@
+// GPL-2.0-or-later. Sets of portals of large maps: rows of bits of which only the blocks that hold bits are stored.
+#pragma once
+
+#include "common/platform/platform.h"
+#include "libs/math/bit_table.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace q3 {
+
+/// A row has at most 64 blocks of at most 32 words, so that bits say which blocks and which of their words are stored.
+inline constexpr std::size_t kMaxBlocks = 64, kMaxBlockWords = 32;
+/// Words of a block of a row of that many words.
+inline std::size_t BlockWordsOf(std::size_t words) {
+    constexpr std::size_t kFewest = 8;
+    return std::max(kFewest, (words + kMaxBlocks - 1) / kMaxBlocks);
+}
+/// Calls visit(index) for each bit of a word, in ascending order.
+template <typename Visit> void ForEachBitOf(BitWord word, Visit &&visit) {
+    for (; word != 0; word &= word - 1)
+        visit(std::size_t(std::countr_zero(word)));
+}
+/// Number of bits of `set` below bit number `end`. The base processor has no instruction that counts bits.
+inline std::size_t CountBelow(BitWord set, std::size_t end) {
+    BitWord x = set & ((BitWord(1) << end) - 1);
+    x -= x >> 1 & 0x5555555555555555u;
+    x = (x & 0x3333333333333333u) + (x >> 2 & 0x3333333333333333u);
+    x = (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+    return x * 0x0101010101010101u >> 56;
+}
+
+/// Memory of rows, in large pieces, of which the system makes large pages: rows are read at random.
+class BitPool {
+  public:
+    BitWord *Allocate(std::size_t words) {
+        if (words > left_) {
+            left_ = pieceWords_ = std::max(words, std::clamp(2 * pieceWords_, kFirstWords, kMostWords));
+            pieces_.push_back(std::make_unique_for_overwrite<BitWord[]>(left_));
+            next_ = pieces_.back().get();
+            UseLargePages(next_, left_ * sizeof(BitWord));
+        }
+        left_ -= words;
+        return std::exchange(next_, next_ + words);
+    }
+
+  private:
+    static constexpr std::size_t kFirstWords = std::size_t(1) << 13, kMostWords = std::size_t(1)
+                                                                                  << 22; ///< 64 KB, 32 MB
+
+    std::vector<std::unique_ptr<BitWord[]>> pieces_;
+    BitWord *next_ = nullptr;
+    std::size_t left_ = 0, pieceWords_ = 0; ///< words left of the last piece, and its size
+};
+
+/// A row of bits in the memory of a pool. Words that are 0 when it is made are not stored; afterwards bits can only be
+/// cleared.
+class SparseBits {
+  public:
+    /// A block that is stored.
+    struct Block {
+        std::uint32_t stored; ///< bit i: word i of the block is stored
+        BitWord *words;       ///< the words that are stored, one after another
+        BitWord *Find(std::size_t i) const { return (stored >> i & 1) != 0 ? words + CountBelow(stored, i) : nullptr; }
+        /// Word i, which is stored.
+        BitWord operator[](std::size_t i) const { return words[CountBelow(stored, i)]; }
+    };
+
+    /// No bits, of any row.
+    SparseBits() = default;
+    /// dense: all words of a row, a multiple of BlockWordsOf(its size).
+    SparseBits(std::span<const BitWord> dense, BitPool &pool) : blockWords_(std::uint32_t(BlockWordsOf(dense.size()))) {
+        std::size_t words = 0;
+        for (std::size_t i = 0; i < dense.size(); ++i)
+            if (dense[i] != 0)
+                ++words, blocks_ |= BitWord(1) << i / blockWords_;
+        const std::size_t heads = CountBits({&blocks_, 1});
+        size_ = std::uint32_t(heads + words);
+        data_ = pool.Allocate(size_);
+        std::size_t head = 0, at = heads;
+        ForEachBitOf(blocks_, [&](std::size_t block) {
+            const std::size_t first = at;
+            BitWord stored = 0;
+            for (std::size_t i = 0; i < blockWords_; ++i)
+                if (const BitWord word = dense[block * blockWords_ + i]) {
+                    stored |= BitWord(1) << i;
+                    data_[at++] = word;
+                }
+            data_[head++] = BitWord(first) << kMaxBlockWords | stored;
+        });
+    }
+
+    /// The set of blocks that are stored.
+    BitWord Blocks() const { return blocks_; }
+    /// A block that is stored.
+    Block operator[](std::size_t block) const { return BlockOf(data_[CountBelow(blocks_, block)]); }
+    /// Null for words that are not stored, which are 0.
+    BitWord *Find(std::size_t word) {
+        const std::size_t block = blocks_ != 0 ? word / blockWords_ : 0;
+        return (blocks_ >> block & 1) != 0 ? (*this)[block].Find(word % blockWords_) : nullptr;
+    }
+    BitWord Word(std::size_t word) const {
+        const BitWord *const found = const_cast<SparseBits *>(this)->Find(word);
+        return found ? *found : 0;
+    }
+    bool Test(std::size_t bit) const { return (Word(bit / kBitsPerWord) >> bit % kBitsPerWord & 1) != 0; }
+    void Clear(std::size_t bit) {
+        if (BitWord *const word = Find(bit / kBitsPerWord))
+            *word &= ~(BitWord(1) << bit % kBitsPerWord);
+    }
+    std::size_t Count() const {
+        const std::size_t heads = CountBits({&blocks_, 1});
+        return CountBits({data_ + heads, size_ - heads});
+    }
+    /// Bytes in memory, this object included.
+    std::size_t Bytes() const { return sizeof(*this) + sizeof(BitWord) * size_; }
+
+    /// Calls visit(index, word) for each word that is stored, in ascending order; `word` may be changed.
+    template <typename Visit> void ForEachWord(Visit &&visit) const {
+        const BitWord *head = data_;
+        ForEachBitOf(blocks_, [&](std::size_t block) {
+            const Block stored = BlockOf(*head++);
+            BitWord *word = stored.words;
+            ForEachBitOf(stored.stored, [&](std::size_t i) { visit(blockWords_ * block + i, *word++); });
+        });
+    }
+    /// Clears the bits that a dense row of the same length does not have, and sets that row to those that were cleared.
+    void Restrict(std::span<BitWord> dense) {
+        std::size_t next = 0;
+        ForEachWord([&](std::size_t i, BitWord &word) {
+            std::fill(&dense[next], &dense[i], BitWord(0));
+            const BitWord kept = word & dense[i];
+            dense[i] = word & ~kept;
+            word = kept;
+            next = i + 1;
+        });
+        std::fill(dense.begin() + std::ptrdiff_t(next), dense.end(), BitWord(0));
+    }
+
+  private:
+    Block BlockOf(BitWord head) const { return {std::uint32_t(head), data_ + (head >> kMaxBlockWords)}; }
+
+    BitWord blocks_ = 0; ///< bit b: block b is stored
+    /// For each block that is stored: 32 bits for its words, and 32 for the index of the first one; then all words.
+    BitWord *data_ = nullptr;
+    std::uint32_t size_ = 0, blockWords_ = 0; ///< of data_, and words of a block
+};
+
+/// Rows of the same length, and their memory.
+class SparseBitTable {
+  public:
+    SparseBitTable() = default;
+    /// workers: those that set rows, numbered from 0.
+    explicit SparseBitTable(std::size_t rows, int workers = 1) : rows_(rows), pools_(std::size_t(workers)) {}
+
+    void Set(std::size_t row, std::span<const BitWord> dense, int worker = 0) {
+        rows_[row] = SparseBits(dense, pools_[std::size_t(worker)]);
+    }
+    std::size_t Rows() const { return rows_.size(); }
+    SparseBits &operator[](std::size_t row) { return rows_[row]; }
+    const SparseBits &operator[](std::size_t row) const { return rows_[row]; }
+    bool Test(std::size_t row, std::size_t bit) const { return rows_[row].Test(bit); }
+    /// Bytes that the rows take.
+    std::uint64_t Bytes() const {
+        std::uint64_t bytes = 0;
+        for (const SparseBits &row : rows_)
+            bytes += row.Bytes();
+        return bytes;
+    }
+
+  private:
+    std::vector<SparseBits> rows_;
+    std::vector<BitPool> pools_; ///< by worker
+};
+
+} // namespace q3
