@@ -66,9 +66,11 @@ DeringStats DeringGridSH(LightGridSH &grid, bool radiance, const JobPool &jobs) 
 
 namespace {
 
-/// Engines hold lump lengths in 32-bit integers.
+/// A BSP file ends at 2 GiB, since its offsets are 32-bit integers. This much of it, in bytes, is left to the other
+/// lumps, whose size is not known yet.
+constexpr std::int64_t kRoomForOtherLumps = std::int64_t(1) << 28;
 constexpr std::int64_t kMaxPointsSH =
-    (std::numeric_limits<std::int32_t>::max() - std::int64_t(sizeof(bspGridSHHeader_t))) /
+    (std::numeric_limits<std::int32_t>::max() - kRoomForOtherLumps - std::int64_t(sizeof(bspGridSHHeader_t))) /
     std::int64_t(sizeof(bspGridPointSH_t));
 static_assert(sizeof(bspGridSHHeader_t) == 40 && sizeof(bspGridPointSH_t) == 108);
 
@@ -107,9 +109,10 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
     const GridLayout layout = LayoutGridSH(bsp, size);
     const Float3 asked = std::exchange(size, layout.size);
     if (size != asked)
-        log.Warn("SH grid size",
-                 "an SH grid with cells of {} {} {} exceeds the 2 GiB limit of a lump; {} {} {} is used", asked[0],
-                 asked[1], asked[2], size[0], size[1], size[2]);
+        log.Warn(
+            "SH grid size",
+            "an SH grid with cells of {} {} {} exceeds 1.75 GiB, what it can have of a .bsp of 2 GiB; {} {} {} is used",
+            asked[0], asked[1], asked[2], size[0], size[1], size[2]);
     log.Print("SH grid cells of {} {} {}\n", size[0], size[1], size[2]);
     log.Count(layout.Count(), "SH grid points");
     return layout;

@@ -79,7 +79,7 @@ Group GridSH() {
            .range = {.low = 0, .aboveLow = true},
            .floor = double(kMinCell),
            .help = "Sets the size of the cells of the SH grid",
-           .details = "A value below 8 becomes 8, with a warning. If the grid would pass 2 GiB, its cells grow by 8 "
+           .details = "A value below 8 becomes 8, with a warning. If the grid would pass 1.75 GiB, its cells grow by 8 "
                       "units at a time until it does not, with a warning.",
            .since = "0.1.0",
            .example = "64 64 64"},

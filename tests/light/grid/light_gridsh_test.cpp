@@ -42,6 +42,16 @@ Vec3d SunDirection(double azimuth, double elevation) {
     return {std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)};
 }
 
+/// Cells grow until the grid leaves a file of 2 GiB, where offsets of BSP files end, a quarter of a GiB for other lumps.
+TEST(GridSHLayout, OfALargeWorldLeavesRoomInTheFile) {
+    Bsp bsp;
+    bsp.models.push_back({{-32768, -32768, -4096}, {32768, 32768, 4096}});
+    const GridLayout layout = LayoutGridSH(bsp, {8, 8, 8});
+    const std::int64_t bytes = layout.Count() * std::int64_t(sizeof(bspGridPointSH_t));
+    EXPECT_LE(bytes, 7 * (std::int64_t(1) << 28));
+    EXPECT_GT(bytes, std::int64_t(1) << 30) << "they grow no more than needed";
+}
+
 TEST_F(ClosedFormTest, PointLightGivesAllCoefficients) {
     // The third is where a grid point is: there its light comes from everywhere, as from 16 units.
     for (const Vec3d at : {Vec3d{40, -24, 150}, Vec3d{-200, 150, 20}, Vec3d{32, -64, 128}, Vec3d{33, -65, 129}}) {
