@@ -145,6 +145,13 @@ TEST(HdrTest, FlatRowsAndOldRuns) {
     EXPECT_EQ(DecodeHdr(longRun, "x").texels, std::vector<Vec3f>(259, Vec3f(2, 2, 2)));
 }
 
+TEST(HdrTest, TheLeastColorOfFlatRowsIsNoRepeat) {
+    // 2^-135 is mantissa 1 at the lowest exponent, and 1 1 1 means a repeat.
+    const float least = std::ldexp(1.0f, -135);
+    const FloatImage image{2, 1, {{least, least, least}, {least, 0, 0}}};
+    EXPECT_EQ(DecodeHdr(EncodeHdr(image), "x").texels, (std::vector<Vec3f>{{0, 0, 0}, {least, 0, 0}}));
+}
+
 TEST(HdrTest, ExposureAndBottomFirst) {
     const FloatFile file =
         FileOf("#?RADIANCE\nEXPOSURE= 2\nEXPOSURE=4.0\n\n+Y 2 +X 1\n", {128, 0, 0, 132, 0, 128, 0, 129});
