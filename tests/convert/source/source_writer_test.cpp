@@ -211,6 +211,12 @@ TEST_F(SourceFormsTest, NamesThatNeedQuotesGetThem) {
     EXPECT_THAT(Converted(text, MapForm::Valve), testing::HasSubstr(" \"my wall\" [ "));
 }
 
+TEST_F(SourceFormsTest, QuotesInKeysBecomeApostrophes) {
+    const std::string text = Converted(World("a\"b \"x\"\n\"c\" d\"e\n"), MapForm::Valve);
+    EXPECT_THAT(text, testing::HasSubstr("\t\"a'b\" \"x\"\n\t\"c\" \"d'e\"\n"));
+    Read(text);
+}
+
 TEST_F(SourceFormsTest, WhatIsNoMapIsAnError) {
     EXPECT_THROW(Converted("", MapForm::Valve), Error);
     EXPECT_THROW(Converted(World("{\n( 0 0 64 ) ( 0 64 64 ) 64 0 64 ) wall 0 0 0 1 1\n}\n"), MapForm::Valve), Error);
