@@ -414,16 +414,19 @@ struct Md3Shader {
 };
 static_assert(sizeof(Md3Header) == 108 && sizeof(Md3Surface) == 108 && sizeof(Md3Vert) == 8 && sizeof(Md3Shader) == 68);
 
-/// Reads records; errors where they are outside the file.
+/// Reads records; errors where they are outside the file, or have more bytes together than the file.
 class Md3File {
   public:
-    explicit Md3File(std::span<const std::byte> file) : file_(file) {}
+    explicit Md3File(std::span<const std::byte> file) : file_(file), unread_(std::int64_t(file.size())) {}
 
-    template <typename Record> std::vector<Record> Read(std::int64_t offset, std::int64_t count) const {
+    template <typename Record> std::vector<Record> Read(std::int64_t offset, std::int64_t count) {
         const auto size = std::int64_t(file_.size());
         if (offset < 0 || count < 0 || offset > size || count > (size - offset) / std::int64_t(sizeof(Record)))
             throw Error("{} records of {} bytes at {} are not inside the {} bytes of the file", count, sizeof(Record),
                         offset, size);
+        unread_ -= count * std::int64_t(sizeof(Record));
+        if (unread_ < 0)
+            throw Error("its surfaces overlap: together they are larger than the {} bytes of the file", size);
         std::vector<Record> records(static_cast<std::size_t>(count));
         if (count > 0)
             std::memcpy(records.data(), file_.data() + offset, sizeof(Record) * records.size());
@@ -432,6 +435,7 @@ class Md3File {
 
   private:
     std::span<const std::byte> file_;
+    std::int64_t unread_; ///< bytes of the file, less those of all records so far
 };
 
 DrawVert Md3VertOf(const Md3Vert &from, const std::array<float, 2> &st) {
@@ -445,8 +449,7 @@ DrawVert Md3VertOf(const Md3Vert &from, const std::array<float, 2> &st) {
     return vert;
 }
 
-ModelMesh Md3MeshOf(const Md3File &file, std::int64_t at, const Md3Surface &surface, std::string_view modelName,
-                    int frame) {
+ModelMesh Md3MeshOf(Md3File &file, std::int64_t at, const Md3Surface &surface, std::string_view modelName, int frame) {
     ModelMesh mesh;
     if (surface.shaders > 0) {
         const auto shader = file.Read<Md3Shader>(at + surface.shaderOffset, 1).front();
@@ -475,7 +478,7 @@ bool IsMd3(std::span<const std::byte> file) {
 }
 
 Model ReadMd3(std::span<const std::byte> bytes, std::string_view modelName, int frame) {
-    const Md3File file(bytes);
+    Md3File file(bytes);
     const auto header = file.Read<Md3Header>(0, 1).front();
     if (!IsMd3(bytes) || header.version != kMd3Version)
         throw Error("version {}, expected an MD3 model of version {}", header.version, kMd3Version);

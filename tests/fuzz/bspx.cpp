@@ -1,4 +1,8 @@
-// GPL-2.0-or-later. Fuzz target bspx: each BSPX lump by itself. What is read is written again and reads equal.
+// GPL-2.0-or-later. Fuzz target bspx: each BSPX lump by itself. What is read is written again and reads equal, and
+// engines read it too.
+#include "libs/ambientcubes/ambient_cubes.h"
+#include "libs/shgrid/shgrid.h"
+#include "libs/staticprops/staticprops.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/bspfile/bspfile_named.h"
 #include "q3map2/bspfile/bspfile_sparse.h"
@@ -35,6 +39,30 @@ std::vector<std::byte> ReadAndWriteLump(const BspxRow &row, std::span<const std:
     return bytes;
 }
 
+/// Engines must read what this program takes.
+void RequireEngineReads(BspxId id, std::span<const std::byte> lump, const Bsp &bsp) {
+    shgrid_grid grid;
+    ambient_cubes cubes;
+    staticprops_light props;
+    const std::vector<std::byte> leafs(bsp.leafs.size() * AMBIENT_CUBES_BSP_LEAF_BYTES);
+    switch (id) {
+    case BspxId::LightGridSH:
+    case BspxId::SparseGridSH:
+    case BspxId::NamedGridSH:
+        Require(shgrid_parse(lump.data(), lump.size(), &grid) == SHGRID_OK, "engines do not read the grid");
+        break;
+    case BspxId::AmbientCubes:
+        Require(ambient_cubes_parse(lump.data(), lump.size(), leafs.data(), leafs.size(), &cubes) == AMBIENT_CUBES_OK,
+                "engines do not read the cubes");
+        break;
+    case BspxId::PropLight:
+        Require(staticprops_parse(lump.data(), lump.size(), &props) == STATICPROPS_OK, "engines do not read the props");
+        break;
+    default:
+        break;
+    }
+}
+
 /// A lump that the reader took; it may still not fit the map, or contradict itself.
 void CheckLump(const BspxRow &row, Bsp &bsp, Log &log) {
     if (row.misfit != nullptr)
@@ -43,6 +71,7 @@ void CheckLump(const BspxRow &row, Bsp &bsp, Log &log) {
     DropUnfitLumps(bsp, "x.bsp", log);
     if (!isSound || !row.has(bsp))
         return;
+    RequireEngineReads(row.id, row.write(bsp).Bytes(), bsp);
     if (bsp.sparseGridSH)
         MustSucceed("a sparse grid", [&] {
             DequantizePoints(*bsp.sparseGridSH), CountSparseLevels(*bsp.sparseGridSH);

@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Fuzz target engine: the headers of libs as engines use them, on whole files and on lumps, with
-// every call at positions, normals and indexes of the input. What they load, the program reads too, and the reverse.
+// every call at positions, normals and indexes of the input.
 #include "libs/ambientcubes/ambient_cubes.h"
 #include "libs/bspx/bspx.h"
 #include "libs/directional/directional.h"
