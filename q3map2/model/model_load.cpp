@@ -9,6 +9,7 @@
 #include "common/text/text_scan.h"
 #include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/map_keys.h"
+#include "q3map2/model/model_apart.h"
 #include "q3map2/shader/shader_table.h"
 
 #include <assimp/IOSystem.hpp>
@@ -174,20 +175,20 @@ std::string VfsName(std::string_view path) {
 /// The game's files for assimp, which may open others that a model names.
 class GameFiles : public Assimp::IOSystem {
   public:
-    explicit GameFiles(const VirtualFileSystem &vfs) : vfs_(vfs) {}
-    bool Exists(const char *name) const override { return vfs_.Exists(VfsName(name)); }
+    explicit GameFiles(const ModelFiles &files) : files_(files) {}
+    bool Exists(const char *name) const override { return files_.Exists(VfsName(name)); }
     char getOsSeparator() const override { return '/'; }
     Assimp::IOStream *Open(const char *name, const char *mode) override {
         if (std::string_view(mode).find_first_of("wa+") != std::string_view::npos)
             return nullptr;
-        auto bytes = vfs_.Read(VfsName(name));
+        auto bytes = files_.Read(VfsName(name));
         return bytes ? new FileStream(std::move(*bytes)) : nullptr; // assimp passes it to Close
     }
     void Close(Assimp::IOStream *stream) override { delete stream; }
     bool ComparePaths(const char *a, const char *b) const override { return EqualNoCase(VfsName(a), VfsName(b)); }
 
   private:
-    const VirtualFileSystem &vfs_;
+    const ModelFiles &files_;
 };
 
 /// assimp converts all formats to y up; maps have z up.
@@ -266,9 +267,9 @@ ModelMesh MeshOf(const aiMesh &source, const aiScene &scene, std::string_view mo
     return mesh;
 }
 
-Model ReadModel(const VirtualFileSystem &vfs, const std::string &name, int frame) {
+Model ReadModel(const ModelFiles &files, const std::string &name, int frame) {
     Assimp::Importer importer;
-    importer.SetIOHandler(new GameFiles(vfs)); // the importer owns it
+    importer.SetIOHandler(new GameFiles(files)); // the importer owns it
     importer.SetPropertyBool(AI_CONFIG_IMPORT_MD3_HANDLE_MULTIPART, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_MD3_LOAD_SHADERS, false);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -299,7 +300,8 @@ const Model *ModelLibrary::Get(std::string_view name, int frame, std::string &pr
             const std::string path = VfsName(name);
             if (vfs_ == nullptr || !vfs_->Exists(path))
                 throw Error("there is no such file");
-            entry.model = std::make_unique<Model>(ReadModel(*vfs_, path, frame));
+            entry.model = std::make_unique<Model>(
+                ReadModelApart(*vfs_, [&](const ModelFiles &files) { return ReadModel(files, path, frame); }));
         } catch (const std::exception &error) {
             entry.problem = error.what();
         }
