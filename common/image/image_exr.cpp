@@ -76,7 +76,38 @@ Imf::FrameBuffer Slices(Vec3f *first, const Imath::Box2i &window, std::size_t wi
     return buffer;
 }
 
+/// Checks the sizes of the attributes of the header, since the library takes memory for an attribute before it reads
+/// it. What else is wrong, it finds itself.
+void CheckAttributes(std::span<const std::byte> file, std::string_view name) {
+    constexpr std::size_t kHeadBytes = 8; // magic, version
+    constexpr std::byte kSeveralParts{0x10};
+    constexpr std::array kMagic{std::byte{0x76}, std::byte{0x2f}, std::byte{0x31}, std::byte{0x01}};
+    if (file.size() < kHeadBytes || !std::ranges::equal(file.first(kMagic.size()), kMagic))
+        return;
+    const bool hasParts = (file[5] & kSeveralParts) != std::byte(0);
+    std::span<const std::byte> rest = file.subspan(kHeadBytes);
+    const auto textLength = [&rest] { return std::size_t(std::ranges::find(rest, std::byte(0)) - rest.begin()); };
+    // An attribute is its name, its type, a size, and so many bytes. A header ends with an empty name.
+    for (bool wasEnd = false; !rest.empty();) {
+        const bool isEnd = textLength() == 0;
+        if (isEnd && (wasEnd || !hasParts))
+            return;
+        wasEnd = isEnd;
+        for (int texts = isEnd ? 1 : 2; texts > 0; --texts)
+            rest = rest.subspan(std::min(textLength() + 1, rest.size()));
+        std::uint32_t size = 0;
+        if (isEnd || rest.size() < sizeof size)
+            continue;
+        std::memcpy(&size, rest.data(), sizeof size);
+        rest = rest.subspan(sizeof size);
+        if (size > rest.size())
+            throw Error("{}: EXR: an attribute of {} bytes, but {} follow", name, size, rest.size());
+        rest = rest.subspan(size);
+    }
+}
+
 FloatImage ReadExr(std::span<const std::byte> file, std::string_view name) {
+    CheckAttributes(file, name);
     Imf::Header::setMaxImageSize(kMaxExrSide, kMaxExrSide);
     Imf::Header::setMaxTileSize(kMaxExrSide, kMaxExrSide);
     BytesIn stream(file);

@@ -250,6 +250,20 @@ TEST(ExrTest, ReadsFilesOfOthers) {
     EXPECT_EQ(DecodeExr(PlainExr(floats), "x").Texel(0, 0), Vec3f(4, 2, 1));
 }
 
+TEST(ExrTest, AttributesLargerThanTheFileAreRefused) {
+    if (IsRefusedWithoutOpenExr())
+        return;
+    // The library alone takes the memory first.
+    std::vector<std::byte> file = EncodeExr(RunsImage(1, 1));
+    constexpr std::string_view kAttribute("channels\0chlist\0", 16);
+    const auto attribute = std::as_bytes(std::span(kAttribute));
+    const auto found = std::search(file.begin(), file.end(), attribute.begin(), attribute.end());
+    ASSERT_NE(found, file.end());
+    const std::uint32_t size = 1u << 30;
+    std::memcpy(&*found + kAttribute.size(), &size, sizeof size);
+    EXPECT_THAT(Failure(DecodeExr, file), HasSubstr("EXR: an attribute of 1073741824 bytes, but "));
+}
+
 TEST(ExrTest, Malformed) {
     if (IsRefusedWithoutOpenExr())
         return;
