@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "tests/common/image/float_image_readers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -262,6 +263,12 @@ TEST(ExrTest, AttributesLargerThanTheFileAreRefused) {
     const std::uint32_t size = 1u << 30;
     std::memcpy(&*found + kAttribute.size(), &size, sizeof size);
     EXPECT_THAT(Failure(DecodeExr, file), HasSubstr("EXR: an attribute of 1073741824 bytes, but "));
+    // A box of 3 bytes: the library would read 16, and take what follows for attributes.
+    const std::string_view box("box\0box2i\0\3\0\0\0abc", 17);
+    file = EncodeExr(RunsImage(1, 1));
+    const auto bytes = std::as_bytes(std::span(box));
+    file.insert(file.begin() + 8, bytes.begin(), bytes.end());
+    EXPECT_THAT(Failure(DecodeExr, file), HasSubstr("an attribute of 3 bytes, which do not fit its type box2i"));
 }
 
 TEST(ExrTest, Malformed) {
