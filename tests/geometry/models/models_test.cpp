@@ -396,7 +396,7 @@ TEST_F(ModelTest, AFileThatCrashesItsReaderIsNoModel) {
 
 TEST_F(ModelTest, ReadersAskTheProcessForFiles) {
     folder.Write("models/t/a.txt", "text");
-    Load();
+    Context();
     vfs->RecordRequests();
     const Model model = ReadModelApart(*vfs, [](const ModelFiles &files) {
         const auto file = files.Read("models/t/a.txt");
