@@ -31,9 +31,9 @@ constexpr std::string_view FormName(MapForm form) {
     }
 }
 
-/// The shader name, in quotes if readers would otherwise take only a part of it, or none of it: a comment, $include.
+/// The shader name, in quotes if readers would otherwise take only a part of it, or none of it: a comment.
 std::string NameToken(std::string_view name) {
-    constexpr std::string_view kOtherStarts = "/#$";
+    constexpr std::string_view kOtherStarts = "/#";
     const bool needsQuotes = name.empty() || kOtherStarts.find(name.front()) != kOtherStarts.npos ||
                              std::ranges::any_of(name, [](char c) { return IsBlank(c) || c == ';'; });
     return needsQuotes ? QuotedToken(name) : std::string(name);
