@@ -24,23 +24,29 @@ namespace {
 constexpr std::size_t kReceivedAtOnce = 1 << 20; ///< bytes: memory grows only with what arrives
 constexpr int kThrew = 3;                        ///< exit status of a copy whose work threw
 
-/// MSG_NOSIGNAL is a flag of send on Linux; other systems have an option of the socket.
+// Sending to an end that is gone must not raise a signal: a flag of send, or on macOS an option of the socket.
 #ifdef MSG_NOSIGNAL
 constexpr int kSendFlags = MSG_NOSIGNAL;
+void SetNoSignal(int) {}
 #else
 constexpr int kSendFlags = 0;
+void SetNoSignal(int socket) {
+    const int on = 1;
+    setsockopt(socket, SOL_SOCKET, SO_NOSIGPIPE, &on, sizeof on);
+}
 #endif
 
 void SetLimit(int resource, rlim_t limit) {
-    const rlimit both{limit, limit};
-    setrlimit(resource, &both); // a failure leaves the copy without this limit
+    const rlimit softAndHard{limit, limit + 1}; // at the hard limit of seconds, the signal would not say why
+    setrlimit(resource, &softAndHard);          // a failure leaves the copy without this limit
 }
 
 /// In the copy, before its work.
 void Restrict(const CopyLimits &limits) {
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU})
         std::signal(signal, SIG_DFL);
-    SetLimit(RLIMIT_CORE, 0);
+    const rlimit noCore{0, 0};
+    setrlimit(RLIMIT_CORE, &noCore);
     SetLimit(RLIMIT_CPU, limits.cpuSeconds);
     std::uint64_t pages = 0; // sanitizers reserve more than any limit
     std::ifstream sizes("/proc/self/statm");
@@ -116,6 +122,8 @@ ProcessCopy::ProcessCopy(const CopyLimits &limits, const std::function<void(Chan
     std::array<int, 2> ends{};
     if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0)
         throw Error("cannot connect to another process: {}", std::strerror(errno));
+    for (const int end : ends)
+        SetNoSignal(end);
     process_ = fork();
     if (process_ == 0) {
         close(ends[0]);
@@ -142,8 +150,7 @@ std::string ProcessCopy::Wait() {
     }
     process_ = -1;
     if (WIFSIGNALED(status))
-        return WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL ? "it takes too long"
-                                                                          : strsignal(WTERMSIG(status));
+        return WTERMSIG(status) == SIGXCPU ? "it takes too long" : strsignal(WTERMSIG(status));
     return WEXITSTATUS(status) == 0 ? std::string() : fmt::format("exit status {}", WEXITSTATUS(status));
 }
 
