@@ -2,8 +2,8 @@
 #include "common/platform/process_copy.h"
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
-#include <numeric>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -66,7 +66,8 @@ TEST_F(ProcessCopyTest, ACrashEndsOnlyTheCopy) {
 
 TEST_F(ProcessCopyTest, ALoopEnds) {
     ProcessCopy copy(kLimits, [](Channel &) {
-        for (volatile int i = 0;; i = i + 1) {
+        const std::atomic<bool> goesOn{true};
+        while (goesOn) {
         }
     });
     EXPECT_FALSE(copy.ToCopy().Receive());
