@@ -76,7 +76,121 @@ Imf::FrameBuffer Slices(Vec3f *first, const Imath::Box2i &window, std::size_t wi
     return buffer;
 }
 
+// ---- Attributes of the header ----
+
+/// Types of which the library reads so many bytes, whatever the attribute states.
+struct FixedType {
+    std::string_view name;
+    std::size_t bytes;
+};
+constexpr FixedType kFixedTypes[] = {{"box2f", 16},
+                                     {"box2i", 16},
+                                     {"chromaticities", 32},
+                                     {"compression", 1},
+                                     {"deepImageState", 1},
+                                     {"double", 8},
+                                     {"envmap", 1},
+                                     {"float", 4},
+                                     {"int", 4},
+                                     {"keycode", 28},
+                                     {"lineOrder", 1},
+                                     {"m33d", 72},
+                                     {"m33f", 36},
+                                     {"m44d", 128},
+                                     {"m44f", 64},
+                                     {"rational", 8},
+                                     {"tiledesc", 9},
+                                     {"timecode", 8},
+                                     {"v2d", 16},
+                                     {"v2f", 8},
+                                     {"v2i", 8},
+                                     {"v3d", 24},
+                                     {"v3f", 12},
+                                     {"v3i", 12}};
+
+/// Checks attributes before the library reads them: it takes memory for the sizes that they state, and for some types
+/// reads another number of bytes. What else is wrong, it finds itself.
+class AttributeCheck {
+  public:
+    AttributeCheck(std::span<const std::byte> file, std::string_view name) : rest_(file), name_(name) {}
+
+    void Run() {
+        constexpr std::array kMagic{std::byte{0x76}, std::byte{0x2f}, std::byte{0x31}, std::byte{0x01}};
+        constexpr std::uint32_t kSeveralParts = 0x1000; // of the version
+        if (rest_.size() < kMagic.size() || !std::ranges::equal(Take(kMagic.size()), kMagic))
+            return;
+        const bool hasParts = (TakeWord() & kSeveralParts) != 0;
+        // An attribute is its name, its type, a size, and so many bytes. A header ends with an empty name; after those
+        // of several parts there is another one.
+        for (bool wasEnd = false; !rest_.empty();) {
+            const bool isEnd = TakeText().empty();
+            if (isEnd && (wasEnd || !hasParts))
+                return;
+            wasEnd = isEnd;
+            if (isEnd)
+                continue;
+            const std::string_view type = TakeText();
+            const std::size_t size = TakeWord();
+            if (size > rest_.size())
+                throw Error("{}: EXR: an attribute of {} bytes, but {} follow", name_, size, rest_.size());
+            if (!Fits(type, Take(size)))
+                throw Error("{}: EXR: an attribute of {} bytes, which do not fit its type {}", name_, size,
+                            type.substr(0, 40));
+        }
+    }
+
+  private:
+    std::span<const std::byte> Take(std::size_t bytes) {
+        const auto taken = rest_.first(std::min(bytes, rest_.size()));
+        rest_ = rest_.subspan(taken.size());
+        return taken;
+    }
+    /// 0 at the end of the file.
+    std::uint32_t TakeWord() {
+        std::uint32_t word = 0;
+        const auto bytes = Take(sizeof word);
+        if (bytes.size() == sizeof word)
+            std::memcpy(&word, bytes.data(), sizeof word);
+        return word;
+    }
+    std::string_view TakeText() {
+        const std::string_view all(reinterpret_cast<const char *>(rest_.data()), rest_.size());
+        const std::string_view text = all.substr(0, all.find('\0'));
+        Take(text.size() + 1);
+        return text;
+    }
+
+    /// Whether the library reads exactly these bytes.
+    static bool Fits(std::string_view type, std::span<const std::byte> value) {
+        for (const FixedType &fixed : kFixedTypes)
+            if (fixed.name == type)
+                return value.size() == fixed.bytes;
+        constexpr std::size_t kChannelBytes = 16, kColorBytes = 4;
+        AttributeCheck in(value, {});
+        if (type == "chlist") { // names with 16 bytes each, and an empty name
+            for (; !in.rest_.empty(); in.Take(kChannelBytes))
+                if (in.TakeText().empty())
+                    return in.rest_.empty();
+            return false;
+        }
+        if (type == "preview") { // width, height, colors
+            const std::uint64_t width = in.TakeWord(), height = in.TakeWord();
+            return width * height <= value.size() && width * height * kColorBytes == in.rest_.size();
+        }
+        if (type == "floatvector")
+            return value.size() % sizeof(float) == 0;
+        while (type == "stringvector" && !in.rest_.empty()) // lengths and texts
+            if (const std::size_t length = in.TakeWord(); in.Take(length).size() != length)
+                return false;
+        return true;
+    }
+
+    std::span<const std::byte> rest_;
+    std::string_view name_;
+};
+
 FloatImage ReadExr(std::span<const std::byte> file, std::string_view name) {
+    AttributeCheck(file, name).Run();
     Imf::Header::setMaxImageSize(kMaxExrSide, kMaxExrSide);
     Imf::Header::setMaxTileSize(kMaxExrSide, kMaxExrSide);
     BytesIn stream(file);

@@ -24,6 +24,11 @@ constexpr unsigned kRunBias = 128;    ///< the head of a run is this plus its le
 constexpr std::size_t kLeastRun = 4;  ///< chosen: shorter ones go into literals
 constexpr unsigned kMaxRunShift = 24; ///< a repeat with a larger shift is longer than any row
 
+/// Whether a flat code is no color, but repeats the one before.
+bool IsRepeat(const Rgbe &code) {
+    return code[0] == 1 && code[1] == 1 && code[2] == 1;
+}
+
 class HdrReader {
   public:
     HdrReader(std::span<const std::byte> file, std::string_view name) : file_(file), name_(name) {}
@@ -146,7 +151,7 @@ class HdrReader {
         unsigned shift = 0;
         for (std::size_t x = 0; x < row_.size();) {
             const Rgbe code = Code();
-            if (code[0] != 1 || code[1] != 1 || code[2] != 1) {
+            if (!IsRepeat(code)) {
                 row_[x++] = code;
                 shift = 0;
                 continue;
@@ -221,7 +226,10 @@ std::vector<std::byte> EncodeHdr(const FloatImage &image) {
         for (auto &channel : channels)
             channel.clear();
         for (int x = 0; x < image.width; ++x) {
-            const Rgbe code = EncodeRgbe(image.Texel(x, row));
+            Rgbe code = EncodeRgbe(image.Texel(x, row));
+            // Only the least color that is not black, 2^-135, has these mantissas.
+            if (!inRuns && IsRepeat(code))
+                code = {};
             for (std::size_t i = 0; i < 4; ++i)
                 inRuns ? channels[i].push_back(code[i]) : file.push_back(std::byte(code[i]));
         }

@@ -9,6 +9,7 @@
 #include <climits>
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 #include <utility>
 
 namespace q3 {
@@ -129,20 +130,20 @@ std::string SizeText(std::uint64_t bytes) {
 // ---- Suggestions for misspelled names ----
 
 std::size_t EditDistance(std::string_view a, std::string_view b) {
-    // distance[i][j]: between the first i letters of a and the first j of b.
-    std::vector<std::vector<std::size_t>> distance(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i)
-        for (std::size_t j = 0; j <= b.size(); ++j) {
-            if (i == 0 || j == 0) {
-                distance[i][j] = i + j;
-                continue;
-            }
-            const std::size_t replaced = distance[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
-            distance[i][j] = std::min({distance[i - 1][j] + 1, distance[i][j - 1] + 1, replaced});
+    // Row i has at j the distance between the first i letters of a and the first j of b. Only the last three are kept.
+    std::vector<std::size_t> row(b.size() + 1), before(row), twoBefore(row);
+    std::iota(row.begin(), row.end(), 0);
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::swap(twoBefore, before);
+        std::swap(before, row);
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            row[j] = std::min({before[j] + 1, row[j - 1] + 1, before[j - 1] + (a[i - 1] != b[j - 1])});
             if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) // swapped
-                distance[i][j] = std::min(distance[i][j], distance[i - 2][j - 2] + 1);
+                row[j] = std::min(row[j], twoBefore[j - 2] + 1);
         }
-    return distance[a.size()][b.size()];
+    }
+    return row.back();
 }
 
 std::vector<std::string> NearestNames(std::string_view word, std::span<const std::string> names) {
@@ -155,9 +156,15 @@ std::vector<std::string> NearestNames(std::string_view word, std::span<const std
     constexpr std::size_t kMostNames = 3;
     const std::size_t most = std::max<std::size_t>(1, wanted.size() / 3);
     std::vector<std::pair<std::size_t, std::string>> near;
-    for (const std::string &name : names)
-        if (const std::size_t distance = EditDistance(wanted, bare(name)); distance <= most)
+    for (const std::string &name : names) {
+        const std::string other = bare(name);
+        const std::size_t longer = std::max(wanted.size(), other.size()),
+                          shorter = std::min(wanted.size(), other.size());
+        if (longer - shorter > most) // the distance is at least that; saves time where a file has many unknown words
+            continue;
+        if (const std::size_t distance = EditDistance(wanted, other); distance <= most)
             near.emplace_back(distance, name);
+    }
     std::ranges::sort(near);
     near.erase(std::unique(near.begin(), near.end()), near.end());
     std::vector<std::string> result;

@@ -183,6 +183,9 @@ void TextScanner::OpenInclude() {
         ReadToken(file);
         name = token_;
     }
+    const auto isControl = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; };
+    if (std::ranges::any_of(name, isControl)) // a missing quote; messages that name the file would not be one line
+        throw Error("{}: $include expected the name of a file on this line", Location());
     const bool circle = std::any_of(files_.begin(), files_.end(),
                                     [&](const File &open) { return EqualNoCase(open.location.file, name); });
     if (circle || files_.size() > kMaxIncludeDepth || ++includeCount_ > kMaxIncludes)

@@ -219,19 +219,20 @@ std::vector<Entity> ParseMapEntities(std::string_view text, std::string_view nam
     return Parse(text, name, true);
 }
 
+std::string QuotedToken(std::string_view text) {
+    std::string token(text);
+    std::ranges::replace(token, '"', '\'');
+    return '"' + token + '"';
+}
+
 std::string FormatEntities(const std::vector<Entity> &entities) {
-    // The text has no escape for a quote inside a string.
-    const auto quoted = [](std::string text) {
-        std::ranges::replace(text, '"', '\'');
-        return '"' + text + '"';
-    };
     std::string text;
     for (const Entity &entity : entities) {
         if (entity.pairs.empty())
             continue;
         text += "{\n";
         for (const auto &[key, value] : entity.pairs)
-            text += quoted(key) + ' ' + quoted(value) + '\n';
+            text += QuotedToken(key) + ' ' + QuotedToken(value) + '\n';
         text += "}\n";
     }
     return text;

@@ -44,6 +44,8 @@ std::vector<Entity> StoredEntities(std::string_view text, std::string_view name)
 /// The first entity of a compiled map, worldspawn. Has no keys if there is no entity, or if the text is bad, of which
 /// ReadBsp has warned.
 Entity StoredWorld(std::string_view text);
+/// The text in quotes. Quotes in it become apostrophes, since there is no escape that games know.
+std::string QuotedToken(std::string_view text);
 /// The text form that map compilers write: one pair per line, "\n" line ends, no final NUL.
 std::string FormatEntities(const std::vector<Entity> &entities);
 /// Entities of .map source text: pairs only, brushes and patches are skipped.

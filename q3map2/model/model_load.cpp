@@ -9,6 +9,7 @@
 #include "common/text/text_scan.h"
 #include "q3map2/bspfile/bsp_records.h"
 #include "q3map2/bspfile/map_keys.h"
+#include "q3map2/model/model_apart.h"
 #include "q3map2/shader/shader_table.h"
 
 #include <assimp/IOSystem.hpp>
@@ -174,20 +175,20 @@ std::string VfsName(std::string_view path) {
 /// The game's files for assimp, which may open others that a model names.
 class GameFiles : public Assimp::IOSystem {
   public:
-    explicit GameFiles(const VirtualFileSystem &vfs) : vfs_(vfs) {}
-    bool Exists(const char *name) const override { return vfs_.Exists(VfsName(name)); }
+    explicit GameFiles(const ModelFiles &files) : files_(files) {}
+    bool Exists(const char *name) const override { return files_.Exists(VfsName(name)); }
     char getOsSeparator() const override { return '/'; }
     Assimp::IOStream *Open(const char *name, const char *mode) override {
         if (std::string_view(mode).find_first_of("wa+") != std::string_view::npos)
             return nullptr;
-        auto bytes = vfs_.Read(VfsName(name));
+        auto bytes = files_.Read(VfsName(name));
         return bytes ? new FileStream(std::move(*bytes)) : nullptr; // assimp passes it to Close
     }
     void Close(Assimp::IOStream *stream) override { delete stream; }
     bool ComparePaths(const char *a, const char *b) const override { return EqualNoCase(VfsName(a), VfsName(b)); }
 
   private:
-    const VirtualFileSystem &vfs_;
+    const ModelFiles &files_;
 };
 
 /// assimp converts all formats to y up; maps have z up.
@@ -266,9 +267,9 @@ ModelMesh MeshOf(const aiMesh &source, const aiScene &scene, std::string_view mo
     return mesh;
 }
 
-Model ReadModel(const VirtualFileSystem &vfs, const std::string &name, int frame) {
+Model ReadModel(const ModelFiles &files, const std::string &name, int frame) {
     Assimp::Importer importer;
-    importer.SetIOHandler(new GameFiles(vfs)); // the importer owns it
+    importer.SetIOHandler(new GameFiles(files)); // the importer owns it
     importer.SetPropertyBool(AI_CONFIG_IMPORT_MD3_HANDLE_MULTIPART, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_MD3_LOAD_SHADERS, false);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -299,7 +300,8 @@ const Model *ModelLibrary::Get(std::string_view name, int frame, std::string &pr
             const std::string path = VfsName(name);
             if (vfs_ == nullptr || !vfs_->Exists(path))
                 throw Error("there is no such file");
-            entry.model = std::make_unique<Model>(ReadModel(*vfs_, path, frame));
+            entry.model = std::make_unique<Model>(
+                ReadModelApart(*vfs_, [&](const ModelFiles &files) { return ReadModel(files, path, frame); }));
         } catch (const std::exception &error) {
             entry.problem = error.what();
         }
@@ -414,16 +416,19 @@ struct Md3Shader {
 };
 static_assert(sizeof(Md3Header) == 108 && sizeof(Md3Surface) == 108 && sizeof(Md3Vert) == 8 && sizeof(Md3Shader) == 68);
 
-/// Reads records; errors where they are outside the file.
+/// Reads records; errors where they are outside the file, or have more bytes together than the file.
 class Md3File {
   public:
-    explicit Md3File(std::span<const std::byte> file) : file_(file) {}
+    explicit Md3File(std::span<const std::byte> file) : file_(file), unread_(std::int64_t(file.size())) {}
 
-    template <typename Record> std::vector<Record> Read(std::int64_t offset, std::int64_t count) const {
+    template <typename Record> std::vector<Record> Read(std::int64_t offset, std::int64_t count) {
         const auto size = std::int64_t(file_.size());
         if (offset < 0 || count < 0 || offset > size || count > (size - offset) / std::int64_t(sizeof(Record)))
             throw Error("{} records of {} bytes at {} are not inside the {} bytes of the file", count, sizeof(Record),
                         offset, size);
+        unread_ -= count * std::int64_t(sizeof(Record));
+        if (unread_ < 0)
+            throw Error("its surfaces overlap: together they are larger than the {} bytes of the file", size);
         std::vector<Record> records(static_cast<std::size_t>(count));
         if (count > 0)
             std::memcpy(records.data(), file_.data() + offset, sizeof(Record) * records.size());
@@ -432,6 +437,7 @@ class Md3File {
 
   private:
     std::span<const std::byte> file_;
+    std::int64_t unread_; ///< bytes of the file, less those of all records so far
 };
 
 DrawVert Md3VertOf(const Md3Vert &from, const std::array<float, 2> &st) {
@@ -445,8 +451,7 @@ DrawVert Md3VertOf(const Md3Vert &from, const std::array<float, 2> &st) {
     return vert;
 }
 
-ModelMesh Md3MeshOf(const Md3File &file, std::int64_t at, const Md3Surface &surface, std::string_view modelName,
-                    int frame) {
+ModelMesh Md3MeshOf(Md3File &file, std::int64_t at, const Md3Surface &surface, std::string_view modelName, int frame) {
     ModelMesh mesh;
     if (surface.shaders > 0) {
         const auto shader = file.Read<Md3Shader>(at + surface.shaderOffset, 1).front();
@@ -475,7 +480,7 @@ bool IsMd3(std::span<const std::byte> file) {
 }
 
 Model ReadMd3(std::span<const std::byte> bytes, std::string_view modelName, int frame) {
-    const Md3File file(bytes);
+    Md3File file(bytes);
     const auto header = file.Read<Md3Header>(0, 1).front();
     if (!IsMd3(bytes) || header.version != kMd3Version)
         throw Error("version {}, expected an MD3 model of version {}", header.version, kMd3Version);

@@ -51,6 +51,11 @@ std::string KeyFor(std::set<std::string> Exclusions::*block, std::string_view na
     return FileKey(name);
 }
 
+/// What a message shows of a word: one in quotes may have several lines.
+std::string_view FirstLine(std::string_view word) {
+    return word.substr(0, word.find_first_of("\r\n"));
+}
+
 } // namespace
 
 bool Exclusions::HasTexture(std::string_view image) const {
@@ -84,7 +89,7 @@ Exclusions ReadExclusions(std::string text, std::string_view name) {
                 block = &known;
         if (block == nullptr)
             throw Error("{}: {} is not one of textures, shaders, shaderfiles, sounds and videos", scanner.Location(),
-                        word);
+                        FirstLine(word));
         if (!scanner.Next(entry) || entry != "{")
             throw Error("{}: expected {{ after {}", scanner.Location(), word);
         while (scanner.Next(entry) && entry != "}")

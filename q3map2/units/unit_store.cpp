@@ -69,8 +69,8 @@ std::vector<UnitResult> UnitStore::Used() const {
         if (!IsCache() || one.isUsed != 0)
             results.push_back({key, one.bytes});
     std::ranges::sort(results, {}, &UnitResult::key);
-    const auto repeated = std::ranges::unique(results, {}, &UnitResult::key);
-    results.erase(repeated.begin(), repeated.end());
+    const auto hasSameKey = [](const UnitResult &a, const UnitResult &b) { return a.key == b.key; };
+    results.erase(std::unique(results.begin(), results.end(), hasSameKey), results.end());
     return results;
 }
 

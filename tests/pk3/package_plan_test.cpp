@@ -248,6 +248,12 @@ TEST(Exclusions, OtherBlocksAreErrors) {
     EXPECT_THROW(ReadExclusions("models { a }", "e"), Error);
     EXPECT_THROW(ReadExclusions("textures { a", "e"), Error);
     EXPECT_THROW(ReadExclusions("textures a", "e"), Error);
+    try {
+        ReadExclusions("\"two\nlines\" { a }", "e");
+        ADD_FAILURE() << "no error";
+    } catch (const Error &error) {
+        EXPECT_STREQ(error.what(), "e:1: two is not one of textures, shaders, shaderfiles, sounds and videos");
+    }
     const Exclusions all = ReadExclusions("Textures { /a\\B.tga }\nshaderfiles { scripts/c.shader }", "e");
     EXPECT_TRUE(all.HasTexture("a/b"));
     EXPECT_TRUE(all.HasShaderFile("scripts/C.shader"));

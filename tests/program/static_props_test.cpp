@@ -469,6 +469,29 @@ TEST_F(StaticPropTest, Md3ModelsHaveTheVerticesOfMiscModelAndTheOrderOfTheFile) 
     }
 }
 
+TEST(Md3ModelTest, SurfacesWithTheSameVerticesAreRefused) {
+    // A second surface, of a head alone, whose parts are those of the first: many of them would need much memory.
+    constexpr std::size_t kSurfaces = 84, kSurface = 164, kHead = 108, kOffsets = 88, kEnd = 104; // bytes
+    std::vector<std::byte> file = Md3Of({Sheet(-200, 200, 8, 20)});
+    const auto wordAt = [&file](std::size_t at) {
+        std::int32_t value;
+        std::memcpy(&value, file.data() + at, sizeof value);
+        return value;
+    };
+    const std::int32_t length = wordAt(kSurface + kEnd);
+    ASSERT_EQ(file.size(), kSurface + std::size_t(length));
+    file.resize(file.size() + kHead);
+    std::memcpy(file.data() + kSurface + length, file.data() + kSurface, kHead);
+    for (std::size_t at = kOffsets; at < kEnd; at += sizeof length) {
+        const std::int32_t offset = wordAt(kSurface + at) - length;
+        std::memcpy(file.data() + kSurface + std::size_t(length) + at, &offset, sizeof offset);
+    }
+    EXPECT_EQ(ReadMd3(file, "models/a.md3", 0).meshes.size(), 1u);
+    const std::int32_t surfaces = 2;
+    std::memcpy(file.data() + kSurfaces, &surfaces, sizeof surfaces);
+    EXPECT_THROW(ReadMd3(file, "models/a.md3", 0), Error);
+}
+
 TEST_F(StaticPropTest, ModelsMayHaveMoreVerticesThanASurfaceOfTheMap) {
     AddModel("big", {Sheet(-200, 200, 300, 20)});
     Compile(Prop("big") + Lamp({0, 0, 200}, 100));

@@ -2,6 +2,7 @@
 #include "q3map2/convert/source/source_writer.h"
 
 #include "common/text/text.h"
+#include "q3map2/bspfile/entities.h"
 #include "q3map2/convert/source/source_from_bsp.h"
 #include "q3map2/map/map_brush.h"
 #include "q3map2/map/map_primitive.h"
@@ -30,10 +31,12 @@ constexpr std::string_view FormName(MapForm form) {
     }
 }
 
-/// The shader name, in quotes if readers would otherwise take only a part of it.
+/// The shader name, in quotes if readers would otherwise take only a part of it, or none of it: a comment.
 std::string NameToken(std::string_view name) {
-    const bool needsQuotes = name.empty() || std::ranges::any_of(name, [](char c) { return IsBlank(c) || c == ';'; });
-    return needsQuotes ? fmt::format("\"{}\"", name) : std::string(name);
+    constexpr std::string_view kOtherStarts = "/#";
+    const bool needsQuotes = name.empty() || kOtherStarts.find(name.front()) != kOtherStarts.npos ||
+                             std::ranges::any_of(name, [](char c) { return IsBlank(c) || c == ';'; });
+    return needsQuotes ? QuotedToken(name) : std::string(name);
 }
 
 } // namespace
@@ -52,7 +55,7 @@ void SourceWriter::BeginEntity(int number) {
 
 void SourceWriter::WritePair(std::string_view key, std::string_view value) {
     if (!key.empty() && !value.empty())
-        text_ += fmt::format("\t\"{}\" \"{}\"\n", key, value);
+        text_ += fmt::format("\t{} {}\n", QuotedToken(key), QuotedToken(value));
 }
 
 void SourceWriter::WriteSide(const SideWords &side) {

@@ -548,8 +548,7 @@ void SurfaceGrower::Finish(Growth &growth) {
     growth.surface.lightmapAxis = growth.seed->lightmapAxis;
     std::vector<SideNumber> &sides = growth.surface.mergedSides;
     std::ranges::sort(sides);
-    const auto repeated = std::ranges::unique(sides);
-    sides.erase(repeated.begin(), repeated.end());
+    sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
     geometry_.surfaces.push_back(std::move(growth.surface));
 }
 

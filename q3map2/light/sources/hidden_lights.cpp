@@ -188,7 +188,9 @@ class CrossingSurfaces {
             triangles_ = scene_.BlockerTriangles();
             std::ranges::stable_sort(triangles_, {}, &Triangle::surface);
         }
-        for (const Triangle &triangle : std::ranges::equal_range(triangles_, surface, {}, &Triangle::surface)) {
+        auto at = std::ranges::lower_bound(triangles_, surface, {}, &Triangle::surface);
+        for (; at != triangles_.end() && at->surface == surface; ++at) {
+            const Triangle &triangle = *at;
             const Vec3d a(triangle.corners[0]), b(triangle.corners[1]), c(triangle.corners[2]), p(point);
             const Vec3d cross = Cross(b - a, c - a), normal = Normalize(cross);
             const auto inside = [&](const Vec3d &u, const Vec3d &v) {

@@ -287,7 +287,7 @@ void AddEntityLights(const Entity &entity, std::size_t number, const std::vector
     SetEntityFalloff(light, byQuad, entity, options, log);
 
     const std::uint64_t seed = kSeedJitter + (number << 24);
-    const auto sampled = [&](int count) {
+    const auto sampled = [&, &light = light](int count) {
         const bool asAsked = count == samples;
         std::vector<Light> copies(std::size_t(count), light);
         for (int i = 0; i < count; ++i) {

@@ -4,6 +4,7 @@
 #include "common/error.h"
 #include "tests/common/image/float_image_readers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -145,6 +146,13 @@ TEST(HdrTest, FlatRowsAndOldRuns) {
     EXPECT_EQ(DecodeHdr(longRun, "x").texels, std::vector<Vec3f>(259, Vec3f(2, 2, 2)));
 }
 
+TEST(HdrTest, TheLeastColorOfFlatRowsIsNoRepeat) {
+    // 2^-135 is mantissa 1 at the lowest exponent, and 1 1 1 means a repeat.
+    const float least = std::ldexp(1.0f, -135);
+    const FloatImage image{2, 1, {{least, least, least}, {least, 0, 0}}};
+    EXPECT_EQ(DecodeHdr(EncodeHdr(image), "x").texels, (std::vector<Vec3f>{{0, 0, 0}, {least, 0, 0}}));
+}
+
 TEST(HdrTest, ExposureAndBottomFirst) {
     const FloatFile file =
         FileOf("#?RADIANCE\nEXPOSURE= 2\nEXPOSURE=4.0\n\n+Y 2 +X 1\n", {128, 0, 0, 132, 0, 128, 0, 129});
@@ -241,6 +249,26 @@ TEST(ExrTest, ReadsFilesOfOthers) {
     EXPECT_EQ(image.Texel(1, 1), Vec3f(1, 0.5f, 0.25f));
     const ExrFile floats{.channels = {{"B", ExrFloat, 1}, {"G", ExrHalf, 1}, {"R", ExrFloat, 1}}};
     EXPECT_EQ(DecodeExr(PlainExr(floats), "x").Texel(0, 0), Vec3f(4, 2, 1));
+}
+
+TEST(ExrTest, AttributesLargerThanTheFileAreRefused) {
+    if (IsRefusedWithoutOpenExr())
+        return;
+    // The library alone takes the memory first.
+    std::vector<std::byte> file = EncodeExr(RunsImage(1, 1));
+    constexpr std::string_view kAttribute("channels\0chlist\0", 16);
+    const auto attribute = std::as_bytes(std::span(kAttribute));
+    const auto found = std::search(file.begin(), file.end(), attribute.begin(), attribute.end());
+    ASSERT_NE(found, file.end());
+    const std::uint32_t size = 1u << 30;
+    std::memcpy(&*found + kAttribute.size(), &size, sizeof size);
+    EXPECT_THAT(Failure(DecodeExr, file), HasSubstr("EXR: an attribute of 1073741824 bytes, but "));
+    // A box of 3 bytes: the library would read 16, and take what follows for attributes.
+    const std::string_view box("box\0box2i\0\3\0\0\0abc", 17);
+    file = EncodeExr(RunsImage(1, 1));
+    const auto bytes = std::as_bytes(std::span(box));
+    file.insert(file.begin() + 8, bytes.begin(), bytes.end());
+    EXPECT_THAT(Failure(DecodeExr, file), HasSubstr("an attribute of 3 bytes, which do not fit its type box2i"));
 }
 
 TEST(ExrTest, Malformed) {

@@ -170,6 +170,7 @@ TEST(TextScanner, SameLineReadStopsAtTheEndOfAnInclude) {
 TEST(TextScanner, IncludesInACircleOrTooManyAreErrors) {
     EXPECT_THROW(All(TextScanner("$include a", "test", From({{"a", "$include b"}, {"b", "x $include A"}}))), Error);
     EXPECT_THROW(All(TextScanner("$include test", "test", From({{"test", "x"}}))), Error);
+    EXPECT_THROW(All(TextScanner("$include \"te\nst\"", "test", From({{"te\nst", "x"}}))), Error);
     std::map<std::string, std::string> chain;
     for (int i = 0; i < 40; ++i)
         chain[std::to_string(i)] = fmt::format("$include {}", i + 1);

@@ -209,6 +209,17 @@ TEST_F(SourceFormsTest, PlaneNumbersOfBrushDef3BecomePoints) {
 TEST_F(SourceFormsTest, NamesThatNeedQuotesGetThem) {
     const std::string text = World("{\n( 0 0 64 ) ( 0 64 64 ) ( 64 0 64 ) \"my wall\" 0 0 0 1 1 0 0 0\n}\n");
     EXPECT_THAT(Converted(text, MapForm::Valve), testing::HasSubstr(" \"my wall\" [ "));
+    for (const std::string_view name : {"//a", "/*a", "#a"}) {
+        const std::string side = fmt::format("( 0 0 64 ) ( 0 64 64 ) ( 64 0 64 ) \"{}\" 0 0 0 1 1 0 0 0", name);
+        EXPECT_THAT(Converted(World("{\n" + side + "\n}\n"), MapForm::Valve),
+                    testing::HasSubstr(fmt::format(" \"{}\" [ ", name)));
+    }
+}
+
+TEST_F(SourceFormsTest, QuotesInKeysBecomeApostrophes) {
+    const std::string text = Converted(World("a\"b \"x\"\n\"c\" d\"e\n"), MapForm::Valve);
+    EXPECT_THAT(text, testing::HasSubstr("\t\"a'b\" \"x\"\n\t\"c\" \"d'e\"\n"));
+    Read(text);
 }
 
 TEST_F(SourceFormsTest, WhatIsNoMapIsAnError) {

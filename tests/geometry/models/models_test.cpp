@@ -1,11 +1,17 @@
 // GPL-2.0-or-later. Models in maps: axes, placement, shaders, clip brushes.
+#include "common/error.h"
+#include "common/platform/process_copy.h"
+#include "common/text/text.h"
 #include "q3map2/geometry/effects/surface_effects.h"
 #include "q3map2/geometry/faces/face_surfaces.h"
 #include "q3map2/geometry/models/models.h"
+#include "q3map2/model/model_apart.h"
 #include "q3map2/model/model_load.h"
 #include "tests/geometry/extra_scene.h"
 
 #include <cmath>
+#include <csignal>
+#include <functional>
 
 #include <gmock/gmock.h>
 
@@ -343,6 +349,65 @@ TEST_F(ModelTest, AnImageWithinTheModelGivesNoName) {
     EXPECT_EQ(shader("textures/base/wall", "stone"), "textures/base/wall");
     EXPECT_EQ(shader("", "pebble"), "models/t/pebble");
     EXPECT_EQ(shader("", ""), "models/t/g00");
+}
+
+/// A triangle whose third corner is far outside the list of vertices: assimp 5.2.5 reads there.
+constexpr std::string_view kAseOutside = R"(*3DSMAX_ASCIIEXPORT 200
+*GEOMOBJECT {
+ *MESH {
+  *MESH_NUMVERTEX 3
+  *MESH_NUMFACES 1
+  *MESH_VERTEX_LIST {
+   *MESH_VERTEX 0 0 0 0
+   *MESH_VERTEX 1 1 0 0
+   *MESH_VERTEX 2 1 1 0
+  }
+  *MESH_FACE_LIST {
+   *MESH_FACE 0: A: 0 B: 1 C: 99999999 AB: 0 BC: 0 CA: 0 *MESH_SMOOTHING 1 *MESH_MTLID 0
+  }
+ }
+}
+)";
+
+TEST_F(ModelTest, AFileThatCrashesItsReaderIsNoModel) {
+    if (!ProcessCopy::IsAvailable())
+        GTEST_SKIP() << "models are read in this process";
+    folder.Write("models/t/outside.ase", kAseOutside);
+    EXPECT_THAT(Place({{"model", "models/t/outside.ase"}}), testing::IsEmpty());
+    const auto error = [this](const std::function<Model(const ModelFiles &)> &read) -> std::string {
+        try {
+            ReadModelApart(*vfs, read);
+        } catch (const Error &e) {
+            return e.what();
+        }
+        return "no error";
+    };
+    EXPECT_THAT(error([](const ModelFiles &) -> Model {
+                    std::raise(SIGSEGV);
+                    return {};
+                }),
+                HasSubstr("the model reader (assimp) fails with this file: "));
+    EXPECT_EQ(error([](const ModelFiles &) -> Model { throw Error("no triangles"); }), "no triangles");
+    EXPECT_EQ(error([](const ModelFiles &) {
+                  return Model{{{"x", std::vector<DrawVert>(3), {{0, 1, 3}}}}};
+              }),
+              "a triangle names vertex 3 of 3");
+}
+
+TEST_F(ModelTest, ReadersAskTheProcessForFiles) {
+    folder.Write("models/t/a.txt", "text");
+    Context();
+    vfs->RecordRequests();
+    const Model model = ReadModelApart(*vfs, [](const ModelFiles &files) {
+        const auto file = files.Read("models/t/a.txt");
+        const bool isRight = files.Exists("models/t/a.txt") && !files.Exists("models/t/b.txt") && file &&
+                             AsText(*file) == "text" && !files.Read("models/t/b.txt");
+        return Model{{{isRight ? "right" : "wrong", std::vector<DrawVert>(3), {{0, 1, 2}}}}};
+    });
+    ASSERT_THAT(model.meshes, SizeIs(1));
+    EXPECT_EQ(model.meshes[0].shader, "right");
+    EXPECT_THAT(model.meshes[0].verts, SizeIs(3));
+    EXPECT_THAT(vfs->Requests(), testing::Contains(HasSubstr("models/t/b.txt")));
 }
 
 } // namespace
