@@ -23,6 +23,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <numbers>
 #include <optional>
 
@@ -300,6 +301,8 @@ const Model *ModelLibrary::Get(std::string_view name, int frame, std::string &pr
             if (vfs_ == nullptr || !vfs_->Exists(path))
                 throw Error("there is no such file");
             entry.model = std::make_unique<Model>(ReadModel(*vfs_, path, frame));
+        } catch (const std::bad_alloc &) {
+            throw;
         } catch (const std::exception &error) {
             entry.problem = error.what();
         }
