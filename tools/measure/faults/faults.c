@@ -131,7 +131,7 @@ static void RecordStack(const char *call) {
     void *frames[40];
     const int count = backtrace(frames, 40);
     size_t used = 0;
-    for (int i = 3; i < count && used + 300 < sizeof record->stack; ++i) {
+    for (int i = 2; i < count && used + 300 < sizeof record->stack; ++i) {
         Dl_info info;
         if (dladdr(frames[i], &info) == 0 || info.dli_fname == NULL)
             continue;
@@ -370,6 +370,18 @@ EXPORT void *mmap(void *where, size_t size, int protection, int flags, int file,
 
 EXPORT void *mmap64(void *where, size_t size, int protection, int flags, int file, off64_t from) {
     return mmap(where, size, protection, flags, file, from);
+}
+
+/* ---- The end ---- */
+
+/* Where the program gives up tells more than which call failed. */
+EXPORT void abort(void) {
+    void (*next)(void);
+    *(void **)&next = dlsym(RTLD_NEXT, "abort");
+    if (record != NULL && record->happened > 0)
+        RecordStack("abort");
+    next();
+    __builtin_unreachable();
 }
 
 /* ---- The time of day ---- */

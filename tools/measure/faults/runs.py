@@ -2,6 +2,8 @@
 """A stage runs in a folder of its own, so that all its paths are relative and its output is the same everywhere. The
 state of the folder before and after a run is a dictionary: path -> bytes, or None for a folder."""
 
+import errno
+import json
 import mmap
 import os
 import re
@@ -16,8 +18,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 KINDS = ["write", "flush", "rename", "open", "read", "stat", "alloc", "thread", "mkdir", "remove", "print", "socket"]
-ERRORS = {"write": 28, "flush": 5, "rename": 5, "open": 24, "read": 5, "stat": 5, "alloc": 12, "thread": 11, "mkdir": 28,
-          "remove": 5, "print": 28, "socket": 5}  # ENOSPC, EIO, EMFILE, ENOMEM, EAGAIN
+ERRORS = {"write": errno.ENOSPC, "flush": errno.EIO, "rename": errno.EIO, "open": errno.EMFILE, "read": errno.EIO,
+          "stat": errno.EIO, "alloc": errno.ENOMEM, "thread": errno.EAGAIN, "mkdir": errno.ENOSPC, "remove": errno.EIO,
+          "print": errno.ENOSPC, "socket": errno.EIO}
 REQUEST = struct.Struct("<3q4096s")  # struct Record of faults.c: what a run is asked for, then what happened
 COUNTS = struct.Struct("<16q q 64s 8192s")
 ANY = 15
@@ -148,8 +151,8 @@ class Scratch:
         return [self.tools.program, "-threads", str(self.threads), "-fs_basepath", "base", *words]
 
     def must_run(self, words):
-        run = subprocess.run(self.command(words), cwd=self.folder, env=self.environment({}), capture_output=True, text=True,
-                             errors="replace", check=False)
+        run = subprocess.run(self.command(words), cwd=self.folder, env=self.environment({}), capture_output=True,
+                             text=True, errors="replace", check=False)
         if run.returncode != 0:
             raise SystemExit(f"fault_injection: {words}: {run.stdout}{run.stderr}")
 
@@ -177,7 +180,7 @@ class Scratch:
         """Runs the stage. kind: a name or "any"; while_it_runs: called with the id of the process."""
         with open(self.record, "r+b") as file, mmap.mmap(file.fileno(), REQUEST.size + COUNTS.size) as shared:
             wanted = ANY if kind == "any" else KINDS.index(kind) if kind else -1
-            shared[:] = REQUEST.pack(wanted, at, ERRORS.get(kind, 5), action.encode()) + bytes(COUNTS.size)
+            shared[:] = REQUEST.pack(wanted, at, ERRORS.get(kind, errno.EIO), action.encode()) + bytes(COUNTS.size)
             os.write(self.requests, b"x")
             process = self.wait_for(SECONDS)
             if while_it_runs:
@@ -202,26 +205,31 @@ class Scratch:
         """(outcome, lost files, files left over, other findings) of a run that has just ended; restores the folder."""
         now = state_of(self.folder)
         lost, left, other = [], [], []
+        may_stay = dies or kind == "remove"
         is_new = all(not self.differs(name, now) for name in self.new)
         for name in sorted(self.old.keys() | self.new.keys() | now.keys()):
             old, new, is_now = (state.get(name, "missing") for state in (self.old, self.new, now))
             if is_now in (old, new) and type(is_now) in (type(old), type(new)):
-                if is_now is None and old == "missing" and not is_new and not dies:
+                if is_now is None and old == "missing" and not is_new and not dies and not name.startswith("cache/"):
                     left.append(name)  # a folder for files that are not there
                 continue
             if changes_each_time(name):
                 continue
             if old == "missing" and new == "missing":
-                if not (dies and UNFINISHED.search(name)):
+                # Nothing can be done about an unfinished file that the system refuses to remove.
+                if not name.startswith("cache/") and not (may_stay and UNFINISHED.search(name)):
                     left.append(name)
             elif result.status != 0 or dies:
                 lost.append(name)
         changed = [name for name in self.new if self.old.get(name, "missing") != self.new[name]
-                   and self.new[name] is not None and not changes_each_time(name)]
+                   and self.new[name] is not None and not is_record(name)]
         done = [name for name in changed if now.get(name, "missing") == self.new[name]]
         gone = [name for name in self.old if name not in self.new and name not in now]
-        if result.status != 0 and not dies and (done or gone) and not is_new:
+        only_records = all(is_record(name) or not self.differs(name, now) for name in self.new)
+        if result.status != 0 and not dies and (done or gone) and not only_records:
             other.append("old and new files: " + " ".join(Path(name).name for name in [*done, *gone]))
+        if not dies and kind != "print":
+            other += wrong_records(result, now)
         outcome = self.outcome(result, kind, is_new and not left, other) if not dies else "died"
         restore(self.folder, self.old, now)
         return outcome, lost, left, other
@@ -257,9 +265,28 @@ def changes_each_time(name):
     return name in ("l.txt", "r.json")
 
 
+def is_record(name):
+    """Whether a file tells of the run, or is kept for another one, without being an output of the stage."""
+    return changes_each_time(name) or name.startswith("cache/")
+
+
+def wrong_records(result, state):
+    """Whether the files of -log and -report, where a stage writes them, tell another story than the output."""
+    wrong = []
+    if "l.txt" in state and not state["l.txt"].decode(errors="replace").endswith(result.text.splitlines()[-1] + "\n") \
+            and "-log " not in result.text:
+        wrong.append("the log is incomplete")
+    if "r.json" in state:
+        report = json.loads(state["r.json"])
+        if (report["status"] == "done") != (result.status == 0):
+            wrong.append("the report is of another run")
+    return wrong
+
+
 def error_lines(text):
     lines = text.split(HEADER, 1)[1].splitlines() if HEADER in text else []
-    return [line for line in lines if line and not line.endswith(" elapsed") and not line.startswith("failed: ")]
+    ends = ("failed: ", "WARNING: ")
+    return [line for line in lines if line and not line.endswith(" elapsed") and not line.startswith(ends)]
 
 
 def warnings(text):
