@@ -18,12 +18,19 @@ bool WantsColor() {
     return (noColor == nullptr || *noColor == 0) && HasColors();
 }
 
-/// The text in yellow or red; the color ends before the line end.
-std::string Colored(LogLevel level, std::string_view text) {
-    constexpr int kRed = 31, kYellow = 33; // foreground colors of ECMA-48, "select graphic rendition"
+void PrintPlain(std::string_view text) {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+/// The text in yellow or red; the color ends before the line end. Needs no memory: the text may say that there is none.
+void PrintColored(LogLevel level, std::string_view text) {
+    // Foreground colors of ECMA-48, "select graphic rendition".
+    constexpr std::string_view kRed = "\x1b[31m", kYellow = "\x1b[33m", kNormal = "\x1b[0m";
     const std::size_t end = text.find_last_not_of('\n') + 1;
-    return fmt::format("\x1b[{}m{}\x1b[0m{}", level == LogLevel::Error ? kRed : kYellow, text.substr(0, end),
-                       text.substr(end));
+    PrintPlain(level == LogLevel::Error ? kRed : kYellow);
+    PrintPlain(text.substr(0, end));
+    PrintPlain(kNormal);
+    PrintPlain(text.substr(end));
 }
 
 Log::Sink Both(Log::Sink first, Log::Sink second) {
@@ -37,9 +44,10 @@ Log::Sink Both(Log::Sink first, Log::Sink second) {
 
 Log::Sink Log::StandardOutput() {
     return [color = WantsColor()](LogLevel level, std::string_view text) {
-        const std::string colored = color && level != LogLevel::Normal ? Colored(level, text) : std::string();
-        const std::string_view shown = colored.empty() ? text : colored;
-        std::fwrite(shown.data(), 1, shown.size(), stdout);
+        if (color && level != LogLevel::Normal)
+            PrintColored(level, text);
+        else
+            PrintPlain(text);
         std::fflush(stdout);
     };
 }

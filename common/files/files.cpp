@@ -7,6 +7,7 @@
 
 #include <glib/gstdio.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <glib.h>
 #include <system_error>
@@ -17,6 +18,8 @@ namespace q3 {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::size_t kRandomLetters = 6; ///< in names of unfinished files
 
 std::string Reason(int number) {
     return std::generic_category().message(number);
@@ -111,7 +114,6 @@ std::string ReadTextFile(const std::filesystem::path &path) {
 }
 
 std::string TargetOfUnfinished(std::string_view name) {
-    constexpr std::size_t kRandomLetters = 6;
     if (!name.ends_with(kUnfinished))
         return {};
     name.remove_suffix(kUnfinished.size());
@@ -127,14 +129,15 @@ FileReplacement::FileReplacement(fs::path path) : path_(std::move(path)), target
     RequireReplaceable(path_, target_);
     const fs::file_status old = fs::status(target_, ignored);
     constexpr int kNewFileMode = 0666; // readable and writable for all, less the umask
-    const int mode = fs::exists(old) ? int(old.permissions()) : kNewFileMode;
+    isNew_ = !fs::exists(old);
+    const int mode = isNew_ ? kNewFileMode : int(old.permissions());
 
     std::string name = target_.string() + ".XXXXXX" + std::string(kUnfinished);
     file_.reset(CreateTemporary(name, mode));
     if (!file_)
         Fail(errno);
     temporary_ = std::move(name);
-    if (fs::exists(old))
+    if (!isNew_)
         SetPermissions(file_.get(), mode);
 }
 
@@ -142,6 +145,9 @@ FileReplacement::~FileReplacement() {
     file_.reset(); // Windows removes no open file
     if (!temporary_.empty())
         g_unlink(temporary_.c_str());
+    std::error_code ignored;
+    if (!old_.empty())
+        fs::remove(old_, ignored);
 }
 
 void FileReplacement::Append(std::span<const std::byte> data) {
@@ -161,6 +167,29 @@ void FileReplacement::Commit() {
     if (!RenameOver(temporary_, target_))
         Fail(errno);
     temporary_.clear();
+}
+
+void FileReplacement::KeepOld() {
+    if (isNew_)
+        return;
+    std::string name = temporary_;
+    const auto letters = name.end() - std::ptrdiff_t(kUnfinished.size() + kRandomLetters);
+    std::reverse(letters, letters + kRandomLetters);
+    fs::path old = std::move(name);
+    std::error_code failed;
+    fs::create_hard_link(target_, old, failed);
+    if (!failed)
+        old_ = std::move(old); // needs no memory
+}
+
+void FileReplacement::Revert() noexcept {
+    if (!temporary_.empty())
+        return;
+    std::error_code ignored;
+    if (isNew_)
+        fs::remove(target_, ignored);
+    else if (!old_.empty() && RenameOver(old_, target_))
+        old_.clear();
 }
 
 void FileReplacement::Fail(int reason) const {
@@ -184,15 +213,51 @@ void ReplaceTextFile(const fs::path &path, std::string_view text) {
     ReplaceFile(path, std::as_bytes(std::span(text)));
 }
 
+void FileSet::AddFile(const fs::path &path, std::span<const std::byte> data) {
+    FileReplacement &file = Add(path);
+    file.Append(data);
+    file.Finish();
+}
+
 void FileSet::AddText(const fs::path &path, std::string_view text) {
-    Add(path).Append(std::as_bytes(std::span(text)));
+    AddFile(path, std::as_bytes(std::span(text)));
+}
+
+void FileSet::AddFolder(const fs::path &folder) {
+    std::error_code ignored;
+    const std::size_t before = newFolders_.size();
+    for (fs::path missing = fs::absolute(folder); !fs::exists(missing, ignored) && missing.has_relative_path();
+         missing = missing.parent_path())
+        newFolders_.insert(newFolders_.begin() + std::ptrdiff_t(before), missing);
+    MakeFolder(folder);
 }
 
 void FileSet::Commit() {
     for (FileReplacement &file : files_)
-        file.Finish();
-    for (FileReplacement &file : files_)
-        file.Commit();
+        if (file.file_)
+            file.Finish();
+    try {
+        for (FileReplacement &file : files_) {
+            if (&file != &files_.back()) // nothing can fail after the last one
+                file.KeepOld();
+            file.Commit();
+        }
+    } catch (...) {
+        for (FileReplacement &file : files_)
+            file.Revert();
+        throw;
+    }
+    newFolders_.clear();
+    std::error_code ignored;
+    for (const fs::path &path : removed_)
+        fs::remove(path, ignored);
+}
+
+FileSet::~FileSet() {
+    files_.clear();
+    std::error_code ignored;
+    for (auto folder = newFolders_.rbegin(); folder != newFolders_.rend(); ++folder)
+        fs::remove(*folder, ignored); // only if it is empty
 }
 
 void RequireWritable(const fs::path &file) {
@@ -217,6 +282,24 @@ void RequireFolder(const fs::path &folder) {
         throw Error("{}: cannot write to this folder: {} is a file", folder.string(), there.string());
     if (!IsWritable(there))
         throw Error("{}: cannot write to this folder: {} is write protected", folder.string(), there.string());
+}
+
+bool IsFile(const fs::path &path) {
+    std::error_code failed;
+    const fs::file_status status = fs::status(path, failed);
+    if (status.type() == fs::file_type::none && failed != std::errc::permission_denied)
+        throw Error("{}: cannot read: {}", path.string(), failed.message());
+    return fs::is_regular_file(status);
+}
+
+std::vector<fs::path> EntriesOf(const fs::path &folder) {
+    std::vector<fs::path> entries;
+    const std::error_code failed = ListFolder(folder, entries);
+    for (const std::errc harmless :
+         {std::errc{}, std::errc::no_such_file_or_directory, std::errc::not_a_directory, std::errc::permission_denied})
+        if (failed == std::make_error_condition(harmless))
+            return entries;
+    throw Error("{}: cannot read this folder: {}", folder.string(), failed.message());
 }
 
 std::uint64_t DiskOf(const fs::path &path) {

@@ -82,23 +82,45 @@ class FileReplacement {
     void Commit();
 
   private:
+    friend class FileSet;
+    /// Before Commit: keeps the old file for Revert, under the name of another unfinished file. File systems without
+    /// hard links keep none.
+    void KeepOld();
+    /// After Commit: puts the old file back, or removes the file if there was none. Before Commit: does nothing. Needs
+    /// no memory.
+    void Revert() noexcept;
     [[noreturn]] void Fail(int reason) const;
 
     std::filesystem::path path_, target_;
-    std::string temporary_; ///< empty once it is renamed
+    bool isNew_ = false;        ///< whether there is no old file
+    std::string temporary_;     ///< empty once it is renamed
+    std::filesystem::path old_; ///< the old file that is kept; empty: none
     std::unique_ptr<std::FILE, CloseFile> file_;
 };
 
-/// Files that belong together: all are complete on the disk before the first replaces its old version.
+/// Files that belong together: all are complete on the disk before the first replaces its old version, and if one
+/// cannot replace it, those that have are put back. Errors: those of FileReplacement and MakeFolder.
 class FileSet {
   public:
+    FileSet() = default;
+    FileSet(const FileSet &) = delete;
+    FileSet &operator=(const FileSet &) = delete;
+    ~FileSet();
     FileReplacement &Add(const std::filesystem::path &path) { return files_.emplace_back(path); }
+    /// A whole file, which is closed: many of them leave room for other open files.
+    void AddFile(const std::filesystem::path &path, std::span<const std::byte> data);
     void AddText(const std::filesystem::path &path, std::string_view text);
+    /// Removes a file, if there is one, as soon as all others are replaced. Failure is ignored.
+    void AddRemoval(const std::filesystem::path &path) { removed_.push_back(path); }
+    /// MakeFolder, for files of the set. Without Commit, the folders that did not exist are removed again.
+    void AddFolder(const std::filesystem::path &folder);
     /// Replaces the old files in the order of Add. To be called once.
     void Commit();
 
   private:
     std::deque<FileReplacement> files_;
+    std::vector<std::filesystem::path> removed_;
+    std::vector<std::filesystem::path> newFolders_; ///< each before those in it
 };
 
 /// FileReplacement in one step.
@@ -120,6 +142,14 @@ struct FileState {
     static FileState Of(const std::filesystem::path &path);
     bool operator==(const FileState &) const = default;
 };
+
+/// Whether there is a regular file of that name. One that the user may not look at is none. Errors: Error if the system
+/// cannot tell.
+bool IsFile(const std::filesystem::path &path);
+
+/// Paths of what is in a folder, in any order; nothing if there is no such folder or the user may not read it. Errors:
+/// Error if it cannot be read.
+std::vector<std::filesystem::path> EntriesOf(const std::filesystem::path &folder);
 
 /// A number that all paths of one disk (file system) share. If there is no such path: 0.
 std::uint64_t DiskOf(const std::filesystem::path &path);

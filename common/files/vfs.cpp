@@ -100,6 +100,9 @@ struct VirtualFileSystem::State {
     std::vector<PackageName> DependenciesOf(const MountedFiles &package) const;
     void Prefer(const PackageName &wanted, const fs::path &needing, std::size_t &preferred);
     void PreferAt(std::size_t at, std::size_t &preferred);
+    /// As IsFile and EntriesOf, but what cannot be read gives a warning, and counts as not there.
+    bool IsGameFile(const fs::path &path) const;
+    std::vector<fs::path> EntriesOfFolder(const fs::path &folder) const;
     /// Calls use(path) or use(archive) for each occurrence of a safe name, the winner first, until one returns true.
     template <typename UsePath, typename UseArchive>
     void Visit(const std::string &name, UsePath usePath, UseArchive useArchive) const;
@@ -107,6 +110,24 @@ struct VirtualFileSystem::State {
     /// Contents of every occurrence, or of the first readable one. Unreadable ones give a warning.
     std::vector<std::vector<std::byte>> Contents(std::string_view name, Occurrences wanted) const;
 };
+
+bool VirtualFileSystem::State::IsGameFile(const fs::path &path) const {
+    try {
+        return IsFile(path);
+    } catch (const Error &error) {
+        log.Warn("unreadable game file", "{}", error.what());
+        return false;
+    }
+}
+
+std::vector<fs::path> VirtualFileSystem::State::EntriesOfFolder(const fs::path &folder) const {
+    try {
+        return EntriesOf(folder);
+    } catch (const Error &error) {
+        log.Warn("unreadable game folder", "{}", error.what());
+        return {};
+    }
+}
 
 void VirtualFileSystem::State::MountFolder(fs::path path) {
     mounted.insert(mounted.begin() + std::ptrdiff_t(folders++), {std::move(path)});
@@ -133,8 +154,7 @@ void VirtualFileSystem::State::Visit(const std::string &name, UsePath usePath, U
             continue;
         }
         const fs::path path = files.path / PathOf(name);
-        std::error_code absent;
-        if (fs::is_regular_file(path, absent) && usePath(path))
+        if (IsGameFile(path) && usePath(path))
             return;
     }
 }
@@ -175,15 +195,14 @@ void VirtualFileSystem::Mount(const fs::path &folder, std::string_view archiveEx
     state_->log.Print("VFS Init: {}\n", folder.string());
     const std::string archiveEnd = fmt::format(".{}", archiveExtension), folderEnd = archiveEnd + "dir";
     std::vector<std::string> archives, packFolders;
-    std::error_code failed;
-    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
-        std::string name = at->path().filename().string();
+    for (const fs::path &entry : state_->EntriesOfFolder(folder)) {
+        std::string name = entry.filename().string();
         if (state_->IsForbidden(name))
             continue;
         std::error_code unknown;
         if (EndsWithNoCase(name, archiveEnd))
             archives.push_back(std::move(name));
-        else if (EndsWithNoCase(name, folderEnd) && at->is_directory(unknown))
+        else if (EndsWithNoCase(name, folderEnd) && fs::is_directory(entry, unknown))
             packFolders.push_back(std::move(name));
     }
     std::sort(archives.begin(), archives.end(), LessWithoutCase);
@@ -346,11 +365,9 @@ std::vector<std::string> VirtualFileSystem::List(std::string_view folder, std::s
                     add(name.substr(safe.size() + 1));
             continue;
         }
-        std::error_code failed, unknown;
-        for (fs::directory_iterator at(files.path / PathOf(safe), failed), end; !failed && at != end;
-             at.increment(failed))
-            if (at->is_regular_file(unknown))
-                add(at->path().filename().string());
+        for (const fs::path &entry : state_->EntriesOfFolder(files.path / PathOf(safe)))
+            if (state_->IsGameFile(entry))
+                add(entry.filename().string());
     }
     std::sort(names.begin(), names.end(), LessWithoutCase);
     return names;

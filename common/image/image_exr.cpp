@@ -15,6 +15,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <new>
 
 namespace q3 {
 
@@ -228,6 +229,8 @@ FloatImage DecodeExr(std::span<const std::byte> file, std::string_view name) {
     } catch (const Error &error) {
         const std::string_view text = error.what();
         throw Error("{}{}", text.starts_with(name) ? std::string() : fmt::format("{}: EXR: ", name), text);
+    } catch (const std::bad_alloc &) {
+        throw;
     } catch (const std::exception &error) {
         std::string text = error.what();
         std::ranges::replace(text, '\n', ' ');

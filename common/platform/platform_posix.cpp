@@ -2,6 +2,7 @@
 #include "common/platform/platform.h"
 
 #include <arpa/inet.h>
+#include <dirent.h>
 #include <fcntl.h>
 #include <glib.h>
 #include <netinet/tcp.h>
@@ -28,9 +29,13 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Makes a rename durable. Failure is ignored: not every file system can, and the file is whole either way.
-void SyncFolder(const fs::path &file) {
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+void SyncFolder(const fs::path &file) noexcept {
+    int descriptor = -1;
+    try {
+        const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+        descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    } catch (const std::bad_alloc &) {
+    }
     if (descriptor < 0)
         return;
     fsync(descriptor);
@@ -211,6 +216,21 @@ bool RenameOver(const fs::path &from, const fs::path &to) {
         return false;
     SyncFolder(to);
     return true;
+}
+
+std::error_code ListFolder(const fs::path &folder, std::vector<fs::path> &entries) {
+    const std::unique_ptr<DIR, int (*)(DIR *)> open(opendir(folder.c_str()), closedir);
+    if (!open)
+        return {errno, std::generic_category()};
+    for (;;) {
+        errno = 0;
+        const dirent *const entry = readdir(open.get());
+        if (entry == nullptr)
+            return {errno, std::generic_category()};
+        const std::string_view name = entry->d_name;
+        if (name != "." && name != "..")
+            entries.push_back(folder / name);
+    }
 }
 
 // ---- TCP connections ----

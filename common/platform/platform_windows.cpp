@@ -232,6 +232,13 @@ bool SyncFile(std::FILE *file) {
     return std::fflush(file) == 0 && _commit(_fileno(file)) == 0;
 }
 
+std::error_code ListFolder(const fs::path &folder, std::vector<fs::path> &entries) {
+    std::error_code failed;
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+        entries.push_back(at->path());
+    return failed;
+}
+
 bool RenameOver(const fs::path &from, const fs::path &to) {
     for (int tried = 1;; ++tried) {
         if (MoveFileExW(from.c_str(), to.c_str(), MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH) != 0)

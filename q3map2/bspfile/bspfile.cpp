@@ -112,7 +112,7 @@ std::string KindOfText(std::string_view text) {
     try {
         const bool opens = scanner.Next(first) && first == "{" && scanner.Next(second);
         return std::string(opens && scanner.IsQuoted() && second == "classname" ? kKindMapSource : kKindText);
-    } catch (const std::exception &) { // a long token
+    } catch (const Error &) { // a long token
         return std::string(kKindText);
     }
 }
@@ -145,7 +145,7 @@ std::string KindOfSource(std::string_view text) {
     try {
         if (!scanner.Next(word) || !scanner.Next(value))
             return {};
-    } catch (const std::exception &) { // a long token
+    } catch (const Error &) { // a long token
         return {};
     }
     if (EqualNoCase(word, "Version"))
@@ -215,6 +215,13 @@ std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format) {
 }
 
 void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, Log &log) {
+    FileSet written;
+    AddBspFile(path, bsp, format, written, log);
+    written.Commit();
+}
+
+void AddBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, FileSet &written,
+                Log &log) {
     log.Print("Writing {}\n", path.string());
     const ByteRanges bytes = [&] {
         try {
@@ -223,9 +230,9 @@ void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFo
             throw Error("{}: {}", path.string(), error.what());
         }
     }();
-    FileReplacement file(path);
+    FileReplacement &file = written.Add(path);
     bytes.Write([&file](std::span<const std::byte> range) { file.Append(range); });
-    file.Commit();
+    file.Finish();
     log.Print("Wrote {} ({} bytes)\n", SizeText(bytes.Size()), bytes.Size());
 }
 

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Compiled maps as files on disk, and names for files that are something else.
 #pragma once
 
+#include "common/files/files.h"
 #include "common/log.h"
 #include "q3map2/bspfile/bsp.h"
 #include "q3map2/bspfile/bsp_validate.h"
@@ -46,5 +47,7 @@ std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format);
 /// Writes the bytes of WriteBsp without a second copy in memory. Replaces the file by a complete one or leaves the old
 /// one unchanged. Prints path and size.
 void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, Log &log);
+/// The same as a file of a set, which the caller commits.
+void AddBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, FileSet &written, Log &log);
 
 } // namespace q3

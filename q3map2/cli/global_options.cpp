@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "common/files/dependencies.h"
+#include "common/files/files.h"
 #include "common/platform/platform.h"
 #include "common/text/text.h"
 #include "q3map2/bspfile/entities.h"
@@ -462,13 +463,12 @@ bool IsFolder(const fs::path &path) {
 
 bool HoldsGameFiles(const fs::path &folder, const Game &game) {
     const std::string archive = fmt::format(".{}", game.archiveExtension), packFolder = archive + "dir";
-    std::error_code failed;
-    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
-        const std::string name = LowerCase(at->path().filename().string());
+    for (const fs::path &entry : EntriesOf(folder)) {
+        const std::string name = LowerCase(entry.filename().string());
         if (name.ends_with(archive) || name.ends_with(packFolder))
             return true;
         for (const std::string_view part : {game.shaderDir, std::string_view("textures"), std::string_view("models")})
-            if (name == part && IsFolder(at->path()))
+            if (name == part && IsFolder(entry))
                 return true;
     }
     return false;

@@ -4,6 +4,7 @@
 #include "common/crash_report.h"
 #include "common/error.h"
 #include "common/files/files.h"
+#include "common/platform/platform.h"
 #include "common/text/text.h"
 #include "q3map2/cli/documentation.h"
 #include "q3map2/cli/help.h"
@@ -17,9 +18,12 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <new>
+#include <system_error>
 
 namespace q3 {
 
@@ -279,13 +283,29 @@ ChosenStage TakeStage(StageList stages, Arguments &arguments) {
 
 namespace {
 
-/// Everything that is printed goes to the file too, without the live progress of terminals.
-void AddLogFile(const std::string &path, Log &log) {
-    auto file = std::make_shared<std::ofstream>(std::filesystem::path(path), std::ios::binary);
-    if (!*file)
-        throw Error("-log {}: the file cannot be written", path);
-    log.AddSink([file](LogLevel, std::string_view text) { *file << text << std::flush; });
-}
+/// The file of -log: everything that is printed goes to it too, without the live progress of terminals.
+class LogFile {
+  public:
+    /// Errors: Error if the file cannot be made.
+    explicit LogFile(const std::string &path) : path_(path), file_(OpenFile(path, "wbe")) {
+        if (!file_)
+            throw Error("-log {}: the file cannot be written", path);
+    }
+    void Write(std::string_view text) {
+        if (failed_ == 0 &&
+            (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0))
+            failed_ = errno;
+    }
+    void WarnIfIncomplete(Log &log) const {
+        if (failed_ != 0)
+            log.Warn("log file", "-log {}: a part is missing: {}", path_, std::generic_category().message(failed_));
+    }
+
+  private:
+    std::string path_;
+    std::unique_ptr<std::FILE, CloseFile> file_;
+    int failed_ = 0; ///< why the file ends early; 0: it does not
+};
 
 /// The words without the quotes that some editors leave around them, and that pasted paths have: plain ones, those of
 /// other shells, and typographic ones. A single \" goes too: of the word "C:\games\", a shell of Windows takes the last
@@ -312,8 +332,11 @@ int Run(StageList stages, const std::vector<std::string> &words, const std::file
         RunReport &report, Log &log) {
     // Before the options are parsed, so that the editor and the file get errors in them too.
     EditorFeedback::Attach(LastValueOf("-connect", words), log);
-    if (const std::string file = LastValueOf("-log", words); !file.empty())
-        AddLogFile(file, log);
+    std::shared_ptr<LogFile> logFile;
+    if (const std::string file = LastValueOf("-log", words); !file.empty()) {
+        logFile = std::make_shared<LogFile>(file);
+        log.AddSink([logFile](LogLevel, std::string_view text) { logFile->Write(text); });
+    }
     Arguments arguments(words);
     const GlobalOptions options = ParseGlobalOptions(arguments, log);
     if (options.help) {
@@ -333,10 +356,98 @@ int Run(StageList stages, const std::vector<std::string> &words, const std::file
     const StageContext context{options,          chosen.stage, stages, chosen.isNamed, program,
                                arguments.Rest(), log,          report, words};
     const int status = chosen.stage.run(context, std::move(arguments));
+    if (logFile)
+        logFile->WarnIfIncomplete(log);
     log.FlushWarnings();
     report.PrintEnd(status == 0 ? RunEnd::Done : RunEnd::Failed, log);
     return status;
 }
+
+/// How an error is printed.
+constexpr std::string_view kErrorHeader = "************ ERROR ************\n";
+constexpr std::string_view kOutOfMemory = "out of memory";
+
+/// One run, from the command line to its exit status.
+class ProgramRun {
+  public:
+    ProgramRun(const std::vector<std::string> &arguments, Log &log)
+        : arguments_(arguments), reportPath_(LastValueOf("-report", arguments)), log_(log) {
+        if (!reportPath_.empty())
+            log.AddObserver(reportFile_);
+    }
+    ~ProgramRun() { log_.RemoveObserver(reportFile_); }
+    ProgramRun(const ProgramRun &) = delete;
+    ProgramRun &operator=(const ProgramRun &) = delete;
+
+    int Status(StageList stages, const std::filesystem::path &program) {
+        try {
+            RequireReportFile();
+            const int status = Run(stages, arguments_, program, report_, log_);
+            const std::string faults = report_.Faults();
+            return End(status, status == 0 ? "" : faults.empty() ? "the log says what is wrong" : faults);
+        } catch (const Error &error) {
+            return Fail(error.what());
+        } catch (const std::bad_alloc &) {
+            return Fail(kOutOfMemory);
+        } catch (const std::filesystem::filesystem_error &error) {
+            return Fail(fmt::format("{}: {}", error.path1().string(), error.code().message()));
+        } catch (const std::exception &error) {
+            return Fail(fmt::format("unexpected failure: {}", error.what()));
+        }
+    }
+
+    /// The exit status after Status has thrown for want of memory, even for its error line. Needs none itself.
+    int StatusWithoutMemory() {
+        if (!isErrorPrinted_)
+            for (const std::string_view part : {kErrorHeader, kOutOfMemory, std::string_view("\n")})
+                log_.Write(LogLevel::Error, part);
+        return 1;
+    }
+
+  private:
+    /// Fails now, not after hours of computing.
+    void RequireReportFile() {
+        if (reportPath_.empty())
+            return;
+        try {
+            RequireWritable(reportPath_);
+        } catch (const Error &error) {
+            reportPath_.clear();
+            throw Error("-report: {}", error.what());
+        }
+    }
+
+    int Fail(std::string_view text) {
+        log_.FlushWarnings();
+        const std::string lines = fmt::format("{}{}\n", kErrorHeader, text);
+        log_.Write(LogLevel::Error, lines);
+        isErrorPrinted_ = true;
+        report_.PrintEnd(RunEnd::Failed, log_);
+        return End(1, text);
+    }
+
+    int End(int status, std::string_view error) {
+        log_.RemoveObserver(reportFile_);
+        if (reportPath_.empty())
+            return status;
+        try {
+            reportFile_.Write(reportPath_, arguments_, error);
+        } catch (const Error &failure) {
+            const bool isFirst = error.empty(); // a run has one error
+            log_.Write(isFirst ? LogLevel::Error : LogLevel::Warning,
+                       fmt::format("{}-report: {}\n", isFirst ? kErrorHeader : "WARNING: ", failure.what()));
+            return 1;
+        }
+        return status;
+    }
+
+    const std::vector<std::string> &arguments_;
+    std::string reportPath_; ///< empty: no report is written
+    Log &log_;
+    RunReport report_;
+    ReportFile reportFile_;
+    bool isErrorPrinted_ = false;
+};
 
 } // namespace
 
@@ -345,47 +456,11 @@ int RunProgram(StageList stages, const std::vector<std::string> &given, const st
     const std::vector<std::string> arguments = Unquoted(given);
     InstallCrashReport(VersionText());
     SetCrashCommand(fmt::format("{}", fmt::join(arguments, " ")));
-    RunReport report;
-    const std::string reportPath = LastValueOf("-report", arguments);
-    ReportFile reportFile;
-    bool writesReport = !reportPath.empty();
-    if (writesReport)
-        log.AddObserver(reportFile);
-    const auto end = [&](int status, std::string_view error) {
-        log.RemoveObserver(reportFile);
-        if (!writesReport)
-            return status;
-        try {
-            reportFile.Write(reportPath, arguments, error);
-        } catch (const Error &failure) {
-            log.Write(LogLevel::Error, fmt::format("-report: {}\n", failure.what()));
-            return 1;
-        }
-        return status;
-    };
-    const auto fail = [&](std::string_view text) {
-        log.FlushWarnings();
-        log.Write(LogLevel::Error, fmt::format("************ ERROR ************\n{}\n", text));
-        report.PrintEnd(RunEnd::Failed, log);
-        return end(1, text);
-    };
-    if (writesReport)
-        try {
-            RequireWritable(reportPath); // fail now, not after hours of computing
-        } catch (const Error &error) {
-            writesReport = false;
-            return fail(fmt::format("-report: {}", error.what()));
-        }
+    ProgramRun run(arguments, log);
     try {
-        const int status = Run(stages, arguments, program, report, log);
-        const std::string faults = report.Faults();
-        return end(status, status == 0 ? "" : faults.empty() ? "the log says what is wrong" : faults);
-    } catch (const Error &error) {
-        return fail(error.what());
+        return run.Status(stages, program);
     } catch (const std::bad_alloc &) {
-        return fail("out of memory");
-    } catch (const std::exception &error) {
-        return fail(fmt::format("unexpected failure: {}", error.what()));
+        return run.StatusWithoutMemory();
     }
 }
 

@@ -3,6 +3,7 @@
 #include "q3map2/cli/stage_files.h"
 
 #include "common/error.h"
+#include "common/files/files.h"
 #include "common/text/text.h"
 #include "q3map2/cli/program.h"
 
@@ -23,11 +24,6 @@ namespace {
 
 constexpr std::array<std::string_view, 11> kMapFileExtensions = {".map", ".bsp",   ".reg", ".ent", ".prt", ".srf",
                                                                  ".lin", ".caulk", ".rad", ".aas", ".html"};
-
-bool IsFile(const fs::path &path) {
-    std::error_code absent;
-    return fs::is_regular_file(path, absent);
-}
 
 bool IsDirectory(const fs::path &path) {
     std::error_code absent;
@@ -50,10 +46,9 @@ fs::path Appended(fs::path path, std::string_view extension) {
 
 std::vector<fs::path> FilesIn(const fs::path &folder, std::string_view extension) {
     std::vector<fs::path> files;
-    std::error_code failed;
-    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
-        if (HasExtension(at->path(), extension) && IsFile(at->path()))
-            files.push_back(at->path());
+    for (fs::path &entry : EntriesOf(folder))
+        if (HasExtension(entry, extension) && IsFile(entry))
+            files.push_back(std::move(entry));
     std::ranges::sort(files);
     return files;
 }

@@ -14,6 +14,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -151,7 +152,7 @@ class Connection {
     ~Connection() {
         {
             const std::lock_guard lock(mutex_);
-            Flush();
+            GiveUpWithoutMemory([&] { Flush(); });
             ended_ = lastProgress_ = Clock::now();
         }
         wake_.notify_one();
@@ -162,21 +163,33 @@ class Connection {
 
     void Write(LogLevel level, std::string_view text) {
         const std::lock_guard lock(mutex_);
-        if (level != pending_.level)
-            Flush();
-        pending_.level = level;
-        pending_.text += text;
-        if (pending_.text.size() > kFlushBytes)
-            Flush();
+        GiveUpWithoutMemory([&] {
+            if (level != pending_.level)
+                Flush();
+            pending_.level = level;
+            pending_.text += text;
+            if (pending_.text.size() > kFlushBytes)
+                Flush();
+        });
     }
 
     void Write(LogLevel level, std::string_view text, const LogMark &mark) {
         const std::lock_guard lock(mutex_);
-        Flush();
-        Queue({level, std::string(text), mark});
+        GiveUpWithoutMemory([&] {
+            Flush();
+            Queue({level, std::string(text), mark});
+        });
     }
 
   private:
+    /// What cannot be kept is lost for the editor; the compile goes on. With the mutex held.
+    template <typename Keep> void GiveUpWithoutMemory(const Keep &keep) {
+        try {
+            keep();
+        } catch (const std::bad_alloc &) {
+            lost_ = true;
+        }
+    }
     /// Queues the pending text. With the mutex held.
     void Flush() {
         if (!pending_.text.empty())
@@ -190,14 +203,21 @@ class Connection {
     }
 
     void Run() {
-        if (WaitUntilReady(Clock::now() + kConnectTime) && Send(kFeedbackRoot))
-            while (const auto entry = NextEntry())
-                if (!std::ranges::all_of(entry->Payloads(), [&](const auto &payload) { return Send(payload); }))
-                    break;
+        try {
+            SendEntries();
+        } catch (const std::bad_alloc &) { // as if the editor were gone; the compile goes on
+        }
         socket_.reset();
         const std::lock_guard lock(mutex_);
         lost_ = true;
         queue_.clear();
+    }
+
+    void SendEntries() {
+        if (WaitUntilReady(Clock::now() + kConnectTime) && Send(kFeedbackRoot))
+            while (const auto entry = NextEntry())
+                if (!std::ranges::all_of(entry->Payloads(), [&](const auto &payload) { return Send(payload); }))
+                    break;
     }
 
     /// Waits for the next entry. Empty: the run has ended and everything is sent.
@@ -265,7 +285,13 @@ void EditorFeedback::Attach(const std::string &address, Log &log) {
                  address);
         return;
     }
-    const auto connection = std::make_shared<Connection>(std::move(socket));
+    std::shared_ptr<Connection> connection;
+    try {
+        connection = std::make_shared<Connection>(std::move(socket));
+    } catch (const std::system_error &error) { // no thread
+        log.Warn("no editor", "-connect {}: {}; no editor gets the messages", address, error.code().message());
+        return;
+    }
     log.AddSink([connection](LogLevel level, std::string_view text) { connection->Write(level, text); },
                 [connection](LogLevel level, std::string_view text, const LogMark &mark) {
                     connection->Write(level, text, mark);

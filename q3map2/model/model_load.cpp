@@ -24,6 +24,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <numbers>
 #include <optional>
 
@@ -302,6 +303,8 @@ const Model *ModelLibrary::Get(std::string_view name, int frame, std::string &pr
                 throw Error("there is no such file");
             entry.model = std::make_unique<Model>(
                 ReadModelApart(*vfs_, [&](const ModelFiles &files) { return ReadModel(files, path, frame); }));
+        } catch (const std::bad_alloc &) {
+            throw;
         } catch (const std::exception &error) {
             entry.problem = error.what();
         }

@@ -115,11 +115,9 @@ fs::path PackageSource::LooseFile(std::string_view name) const {
     const std::string safe = SafeName(name);
     if (safe.empty())
         return {};
-    for (const fs::path &folder : folders_) {
-        std::error_code absent;
-        if (fs::is_regular_file(folder / safe, absent))
+    for (const fs::path &folder : folders_)
+        if (IsFile(folder / safe))
             return folder / safe;
-    }
     return {};
 }
 
@@ -161,10 +159,9 @@ std::vector<std::string> PackageSource::List(std::string_view folder, std::strin
     std::vector<std::string> names;
     for (const fs::path &root : folders_) {
         std::vector<std::string> here;
-        std::error_code failed, unknown;
-        for (fs::directory_iterator at(root / folder, failed), end; !failed && at != end; at.increment(failed))
-            if (at->is_regular_file(unknown) && EndsWithNoCase(at->path().filename().string(), extension))
-                here.push_back(at->path().filename().string());
+        for (const fs::path &entry : EntriesOf(root / folder))
+            if (EndsWithNoCase(entry.filename().string(), extension) && IsFile(entry))
+                here.push_back(entry.filename().string());
         std::ranges::sort(here);
         names.insert(names.end(), here.begin(), here.end());
     }

@@ -350,11 +350,9 @@ void AddLightFiles(const fs::path &bspPath, const WantedList &externalPages, con
                    PackagePlan &plan) {
     const std::string name = bspPath.stem().string();
     std::vector<fs::path> pages;
-    std::error_code failed;
-    for (fs::directory_iterator at(bspPath.parent_path() / name, failed), end; !failed && at != end;
-         at.increment(failed))
-        if (IsLightFile(at->path()))
-            pages.push_back(at->path());
+    for (fs::path &entry : EntriesOf(bspPath.parent_path() / name))
+        if (IsLightFile(entry))
+            pages.push_back(std::move(entry));
     std::ranges::sort(pages);
     for (const fs::path &page : pages)
         plan.Add(fmt::format("maps/{}/{}", name, page.filename().string()), page);

@@ -11,6 +11,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace q3 {
 
@@ -86,9 +89,48 @@ namespace {
 
 /// Chosen, so that reports of maps with very many faults stay readable.
 constexpr std::size_t kMostWarnings = 10000;
-/// Form of the JSON text: blanks a level, and whether characters beyond ASCII are escaped.
-constexpr int kIndent = 1;
-constexpr bool kEscapesUtf8 = false;
+/// JSON text with a line for each value. There is no tree of values: that of nlohmann needs memory to be freed, and
+/// ends the program if there is none.
+class ReportText {
+  public:
+    void Open(char bracket) {
+        text_ += bracket;
+        isFirst_.push_back(true);
+    }
+    void Close(char bracket) {
+        const bool isEmpty = isFirst_.back();
+        isFirst_.pop_back();
+        if (!isEmpty)
+            NewLine();
+        text_ += bracket;
+    }
+    /// Begins an element of the innermost list, or with `name` a member of the innermost object.
+    ReportText &Next() {
+        if (!isFirst_.back())
+            text_ += ',';
+        isFirst_.back() = false;
+        NewLine();
+        return *this;
+    }
+    ReportText &Next(std::string_view name) {
+        Next().Value(name);
+        text_ += ": ";
+        return *this;
+    }
+    /// Names in maps may be in any encoding.
+    void Value(const nlohmann::json &scalar) {
+        constexpr int kOneLine = -1;
+        constexpr bool kEscapesUtf8 = false;
+        text_ += scalar.dump(kOneLine, ' ', kEscapesUtf8, nlohmann::json::error_handler_t::replace);
+    }
+    std::string Take() { return std::move(text_) + "\n"; }
+
+  private:
+    void NewLine() { text_.append("\n").append(isFirst_.size(), ' '); }
+
+    std::string text_;
+    std::vector<bool> isFirst_; ///< of each open list and object: whether it is empty so far
+};
 
 } // namespace
 
@@ -132,39 +174,56 @@ void ReportFile::OnWarning(std::string_view kind, std::string_view text, const L
 void ReportFile::Write(const std::filesystem::path &path, const std::vector<std::string> &words,
                        std::string_view error) {
     EndPass();
-    using Json = nlohmann::ordered_json;
-    Json report{{"version", kVersion},
-                {"commandLine", words},
-                {"status", error.empty() ? "done" : "failed"},
-                {"seconds", SecondsSince(start_)},
-                {"cpuSeconds", CpuSeconds()},
-                {"peakMemoryBytes", PeakMemory()}};
+    ReportText report;
+    report.Open('{');
+    report.Next("version").Value(kVersion);
+    report.Next("commandLine").Open('[');
+    for (const std::string &word : words)
+        report.Next().Value(word);
+    report.Close(']');
+    report.Next("status").Value(error.empty() ? "done" : "failed");
+    report.Next("seconds").Value(SecondsSince(start_));
+    report.Next("cpuSeconds").Value(CpuSeconds());
+    report.Next("peakMemoryBytes").Value(PeakMemory());
     if (!error.empty())
-        report["error"] = error;
-    report["settings"] = Json::array();
-    for (const Setting &s : settings_)
-        report["settings"].push_back(
-            {{"name", s.name}, {"value", s.value}, {"default", s.initial}, {"from", s.source}});
-    report["passes"] = Json::array();
+        report.Next("error").Value(error);
+    report.Next("settings").Open('[');
+    for (const Setting &s : settings_) {
+        report.Next().Open('{');
+        report.Next("name").Value(s.name);
+        report.Next("value").Value(s.value);
+        report.Next("default").Value(s.initial);
+        report.Next("from").Value(s.source);
+        report.Close('}');
+    }
+    report.Close(']');
+    report.Next("passes").Open('[');
     for (const Pass &pass : passes_) {
-        Json counts = Json::object();
+        report.Next().Open('{');
+        report.Next("name").Value(pass.name);
+        report.Next("seconds").Value(pass.seconds);
+        report.Next("cpuSeconds").Value(pass.cpuSeconds);
+        report.Next("counts").Open('{');
         for (const Count &count : pass.counts)
-            counts[count.name] = count.value;
-        report["passes"].push_back(
-            {{"name", pass.name}, {"seconds", pass.seconds}, {"cpuSeconds", pass.cpuSeconds}, {"counts", counts}});
+            report.Next(count.name).Value(count.value);
+        report.Close('}');
+        report.Close('}');
     }
-    report["warnings"] = Json::array();
+    report.Close(']');
+    report.Next("warnings").Open('[');
     for (const Warning &w : warnings_) {
-        Json warning{{"kind", w.kind}, {"text", w.text}};
+        report.Next().Open('{');
+        report.Next("kind").Value(w.kind);
+        report.Next("text").Value(w.text);
         if (w.entity >= 0)
-            warning["entity"] = w.entity;
+            report.Next("entity").Value(w.entity);
         if (w.primitive >= 0)
-            warning["brush"] = w.primitive;
-        report["warnings"].push_back(std::move(warning));
+            report.Next("brush").Value(w.primitive);
+        report.Close('}');
     }
-    // Names in maps may be in any encoding.
-    const std::string text = report.dump(kIndent, ' ', kEscapesUtf8, Json::error_handler_t::replace) + "\n";
-    ReplaceTextFile(path, text);
+    report.Close(']');
+    report.Close('}');
+    ReplaceTextFile(path, report.Take());
 }
 
 // ---- Records command lines of the stages in worldspawn ----

@@ -109,28 +109,29 @@ GridFormats TakeGridFormats(LightOptions &options) {
 }
 
 void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, const std::filesystem::path &folder,
-                     Bsp &bsp, const JobPool &jobs, Log &log) {
+                     Bsp &bsp, const JobPool &jobs, FileSet &written, Log &log) {
     if (formats.empty()) {
         DropGridLumps(bsp);
-        WriteGridFiles(folder, {}, log);
+        WriteGridFiles(folder, {}, written, log);
         return;
     }
     log.Section("Light grid formats");
     // Factors that are not above 0 count as 1.
     const GridStoring storing{.ambientFactor = options.gridAmbientScale > 0 ? double(options.gridAmbientScale) : 1};
-    WriteGridFiles(folder, StoreGridFormats(bsp, formats, storing, jobs, log), log);
+    WriteGridFiles(folder, StoreGridFormats(bsp, formats, storing, jobs, log), written, log);
 }
 
-void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, Log &log) {
+void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, FileSet &written,
+                    Log &log) {
     const auto isRaw = [](const GridFile &file) { return file.name == kRawGridFile; };
     const std::filesystem::path raw = folder / kRawGridFile;
     if (std::ranges::none_of(files, isRaw) && std::filesystem::exists(raw))
         log.Warn("raw light grid", "{} is of an earlier run: engines that read it show the light of that run",
                  raw.string());
     for (const GridFile &file : files) {
-        MakeFolder(folder);
+        written.AddFolder(folder);
         const std::filesystem::path path = folder / file.name;
-        ReplaceFile(path, file.bytes);
+        written.AddFile(path, file.bytes);
         log.Print("Wrote {} ({} bytes)\n", path.string(), file.bytes.size());
     }
 }

@@ -45,11 +45,12 @@ GridFormats TakeGridFormats(LightOptions &options);
 /// After a bake: stores the formats and writes their files to `folder`, maps/x. Without formats, drops grids of earlier
 /// runs from the map.
 void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, const std::filesystem::path &folder,
-                     Bsp &bsp, const JobPool &jobs, Log &log);
+                     Bsp &bsp, const JobPool &jobs, FileSet &written, Log &log);
 
 /// Writes files of the formats to `folder`, maps/x. Warns of a raw file that is there from an earlier run, if engines
 /// would take it for that of this map.
-void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, Log &log);
+void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, FileSet &written,
+                    Log &log);
 
 /// Compares the legacy light grid of a map before and after it is lit. Compilers usually leave light entities out of
 /// the .bsp, so lighting it again without its .map gives less light.

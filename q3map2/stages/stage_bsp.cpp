@@ -47,13 +47,12 @@ fs::path SourcePath(const std::string &file, const BspOptions &options, bool sta
     return source;
 }
 
-/// Removes files of an earlier compile that do not belong to the files just written: a map that `leaks` has a leak line
-/// and no portals.
-void RemoveStaleFiles(const fs::path &source, const MapFiles &files, bool leaks) {
-    std::error_code ignored;
-    fs::remove(leaks ? files.prt : files.lin, ignored);
+/// Removes files of an earlier compile that do not belong to the files that are written: a map that `leaks` has a leak
+/// line and no portals.
+void RemoveStaleFiles(const fs::path &source, const MapFiles &files, bool leaks, FileSet &written) {
+    written.AddRemoval(leaks ? files.prt : files.lin);
     if (LowerCase(source.extension().string()) != ".reg")
-        fs::remove(Beside(source, ".reg"), ignored);
+        written.AddRemoval(Beside(source, ".reg"));
 }
 
 /// The source that is read: with -tempname not the one that the outputs are named after.
@@ -127,8 +126,8 @@ void WriteFiles(const fs::path &source, const MapFiles &files, const CompiledMap
     add(files.srf, compiled.surfaceFile);
     const BotCheck bots(files.bsp, log);
     AddBsp(files.bsp, compiled.bsp, format, written, log);
+    RemoveStaleFiles(source, files, leaks, written);
     written.Commit();
-    RemoveStaleFiles(source, files, leaks);
     WarnOfEngineMemory(files.bsp, compiled.bsp, context.game, log);
     bots.Report(BotCheck::OtherGeometry, BotCheck::OnlyWarn);
 }
@@ -229,7 +228,9 @@ int BspStage(const StageContext &context, Arguments arguments) {
     StageCache cache(context, file.wordsToRecord,
                      {.guard = guard, .moreInputs = BotFilesBeside(files.bsp), .moreOutputs = {}, .vfs = &vfs});
     if (cache.Restore()) {
-        RemoveStaleFiles(source, files, fs::exists(files.lin));
+        FileSet stale;
+        RemoveStaleFiles(source, files, fs::exists(files.lin), stale);
+        stale.Commit();
         return 0;
     }
     ShaderLibrary library(vfs, *context.options.game, ShadersFor(options), log);

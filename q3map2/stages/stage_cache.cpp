@@ -144,10 +144,10 @@ bool StageCache::Restore() {
         if (kept && !HasContents(output, kept->bytes))
             written.Add(output).Append(kept->bytes);
     }
-    written.Commit();
     for (const fs::path &output : outputs_)
-        if (std::error_code failed; !Find(*entry, KeyOf(output)))
-            fs::remove(output, failed);
+        if (!Find(*entry, KeyOf(output)))
+            written.AddRemoval(output);
+    written.Commit();
     events_.reset();
     RunEvents::Replay(Named(*entry, KeyOf(kEvents)), context_.log);
     for (const std::string &fault : ReadTexts(Named(*entry, KeyOf(kFaults))))
@@ -159,6 +159,14 @@ bool StageCache::Restore() {
 void StageCache::Store() {
     if (!cache_ || (files_.vfs && !files_.vfs->ReadFilesAreUnchanged()))
         return;
+    try {
+        StoreOutputs();
+    } catch (const Error &error) {
+        context_.log.Warn("cache", "-cache: the results of this run are not kept: {}", error.what());
+    }
+}
+
+void StageCache::StoreOutputs() {
     UnitFile entry;
     std::deque<std::vector<std::byte>> storage;
     const auto add = [&](const Hash128 &key, std::vector<std::byte> bytes) {

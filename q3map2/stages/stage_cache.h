@@ -53,6 +53,8 @@ class StageCache {
 
   private:
     Hash128 KeyOfInputs() const;
+    /// Errors: Error if an output cannot be read.
+    void StoreOutputs();
 
     const StageContext &context_;
     const Files files_;

@@ -332,9 +332,11 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
     }
     RecordCommand(bsp, "-convertgrid", input.string(), file.wordsToRecord);
     guard.CheckUnchanged();
-    WriteGridFiles(WithExtension(output, ""), files, log);
+    FileSet written;
+    WriteGridFiles(WithExtension(output, ""), files, written, log);
     const BotCheck bots(output, log);
-    WriteBspFile(output, bsp, format, log);
+    AddBspFile(output, bsp, format, written, log);
+    written.Commit();
     WarnOfEngineLimits(output, bsp, *context.options.game, log);
     bots.Report(BotCheck::SameGeometry, options.fixBotFiles ? BotCheck::FixFiles : BotCheck::OnlyWarn);
     return 0;

@@ -175,7 +175,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
     lostLight.Report(bsp, context.options.force, log);
     guard.CheckUnchanged();
     const auto folder = WithExtension(bspPath, "");
-    StoreBakedGrids(gridFormats, options, folder, bsp, jobs, log);
+    FileSet written; // together: a map never has the images of another run
+    StoreBakedGrids(gridFormats, options, folder, bsp, jobs, written, log);
     RecordCommand(bsp, "-light", inputs.name, file.wordsToRecord);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
         log.Print("The SH grid makes this a version 47 file, which engines without SH support refuse; -shbspx keeps "
@@ -183,15 +184,16 @@ int LightStage(const StageContext &context, Arguments arguments) {
     if (!lightmap.onlyGrid) {
         FinishForFile(lightmap, inputs.name, result.lightmaps, bsp);
         const auto pages = lightmap.externalFolder.empty() ? folder : std::filesystem::path(lightmap.externalFolder);
-        WritePages(pages, result.lightmaps, log);
-        WriteHdrFiles(pages, lightmap, result.lightmaps, log);
-        WriteLightmass(pages, inputs.name, result.lightmaps.lightmass, log);
-        WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, log);
+        WritePages(pages, result.lightmaps, written, log);
+        WriteHdrFiles(pages, lightmap, result.lightmaps, written, log);
+        WriteLightmass(pages, inputs.name, result.lightmaps.lightmass, written, log);
+        WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, written, log);
     }
     if (options.staticPropFiles)
-        WritePropFiles(folder, result.props, log);
+        WritePropFiles(folder, result.props, written, log);
     const BotCheck bots(bspPath, log);
-    WriteBspFile(bspPath, bsp, format, log);
+    AddBspFile(bspPath, bsp, format, written, log);
+    written.Commit();
     bots.Report(BotCheck::SameGeometry, options.fixBotFiles ? BotCheck::FixFiles : BotCheck::OnlyWarn);
     PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), jobs, log);
     WarnOfEngineLimits(bspPath, bsp, *context.options.game, log);

@@ -59,9 +59,13 @@ void Cache::Write(const Hash128 &key, const UnitFile &file) const {
     try {
         MakeFolder(PathOf(key).parent_path());
         WriteUnitFile(PathOf(key), file);
-        Trim();
     } catch (const Error &error) {
         log_->Warn("cache", "-cache: the results of this run are not kept: {}", error.what());
+    }
+    try {
+        Trim();
+    } catch (const Error &error) {
+        log_->Warn("cache", "-cache: old entries are not removed: {}", error.what());
     }
 }
 
@@ -75,21 +79,24 @@ void Cache::Trim() const {
     std::uint64_t total = 0;
     std::error_code failed;
     const auto now = fs::file_time_type::clock::now();
-    for (fs::recursive_directory_iterator at(folder_, failed), end; !failed && at != end; at.increment(failed)) {
+    const auto look = [&](const fs::path &path) {
         std::error_code gone; // another program may have removed it
-        if (!at->is_regular_file(gone))
-            continue;
-        const bool isUnfinished = TargetOfUnfinished(at->path().filename().string()).ends_with(kExtension);
-        if (isUnfinished && now - at->last_write_time(gone) > kUnfinishedAge && !gone)
-            fs::remove(at->path(), gone);
-        if (at->path().extension() != kExtension)
-            continue;
-        const Entry entry{at->path(), at->last_write_time(gone), at->file_size(gone)};
+        if (!fs::is_regular_file(path, gone))
+            return;
+        const bool isUnfinished = TargetOfUnfinished(path.filename().string()).ends_with(kExtension);
+        if (isUnfinished && now - fs::last_write_time(path, gone) > kUnfinishedAge && !gone)
+            fs::remove(path, gone);
+        if (path.extension() != kExtension)
+            return;
+        const Entry entry{path, fs::last_write_time(path, gone), fs::file_size(path, gone)};
         if (gone)
-            continue;
+            return;
         total += entry.bytes;
         entries.push_back(entry);
-    }
+    };
+    for (const fs::path &folder : EntriesOf(folder_)) // as PathOf has them
+        for (const fs::path &path : EntriesOf(folder))
+            look(path);
     if (total <= maxBytes_)
         return;
     std::ranges::sort(entries, {}, &Entry::used);

@@ -190,6 +190,38 @@ TEST_F(FailureTest, MapThatCannotBeWrittenWholeStays) {
     }
 }
 
+TEST_F(FailureTest, FilesOfJsonThatCannotAllBeWrittenStay) {
+    if (!FileSizeLimit::kExists)
+        GTEST_SKIP() << kNoSizeLimit;
+    const auto files = [&] {
+        std::map<std::filesystem::path, std::vector<std::byte>> found;
+        if (std::filesystem::exists(Map("")))
+            for (const auto &entry : std::filesystem::directory_iterator(Map("")))
+                found[entry.path()] = ReadFile(entry.path());
+        return found;
+    };
+    const auto fail = [&] {
+        const FileSizeLimit full(8192); // less than the largest of them, more than others
+        ExpectError("-json -unpack MAP", "cannot write");
+    };
+    fail();
+    EXPECT_FALSE(std::filesystem::exists(Map("")));
+    RunWell("-json -unpack MAP");
+    const auto before = files();
+    RunWell("-light -fast MAP");
+    fail();
+    EXPECT_EQ(files(), before);
+}
+
+TEST_F(FailureTest, AnIncompleteLogFileIsAWarning) {
+    if (!FileSizeLimit::kExists)
+        GTEST_SKIP() << kNoSizeLimit;
+    const std::string log = (folder_ / "log.txt").string();
+    const FileSizeLimit full(100);
+    const Outcome outcome = RunWell("-log " + log + " -info MAP");
+    EXPECT_TRUE(outcome.Printed("-log " + log + ": a part is missing")) << outcome.text;
+}
+
 TEST_F(FailureTest, TargetsAreLookedAtBeforeTheWork) {
     const std::string none = (folder_ / "none" / "x").string();
     ExpectError("-light -sh -shpreview " + none + ".png MAP", "the folder " + (folder_ / "none").string());

@@ -24,13 +24,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Writes the files of one folder.
+/// Writes the files of one folder together: if one cannot be written, all old ones stay.
 class Unpacker {
   public:
     Unpacker(const Bsp &bsp, const Game &game, const fs::path &folder, Log &log)
         : bsp_(bsp), game_(game), folder_(folder), log_(log) {}
 
     void Run() {
+        written_.AddFolder(folder_);
+        WriteFiles();
+        written_.Commit();
+        RemoveFiles();
+    }
+
+  private:
+    void WriteFiles() {
         const bool hasStyles = bsp_.ident != kIbspIdent;
         ForEachJsonFile(bsp_, [&](std::string_view file, std::string_view prefix, const auto &records) {
             if constexpr (std::is_same_v<decltype(records), const std::vector<bspGridPoint_t> &>)
@@ -53,7 +61,17 @@ class Unpacker {
         WriteIf(!entries.empty(), kJsonBspx, [&] { WriteRecords(kJsonBspx, "bspx", entries); });
     }
 
-  private:
+    /// Those of an earlier map, which -pack would read.
+    void RemoveFiles() const {
+        for (const std::string_view file : unwanted_) {
+            std::error_code error;
+            fs::remove(folder_ / file, error);
+            if (error)
+                throw Error("{}: cannot remove this file of an earlier map: {}", (folder_ / file).string(),
+                            error.message());
+        }
+    }
+
     /// As NetRadiant's q3map2 writes points of IBSP maps.
     static std::vector<bspGridPoint_t> WithColorsInAllSlots(std::vector<bspGridPoint_t> points) {
         for (bspGridPoint_t &point : points) {
@@ -63,23 +81,17 @@ class Unpacker {
         return points;
     }
 
-    fs::path Announce(std::string_view file) const {
+    FileReplacement &Announce(std::string_view file) {
         const fs::path path = folder_ / file;
         log_.Print("writing {}\n", path.string());
-        return path;
+        return written_.Add(path);
     }
 
-    /// Writes the file, or removes one left from an earlier map, which -pack would read.
-    template <typename Write> void WriteIf(bool wanted, std::string_view file, const Write &write) const {
-        if (wanted) {
+    template <typename Write> void WriteIf(bool wanted, std::string_view file, const Write &write) {
+        if (wanted)
             write();
-            return;
-        }
-        std::error_code error;
-        fs::remove(folder_ / file, error);
-        if (error)
-            throw Error("{}: cannot remove this file of an earlier map: {}", (folder_ / file).string(),
-                        error.message());
+        else
+            unwanted_.push_back(file);
     }
 
     template <typename Record> void WriteRecord(JsonWriter &writer, Record record) const {
@@ -89,7 +101,7 @@ class Unpacker {
     }
 
     template <typename Record>
-    void WriteRecords(std::string_view file, std::string_view prefix, const std::vector<Record> &records) const {
+    void WriteRecords(std::string_view file, std::string_view prefix, const std::vector<Record> &records) {
         JsonWriter writer(Announce(file));
         writer.BeginObject();
         for (std::size_t i = 0; i < records.size(); i++) {
@@ -100,7 +112,7 @@ class Unpacker {
         writer.Finish();
     }
 
-    void WriteEntities() const {
+    void WriteEntities() {
         std::vector<Entity> entities;
         bool same = false;
         try {
@@ -111,7 +123,8 @@ class Unpacker {
                       kJsonEntities);
         }
         WriteRecords(kJsonEntities, "entity", entities);
-        WriteIf(!same, kJsonEntityText, [this] { ReplaceTextFile(Announce(kJsonEntityText), bsp_.entities); });
+        WriteIf(!same, kJsonEntityText,
+                [this] { Announce(kJsonEntityText).Append(std::as_bytes(std::span(bsp_.entities))); });
     }
 
     bool IsInFile(BspxId id) const { return inFile_[std::size_t(id)]; }
@@ -133,12 +146,13 @@ class Unpacker {
     const fs::path &folder_;
     Log &log_;
     std::array<bool, kBspxIdCount> inFile_{}; ///< by BspxId
+    FileSet written_;
+    std::vector<std::string_view> unwanted_;
 };
 
 } // namespace
 
 void UnpackJson(const Bsp &bsp, const Game &game, const fs::path &folder, Log &log) {
-    MakeFolder(folder);
     Unpacker(bsp, game, folder, log).Run();
 }
 

@@ -17,7 +17,7 @@ struct JsonLump {
     BspxId id;
     std::string_view file;
     /// Writes the file. Errors: those of JsonWriter.
-    void (*write)(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+    void (*write)(FileReplacement &file, const Bsp &bsp, const Game &game);
     /// Reads it into its member. Errors: Error with file, member and what was expected.
     void (*read)(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
     /// False: the lump stays in hexadecimal, after a warning if it is damaged. Null: every lump fits.
@@ -30,26 +30,26 @@ struct JsonLump {
 inline constexpr std::string_view kJsonGridSHHeader = "header", kJsonGridSHPoints = "points";
 
 // The functions of a lump are in a source of its own.
-void WriteJsonGridSH(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void WriteJsonGridSH(FileReplacement &file, const Bsp &bsp, const Game &game);
 void ReadJsonGridSH(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 /// Appends each code to the list that is being written, as an E5BGR9 color of four numbers.
 void WriteColorCodes(JsonWriter &writer, std::span<const std::uint32_t> codes, const Game &game);
-void WriteJsonLightmaps(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void WriteJsonLightmaps(FileReplacement &file, const Bsp &bsp, const Game &game);
 void ReadJsonLightmaps(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
-void WriteJsonVertexLight(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void WriteJsonVertexLight(FileReplacement &file, const Bsp &bsp, const Game &game);
 void ReadJsonVertexLight(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
-void WriteJsonRnm(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void WriteJsonRnm(FileReplacement &file, const Bsp &bsp, const Game &game);
 void ReadJsonRnm(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
-void WriteJsonSparseGrid(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void WriteJsonSparseGrid(FileReplacement &file, const Bsp &bsp, const Game &game);
 void ReadJsonSparseGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
-void WriteJsonNamedGrid(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void WriteJsonNamedGrid(FileReplacement &file, const Bsp &bsp, const Game &game);
 void ReadJsonNamedGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 /// Whether names and vertices are stored in the order of lights and polygons, without gaps, as this program does.
 bool NamedFitsJson(const Bsp &bsp, Log &log);
 void ReadNamedBytes(std::span<const std::byte> bytes, Bsp &bsp);
-void WriteJsonCubes(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void WriteJsonCubes(FileReplacement &file, const Bsp &bsp, const Game &game);
 void ReadJsonCubes(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
-void WriteJsonProps(const std::filesystem::path &path, const Bsp &bsp, const Game &game);
+void WriteJsonProps(FileReplacement &file, const Bsp &bsp, const Game &game);
 void ReadJsonProps(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp);
 bool PropsFitJson(const Bsp &bsp, Log &log);
 void ReadPropBytes(std::span<const std::byte> bytes, Bsp &bsp);

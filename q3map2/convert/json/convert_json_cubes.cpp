@@ -27,9 +27,9 @@ std::vector<bspCubeLeaf_t> CubeLeafs(const JsonRecord &source) {
 
 } // namespace
 
-void WriteJsonCubes(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+void WriteJsonCubes(FileReplacement &file, const Bsp &bsp, const Game &game) {
     const AmbientCubes &cubes = *bsp.ambientCubes;
-    JsonWriter writer(path);
+    JsonWriter writer(file);
     writer.BeginObject();
     writer.Member(kJsonCubeLeafs);
     writer.BeginList();

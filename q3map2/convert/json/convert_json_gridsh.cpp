@@ -54,9 +54,9 @@ std::int32_t CountPoints(const std::filesystem::path &path, const LightGridSH &g
 
 } // namespace
 
-void WriteJsonGridSH(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+void WriteJsonGridSH(FileReplacement &file, const Bsp &bsp, const Game &game) {
     const LightGridSH &grid = *bsp.gridSH;
-    JsonWriter writer(path);
+    JsonWriter writer(file);
     writer.BeginObject();
     writer.Member(kJsonGridSHHeader);
     WriteGridRecord(writer, game, grid.header);

@@ -15,8 +15,8 @@ constexpr std::string_view kJsonCodes = "colors";
 constexpr std::string_view kJsonRnmStorage = "storage", kJsonRnmSide = "side", kJsonRnmPages = "lightmapNums";
 constexpr std::string_view kJsonRnmRaw = "raw", kJsonRnmRescaled = "rescaled";
 
-void WriteCodeFile(const std::filesystem::path &path, std::span<const std::uint32_t> codes, const Game &game) {
-    JsonWriter writer(path);
+void WriteCodeFile(FileReplacement &file, std::span<const std::uint32_t> codes, const Game &game) {
+    JsonWriter writer(file);
     writer.BeginObject();
     writer.Member(kJsonCodes);
     writer.BeginList();
@@ -116,9 +116,9 @@ void WriteColorCodes(JsonWriter &writer, std::span<const std::uint32_t> codes, c
     }
 }
 
-void WriteJsonRnm(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+void WriteJsonRnm(FileReplacement &file, const Bsp &bsp, const Game &game) {
     const RnmLightmaps &rnm = *bsp.rnm;
-    JsonWriter writer(path);
+    JsonWriter writer(file);
     writer.BeginObject();
     writer.Member(kJsonRnmStorage);
     writer.Value(rnm.header.storage == RnmStorage::Raw ? kJsonRnmRaw : kJsonRnmRescaled);
@@ -141,16 +141,16 @@ void WriteJsonRnm(const std::filesystem::path &path, const Bsp &bsp, const Game 
     writer.Finish();
 }
 
-void WriteJsonLightmaps(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
-    WriteCodeFile(path, bsp.lightmapsE5bgr9, game);
+void WriteJsonLightmaps(FileReplacement &file, const Bsp &bsp, const Game &game) {
+    WriteCodeFile(file, bsp.lightmapsE5bgr9, game);
 }
 
 void ReadJsonLightmaps(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {
     bsp.lightmapsE5bgr9 = ReadCodeFile(path, rules);
 }
 
-void WriteJsonVertexLight(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
-    WriteCodeFile(path, bsp.vertexE5bgr9, game);
+void WriteJsonVertexLight(FileReplacement &file, const Bsp &bsp, const Game &game) {
+    WriteCodeFile(file, bsp.vertexE5bgr9, game);
 }
 
 void ReadJsonVertexLight(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {

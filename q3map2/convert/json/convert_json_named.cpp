@@ -252,8 +252,8 @@ class NamedJsonReader {
 /// Writes the members of the file. Nodes and points take one line each.
 class NamedJsonWriter {
   public:
-    NamedJsonWriter(const std::filesystem::path &path, const NamedGridSH &grid, const Game &game)
-        : writer_(path), grid_(grid), game_(game) {}
+    NamedJsonWriter(FileReplacement &file, const NamedGridSH &grid, const Game &game)
+        : writer_(file), grid_(grid), game_(game) {}
 
     void Write() {
         bspNamedGridHeader_t head;
@@ -354,8 +354,8 @@ void ReadNamedBytes(std::span<const std::byte> bytes, Bsp &bsp) {
     bsp.namedGridSH = DecodeNamedGrid(bytes);
 }
 
-void WriteJsonNamedGrid(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
-    NamedJsonWriter(path, *bsp.namedGridSH, game).Write();
+void WriteJsonNamedGrid(FileReplacement &file, const Bsp &bsp, const Game &game) {
+    NamedJsonWriter(file, *bsp.namedGridSH, game).Write();
 }
 
 void ReadJsonNamedGrid(const std::filesystem::path &path, const JsonReadRules &rules, Bsp &bsp) {

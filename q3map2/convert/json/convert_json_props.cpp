@@ -134,9 +134,9 @@ void ReadPropBytes(std::span<const std::byte> bytes, Bsp &bsp) {
     bsp.propLight = DecodePropLight(bytes);
 }
 
-void WriteJsonProps(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+void WriteJsonProps(FileReplacement &file, const Bsp &bsp, const Game &game) {
     const PropLight &light = *bsp.propLight;
-    JsonWriter writer(path);
+    JsonWriter writer(file);
     writer.BeginObject();
     writer.Member(kJsonProps);
     writer.BeginList();

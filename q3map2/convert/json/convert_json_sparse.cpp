@@ -64,9 +64,9 @@ std::vector<SparseGridNode> SparseNodes(const JsonRecord &source) {
 
 } // namespace
 
-void WriteJsonSparseGrid(const std::filesystem::path &path, const Bsp &bsp, const Game &game) {
+void WriteJsonSparseGrid(FileReplacement &file, const Bsp &bsp, const Game &game) {
     const SparseGridSH &grid = *bsp.sparseGridSH;
-    JsonWriter writer(path);
+    JsonWriter writer(file);
     const auto record = [&](auto value) {
         JsonRecordWriter archive(writer, game);
         DescribeSparse(archive, value);

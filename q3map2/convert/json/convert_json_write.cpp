@@ -1,13 +1,8 @@
 // GPL-2.0-or-later. Streamed JSON files in the layout that map tools exchange.
 #include "q3map2/convert/json/convert_json_write.h"
 
-#include "common/error.h"
-#include "common/platform/platform.h"
-
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <system_error>
 
 namespace q3 {
 
@@ -103,20 +98,8 @@ std::string HexText(std::span<const std::byte> bytes) {
     return text;
 }
 
-JsonWriter::JsonWriter(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
-    part_ += ".part";
-    file_.reset(OpenFile(part_, "wb"));
-    if (!file_)
-        Fail(errno);
+JsonWriter::JsonWriter(FileReplacement &file) : file_(file) {
     buffer_.reserve(kFlushBytes + (kFlushBytes >> 2));
-}
-
-JsonWriter::~JsonWriter() {
-    file_.reset(); // Windows removes no open file
-    if (part_.empty())
-        return;
-    std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
 }
 
 void JsonWriter::Element() {
@@ -171,23 +154,13 @@ void JsonWriter::End(char bracket) {
 }
 
 void JsonWriter::Flush() {
-    if (std::fwrite(buffer_.data(), 1, buffer_.size(), file_.get()) != buffer_.size())
-        Fail(errno);
+    file_.Append(std::as_bytes(std::span(buffer_)));
     buffer_.clear();
 }
 
 void JsonWriter::Finish() {
     Flush();
-    if (std::fflush(file_.get()) != 0)
-        Fail(errno);
-    file_.reset();
-    if (!RenameOver(part_, path_))
-        Fail(errno);
-    part_.clear();
-}
-
-void JsonWriter::Fail(int reason) const {
-    throw Error("{}: cannot write: {}", path_.string(), std::generic_category().message(reason));
+    file_.Finish();
 }
 
 } // namespace q3

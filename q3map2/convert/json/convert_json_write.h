@@ -1,12 +1,11 @@
 // GPL-2.0-or-later. Streamed JSON files in the layout that map tools exchange. See docs/reference/json.md.
 #pragma once
 
+#include "common/files/files.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,12 +21,11 @@ void AppendJsonString(std::string &text, std::string_view value);
 /// Two lower-case hexadecimal digits per byte.
 std::string HexText(std::span<const std::byte> bytes);
 
-/// Writes one file: one member per line, arrays on one line. Text goes to PATH.part, which Finish() renames to `path`
-/// and the destructor removes otherwise. Errors: Error with path and reason.
+/// Writes one file: one member per line, arrays on one line. Errors: those of FileReplacement.
 class JsonWriter {
   public:
-    explicit JsonWriter(std::filesystem::path path);
-    ~JsonWriter();
+    /// `file` is the caller's to commit.
+    explicit JsonWriter(FileReplacement &file);
     JsonWriter(const JsonWriter &) = delete;
     JsonWriter &operator=(const JsonWriter &) = delete;
 
@@ -58,21 +56,15 @@ class JsonWriter {
     }
     void Value(const std::vector<std::string> &values);
 
-    /// Completes the file and gives it its name.
+    /// Completes the file, still under its temporary name.
     void Finish();
 
   private:
-    struct Close {
-        void operator()(std::FILE *file) const { std::fclose(file); }
-    };
-
     void Begin(char bracket);
     void End(char bracket);
     void Flush();
-    [[noreturn]] void Fail(int reason) const;
 
-    std::filesystem::path path_, part_;
-    std::unique_ptr<std::FILE, Close> file_;
+    FileReplacement &file_;
     std::string buffer_;
     std::vector<std::size_t> counts_; ///< members so far of every open object and list
 };

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <tuple>
 
 namespace q3 {
@@ -83,6 +84,8 @@ const PropModel *PropModels::Get(std::string_view name, int frame, std::string &
     if (added) {
         try {
             entry.model = Read(path, frame);
+        } catch (const std::bad_alloc &) {
+            throw;
         } catch (const std::exception &error) {
             entry.problem = error.what();
         }

@@ -3,25 +3,58 @@
 
 #include "common/error.h"
 
+#ifdef Q3_EMBREE_TBB
+#include <tbb/global_control.h>
+#endif
+
 #include <cstdlib>
+#include <new>
 #include <string>
 
 namespace q3 {
 
+namespace {
+
+/// device: null asks about the creation of a device.
+void RequireSuccess(RTCDevice device) {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error == RTC_ERROR_OUT_OF_MEMORY)
+        throw std::bad_alloc();
+    if (error != RTC_ERROR_NONE || !device)
+        throw Error("Embree: {}", device ? "a scene cannot be built" : "a device cannot be made");
+}
+
+/// With threads=1 a device limits TBB to one thread. When the limit goes with the device, TBB starts another thread,
+/// which has nothing to do, and ends the program if the system refuses it. This limit stays, so it is never freed.
+void LimitThreadsForGood() {
+#ifdef Q3_EMBREE_TBB
+    [[maybe_unused]] const auto *const limit = new tbb::global_control(tbb::global_control::max_allowed_parallelism, 1);
+#endif
+}
+
+} // namespace
+
 DevicePtr NewDevice() {
     const char *more = std::getenv("Q3MAP2_EMBREE");
     const std::string settings = std::string("threads=1") + (more ? "," : "") + (more ? more : "");
+    LimitThreadsForGood();
     DevicePtr device(rtcNewDevice(settings.c_str()));
     if (!device)
-        throw Error("Embree: cannot create a device");
+        RequireSuccess(nullptr);
     return device;
 }
 
 ScenePtr NewScene(RTCDevice device) {
     ScenePtr scene(rtcNewScene(device));
+    RequireSuccess(device);
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
     return scene;
+}
+
+void CommitScene(RTCDevice device, RTCScene scene) {
+    rtcCommitScene(scene);
+    RequireSuccess(device);
 }
 
 GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners) {
@@ -31,8 +64,9 @@ GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners) {
                                                                    RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices));
     auto *indices = static_cast<unsigned *>(rtcSetNewGeometryBuffer(
         geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), vertices / 3));
+    RequireSuccess(device);
     if (!positions || !indices)
-        throw Error("out of memory for {} triangles", vertices / 3);
+        throw std::bad_alloc();
     std::copy(corners.begin(), corners.end(), positions);
     std::iota(indices, indices + vertices, 0u);
     rtcCommitGeometry(geometry.get());

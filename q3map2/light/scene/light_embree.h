@@ -70,11 +70,14 @@ inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context,
 #endif
 
 /// A device. Only one thread at a time may build scenes with it; tracing needs no device. The environment variable
-/// Q3MAP2_EMBREE adds settings, see rtcNewDevice: "isa=avx2" imitates an older processor. Errors: Error.
+/// Q3MAP2_EMBREE adds settings, see rtcNewDevice: "isa=avx2" imitates an older processor. Errors: Error or
+/// std::bad_alloc.
 DevicePtr NewDevice();
-/// An empty scene, watertight and built for fast tracing.
+/// An empty scene, watertight and built for fast tracing. Errors: std::bad_alloc.
 ScenePtr NewScene(RTCDevice device);
-/// Triangles of three corners each, xyz one after the other, committed. Errors: Error, out of memory.
+/// Builds a scene of the device. Errors: of this thread's earlier calls too, std::bad_alloc or Error.
+void CommitScene(RTCDevice device, RTCScene scene);
+/// Triangles of three corners each, xyz one after the other, committed. Errors: std::bad_alloc.
 GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners);
 
 /// Sets `rays` to the live rays, from `nearest` to `distance` along unit directions. Lanes that are not live may hold

@@ -393,7 +393,7 @@ ScenePtr LightScene::State::MakeScene(const Casters &casters, std::initializer_l
         }
     if (!any)
         return nullptr;
-    rtcCommitScene(scene.get());
+    CommitScene(device.get(), scene.get());
     return scene;
 }
 

@@ -25,7 +25,7 @@ void FaceScene::Commit() {
     device_ = NewDevice();
     scene_ = NewScene(device_.get());
     if (triangles_.empty())
-        return rtcCommitScene(scene_.get());
+        return CommitScene(device_.get(), scene_.get());
     std::vector<float> corners;
     corners.reserve(9 * triangles_.size());
     for (const FaceTriangle &triangle : triangles_)
@@ -33,7 +33,7 @@ void FaceScene::Commit() {
             corners.insert(corners.end(), {corner.xyz.x, corner.xyz.y, corner.xyz.z});
     const GeometryPtr geometry = NewTriangles(device_.get(), corners);
     rtcAttachGeometry(scene_.get(), geometry.get());
-    rtcCommitScene(scene_.get());
+    CommitScene(device_.get(), scene_.get());
 }
 
 FaceScene::Hits FaceScene::FirstHits(const RayPacket &rays, RayCoherence coherence) const {

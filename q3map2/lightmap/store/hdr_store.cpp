@@ -189,7 +189,7 @@ void ImportVertexLight(const std::filesystem::path &path, float fullLight, Bsp &
 } // namespace
 
 void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName,
-                    Log &log) {
+                    FileSet &written, Log &log) {
     Bsp light; // a copy: HdrParts returns mutable spans
     light.lightmapsE5bgr9 = bsp.lightmapsE5bgr9;
     light.rnm = bsp.rnm;
@@ -198,10 +198,10 @@ void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folde
                                        : HasOpenExr()      ? "exr"
                                                            : "pfm");
     for (const HdrPart &part : parts)
-        ReplaceFile(FileOfPart(folder, part, format), format.encode(ImageOf(part)));
+        written.AddFile(FileOfPart(folder, part, format), format.encode(ImageOf(part)));
     if (format.fullVertexLight > 0 && !bsp.vertexE5bgr9.empty()) {
         const std::vector<Vec3f> vertices = DecodeE5bgr9(bsp.vertexE5bgr9);
-        ReplaceFile(folder / kVertexLightFile, EncodeVertexLight(vertices, format.fullVertexLight));
+        written.AddFile(folder / kVertexLightFile, EncodeVertexLight(vertices, format.fullVertexLight));
     }
     if (!parts.empty())
         log.Print("Wrote {} to {}\n", Counted(parts.size(), "HDR lightmaps"), folder.string());
@@ -278,8 +278,8 @@ PageFormat PageFormatOf(HdrFiles files) {
 /// Writes HDR pages and basis maps as files beside the map.
 class HdrFileWriter {
   public:
-    HdrFileWriter(const std::filesystem::path &folder, const LightmapOptions &options, Log &log)
-        : folder_(folder), options_(options), format_(PageFormatOf(options.hdrFiles)), log_(log) {}
+    HdrFileWriter(const std::filesystem::path &folder, const LightmapOptions &options, FileSet &files, Log &log)
+        : folder_(folder), options_(options), format_(PageFormatOf(options.hdrFiles)), files_(files), log_(log) {}
 
     void WritePage(const LightmapPage &page) {
         const bool wanted = page.needsImage || options_.hdrFiles != HdrFiles::None;
@@ -330,14 +330,15 @@ class HdrFileWriter {
 
     void Write(const std::string &name, const std::vector<std::byte> &bytes) {
         if (written_.empty())
-            MakeFolder(folder_);
+            files_.AddFolder(folder_);
         written_.insert(name);
-        ReplaceFile(folder_ / name, bytes);
+        files_.AddFile(folder_ / name, bytes);
     }
 
     const std::filesystem::path &folder_;
     const LightmapOptions &options_;
     const PageFormat format_;
+    FileSet &files_;
     Log &log_;
     std::set<std::string> written_; ///< names
 };
@@ -369,8 +370,8 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
 }
 
 void WriteHdrFiles(const std::filesystem::path &folder, const LightmapOptions &options, const StoredLightmaps &stored,
-                   Log &log) {
-    HdrFileWriter writer(folder, options, log);
+                   FileSet &written, Log &log) {
+    HdrFileWriter writer(folder, options, written, log);
     for (const LightmapPage &page : stored.pages)
         writer.WritePage(page);
     writer.WriteVertices(stored.vertexLight);

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. HDR light of lightmap pages and basis maps: BSPX lumps of the map, and images beside it.
 #pragma once
 
+#include "common/files/files.h"
 #include "common/log.h"
 #include "q3map2/bspfile/bspfile.h"
 #include "q3map2/lightmap/store/lightmap_layers.h"
@@ -24,7 +25,7 @@ Vec3f VertexLightOf(const SurfaceInputs &in, const ShaderInfo &shader, const Vec
 /// texels on a side of a page. The folder must exist. Errors: Error for files that cannot be written, and if the HDR
 /// texels are no multiple of side * side.
 void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName,
-                    Log &log);
+                    FileSet &written, Log &log);
 /// Reads such images back; if formatName is empty, the first of exr, pfm, hdr and exp32 that exists for a page. Pages
 /// without an image stay as they are, and so do those whose image has another size, with a warning. Errors: Error for
 /// files that cannot be read, and if the HDR texels are no multiple of side * side.
@@ -38,6 +39,6 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
 /// for rend2 and ioquake3 vertlight.raw. Pages outside the .bsp are written without -hdrfiles too, as Radiance, and
 /// their 8-bit basis maps as TGA. Warns of HDR files of an earlier run. Errors: Error for files that cannot be written.
 void WriteHdrFiles(const std::filesystem::path &folder, const LightmapOptions &options, const StoredLightmaps &stored,
-                   Log &log);
+                   FileSet &written, Log &log);
 
 } // namespace q3

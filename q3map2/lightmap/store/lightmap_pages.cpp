@@ -125,29 +125,29 @@ std::size_t PageBytes(int side) {
 
 } // namespace
 
-void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stored, Log &log) {
+void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stored, FileSet &written, Log &log) {
     int next = 0;
-    long long written = 0;
+    long long count = 0;
     for (const LightmapPage &page : stored.pages) {
         next = page.file + (page.directions.empty() ? 1 : 2);
         if (!page.needsImage)
             continue;
-        if (written == 0)
-            MakeFolder(folder);
+        if (count == 0)
+            written.AddFolder(folder);
         if (!page.colors.empty())
-            ReplaceFile(PageFile(folder, page.file),
-                        EncodeTga(page.colors, page.width, page.height, 3, TgaRows::TopFirst));
+            written.AddFile(PageFile(folder, page.file),
+                            EncodeTga(page.colors, page.width, page.height, 3, TgaRows::TopFirst));
         if (!page.directions.empty())
-            ReplaceFile(PageFile(folder, page.file + 1),
-                        EncodeTga(page.directions, page.width, page.height, 3, TgaRows::TopFirst));
-        written += page.directions.empty() ? 1 : 2;
+            written.AddFile(PageFile(folder, page.file + 1),
+                            EncodeTga(page.directions, page.width, page.height, 3, TgaRows::TopFirst));
+        count += page.directions.empty() ? 1 : 2;
     }
-    if (written == 0)
+    if (count == 0)
         return;
-    log.Print("Wrote {} to {}\n", Counted(written, "lightmaps"), folder.string());
+    log.Print("Wrote {} to {}\n", Counted(count, "lightmaps"), folder.string());
     std::error_code ignored;
-    while (std::filesystem::remove(PageFile(folder, next), ignored))
-        ++next;
+    for (; std::filesystem::exists(PageFile(folder, next), ignored); ++next)
+        written.AddRemoval(PageFile(folder, next));
 }
 
 std::filesystem::path ScriptPath(const std::filesystem::path &bspPath, const Game &game) {
@@ -155,17 +155,14 @@ std::filesystem::path ScriptPath(const std::filesystem::path &bspPath, const Gam
     return bspPath.parent_path().parent_path() / game.shaderDir / name;
 }
 
-void WriteScript(const std::filesystem::path &script, const StoredLightmaps &stored, Log &log) {
-    if (stored.scripts.empty()) {
-        std::error_code ignored;
-        std::filesystem::remove(script, ignored);
-        return;
-    }
+void WriteScript(const std::filesystem::path &script, const StoredLightmaps &stored, FileSet &written, Log &log) {
+    if (stored.scripts.empty())
+        return written.AddRemoval(script);
     std::string text = "// Made by the light stage for this map, and replaced when it is lit again.\n";
     for (const StoredLightmaps::Script &one : stored.scripts)
         text += fmt::format("\n{}\n{}{}", one.shader, one.text, one.text.ends_with('\n') ? "" : "\n");
-    MakeFolder(script.parent_path());
-    ReplaceTextFile(script, text);
+    written.AddFolder(script.parent_path());
+    written.AddText(script, text);
     log.Print("Wrote {} to {}\n", Counted(stored.scripts.size(), "shaders"), script.string());
 }
 
@@ -176,13 +173,15 @@ void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &fold
         log.Warn("no lightmaps", "the map has no lightmaps to export");
         return;
     }
-    MakeFolder(folder);
+    FileSet written;
+    written.AddFolder(folder);
     for (std::size_t i = 0; i < pages; ++i)
-        ReplaceFile(ExportedFile(folder, i),
-                    EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side, side, 3, TgaRows::BottomFirst));
+        written.AddFile(ExportedFile(folder, i), EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side,
+                                                           side, 3, TgaRows::BottomFirst));
     if (pages > 0)
         log.Print("Wrote {} to {}\n", Counted(pages, "lightmaps"), folder.string());
-    ExportHdrLight(bsp, side, folder, options.hdrFormat, log);
+    ExportHdrLight(bsp, side, folder, options.hdrFormat, written, log);
+    written.Commit();
 }
 
 void ImportLightmaps(Bsp &bsp, int side, const std::filesystem::path &folder, Log &log, const ExportOptions &options) {

@@ -163,23 +163,23 @@ void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, cons
 }
 
 void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &stored,
-                    Log &log) {
+                    FileSet &written, Log &log) {
     if (std::error_code ignored; stored.pages.empty()) {
         if (std::filesystem::exists(folder / kDescription, ignored))
             log.Warn("old directional light", "{}: left by an earlier run; this map was lit without -lightmass",
                      (folder / kDescription).string());
         return;
     }
-    MakeFolder(folder);
+    written.AddFolder(folder);
     Json pages = Json::array(), places = Json::array();
-    std::size_t written = 0;
+    std::size_t count = 0;
     for (const LightmassPage &page : stored.pages) {
         Json images = Json::object();
         ForImages(stored, page, [&](const std::string &what, int channels, const std::vector<std::uint8_t> &texels) {
             const std::string file = ImageName(page.file, what);
-            ReplaceFile(folder / file, EncodeTga(texels, page.width, page.height, channels, TgaRows::TopFirst));
+            written.AddFile(folder / file, EncodeTga(texels, page.width, page.height, channels, TgaRows::TopFirst));
             images[what] = fmt::format("maps/{}/{}", mapName, file);
-            ++written;
+            ++count;
         });
         pages.push_back(
             {{"lightmapNum", page.number}, {"width", page.width}, {"height", page.height}, {"images", images}});
@@ -191,8 +191,8 @@ void WriteLightmass(const std::filesystem::path &folder, std::string_view mapNam
                        {"shadowLights", stored.shadowLights},
                        {"pages", pages},
                        {"lightmaps", places}};
-    ReplaceTextFile(folder / kDescription, json.dump(1) + "\n");
-    log.Print("Wrote {} and {} to {}\n", Counted(written, "images"), kDescription, folder.string());
+    written.AddText(folder / kDescription, json.dump(1) + "\n");
+    log.Print("Wrote {} and {} to {}\n", Counted(count, "images"), kDescription, folder.string());
 }
 
 } // namespace q3

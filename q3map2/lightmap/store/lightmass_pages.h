@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. -lightmass: L1 SH lightmaps as images in the layout of Unreal's Lightmass.
 #pragma once
 
+#include "common/files/files.h"
 #include "q3map2/lightmap/encode/directional_encode.h"
 #include "q3map2/lightmap/store/lightmap_layers.h"
 
@@ -46,6 +47,6 @@ void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, cons
 /// holds their byte ranges. mapName: the images are maps/MAPNAME/... for the game. Errors: Error, for files that cannot
 /// be written.
 void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &pages,
-                    Log &log);
+                    FileSet &written, Log &log);
 
 } // namespace q3

@@ -74,13 +74,14 @@ std::vector<std::byte> EncodeVhv(const PropVertexLight &light) {
     return file;
 }
 
-void WritePropFiles(const std::filesystem::path &folder, const std::vector<PropVertexLight> &light, Log &log) {
+void WritePropFiles(const std::filesystem::path &folder, const std::vector<PropVertexLight> &light, FileSet &written,
+                    Log &log) {
     if (light.empty())
         return;
-    MakeFolder(folder);
+    written.AddFolder(folder);
     std::vector<std::byte> raw;
     for (std::size_t i = 0; i < light.size(); ++i) {
-        ReplaceFile(folder / fmt::format("sp_{}.vhv", i), EncodeVhv(light[i]));
+        written.AddFile(folder / fmt::format("sp_{}.vhv", i), EncodeVhv(light[i]));
         for (const auto &mesh : light[i].meshes)
             for (const Vec3f &color : mesh)
                 for (const float channel : {color.x, color.y, color.z}) {
@@ -88,7 +89,7 @@ void WritePropFiles(const std::filesystem::path &folder, const std::vector<PropV
                     raw.insert(raw.end(), from, from + sizeof channel);
                 }
     }
-    ReplaceFile(folder / kPropLightFile, raw);
+    written.AddFile(folder / kPropLightFile, raw);
     log.Print("Wrote {} files of prop light to {}\n", light.size() + 1, folder.string());
 }
 

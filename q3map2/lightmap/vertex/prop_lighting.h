@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. Light at the vertices of static props, as a lump and as files beside the map.
 #pragma once
 
+#include "common/files/files.h"
 #include "q3map2/bspfile/prop_light.h"
 #include "q3map2/light/grid/grid_bricks.h"
 #include "q3map2/light/props/static_props.h"
@@ -43,6 +44,7 @@ std::vector<std::byte> EncodeVhv(const PropVertexLight &light);
 
 /// Writes FOLDER/sp_N.vhv for prop N of the lump, from 0, and FOLDER/proplight.raw: three little-endian floats for each
 /// color of the lump, unit scale. Errors: Error for files that cannot be written.
-void WritePropFiles(const std::filesystem::path &folder, const std::vector<PropVertexLight> &light, Log &log);
+void WritePropFiles(const std::filesystem::path &folder, const std::vector<PropVertexLight> &light, FileSet &written,
+                    Log &log);
 
 } // namespace q3

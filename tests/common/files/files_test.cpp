@@ -107,6 +107,90 @@ TEST(FilesInUse, StayWhenAnotherProgramHasThemOpenForLong) {
     EXPECT_EQ(std::distance(fs::directory_iterator(folder.Root()), fs::directory_iterator()), 1) << "nothing is left";
 }
 
+// ---- Files that belong together ----
+
+std::vector<std::string> NamesIn(const fs::path &folder) {
+    std::vector<std::string> names;
+    for (const auto &entry : fs::directory_iterator(folder))
+        names.push_back(entry.path().filename().string());
+    return names;
+}
+
+TEST(FileSets, ReplaceAllFilesAndThenRemoveOthers) {
+    const GameFolder folder;
+    for (const std::string_view name : {"a", "b", "stale"})
+        folder.Write(name, "old");
+    {
+        FileSet files;
+        files.AddText(folder / "a", "new");
+        files.AddText(folder / "b", "new");
+        files.AddFolder(folder / "in/side");
+        files.AddText(folder / "in/side/c", "new");
+        files.AddRemoval(folder / "stale");
+        files.AddRemoval(folder / "none");
+        EXPECT_EQ(folder.ReadBack("a"), "old");
+        files.Commit();
+    }
+    for (const std::string_view name : {"a", "b", "in/side/c"})
+        EXPECT_EQ(folder.ReadBack(name), "new") << name;
+    EXPECT_THAT(NamesIn(folder.Root()), testing::UnorderedElementsAre("a", "b", "in"));
+}
+
+TEST(FileSets, PutOldFilesBackIfAnotherCannotBeReplaced) {
+    const GameFolder folder;
+    folder.Write("a", "old");
+    folder.Write("stale", "old");
+    {
+        FileSet files;
+        files.AddText(folder / "a", "new");
+        files.AddText(folder / "made", "new");
+        files.AddText(folder / "last", "new");
+        files.AddRemoval(folder / "stale");
+        fs::create_directories(folder / "last/inner"); // nothing can be renamed over it
+        EXPECT_THROW(files.Commit(), Error);
+    }
+    EXPECT_EQ(folder.ReadBack("a"), "old");
+    EXPECT_THAT(NamesIn(folder.Root()), testing::UnorderedElementsAre("a", "stale", "last"));
+}
+
+TEST(FileSets, LeaveNothingWithoutCommit) {
+    const GameFolder folder;
+    folder.Write("there/a", "old");
+    {
+        FileSet files;
+        files.AddFolder(folder / "there/new/inner");
+        files.AddFolder(folder / "there/new/other");
+        files.AddText(folder / "there/new/inner/b", "new");
+        files.AddText(folder / "there/a", "new");
+    }
+    EXPECT_EQ(folder.ReadBack("there/a"), "old");
+    EXPECT_THAT(NamesIn(folder / "there"), testing::ElementsAre("a"));
+}
+
+// ---- What is there ----
+
+TEST(Entries, AreThoseOfTheFolderOrNone) {
+    const GameFolder folder;
+    folder.Write("a", "");
+    folder.Write("b/c", "");
+    EXPECT_THAT(EntriesOf(folder.Root()), testing::UnorderedElementsAre(folder / "a", folder / "b"));
+    EXPECT_THAT(EntriesOf(folder / "none"), testing::IsEmpty());
+    EXPECT_THAT(EntriesOf(folder / "a"), testing::IsEmpty()) << "a file";
+    EXPECT_TRUE(IsFile(folder / "a"));
+    EXPECT_FALSE(IsFile(folder / "b"));
+    EXPECT_FALSE(IsFile(folder / "a/none"));
+}
+
+TEST(Entries, ThatTheSystemCannotLookAtAreErrors) {
+    const GameFolder folder;
+    std::error_code failed;
+    fs::create_symlink("circle", folder / "circle", failed);
+    if (failed)
+        GTEST_SKIP() << "no symbolic links here";
+    EXPECT_THROW(IsFile(folder / "circle"), Error);
+    EXPECT_THROW(EntriesOf(folder / "circle"), Error);
+}
+
 } // namespace
 
 } // namespace q3::test

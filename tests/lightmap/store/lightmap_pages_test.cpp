@@ -32,6 +32,13 @@ std::vector<std::uint8_t> ReadPage(const std::filesystem::path &path, int &width
     return rgb;
 }
 
+/// Calls add(set of files), and writes the set.
+template <typename Add> void Write(const Add &add) {
+    FileSet files;
+    add(files);
+    files.Commit();
+}
+
 TEST(Pages, ImagesShowThePageAndOlderOnesGo) {
     const GameFolder game;
     KeptLog log;
@@ -39,7 +46,7 @@ TEST(Pages, ImagesShowThePageAndOlderOnesGo) {
         game.Write(stale, "old");
     StoredLightmaps stored;
     stored.pages = {Page(0, 64, 16, true), Page(2, 32, 32, true)};
-    WritePages(game / "room", stored, log.log);
+    Write([&](FileSet &files) { WritePages(game / "room", stored, files, log.log); });
     for (const LightmapPage &page : stored.pages) {
         int width = 0, height = 0;
         EXPECT_EQ(ReadPage(game / fmt::format("room/lm_{:04}.tga", page.file), width, height), page.colors);
@@ -58,9 +65,9 @@ TEST(Pages, PagesOfTheFileAreNoImages) {
     game.Write("room/lm_0000.tga", "mine");
     StoredLightmaps stored;
     stored.pages = {Page(0, 128, 128, false, false)};
-    WritePages(game / "room", stored, log.log);
+    Write([&](FileSet &files) { WritePages(game / "room", stored, files, log.log); });
     EXPECT_EQ(game.ReadBack("room/lm_0000.tga"), "mine");
-    WritePages(game / "other", stored, log.log);
+    Write([&](FileSet &files) { WritePages(game / "other", stored, files, log.log); });
     EXPECT_FALSE(std::filesystem::exists(game / "other"));
 }
 
@@ -71,13 +78,13 @@ TEST(Pages, ScriptIsBesideTheMapAndGoesWhenNotNeeded) {
     EXPECT_EQ(path, game / "scripts/q3map2_room.shader");
     StoredLightmaps stored;
     stored.scripts = {{"room/A", "{\n\tcull none\n}\n"}, {"room/B", "{\n}"}};
-    WriteScript(path, stored, log.log);
+    Write([&](FileSet &files) { WriteScript(path, stored, files, log.log); });
     const std::string text = game.ReadBack("scripts/q3map2_room.shader");
     EXPECT_TRUE(text.starts_with("//"));
     EXPECT_THAT(text, testing::HasSubstr("\nroom/A\n{\n\tcull none\n}\n\nroom/B\n{\n}\n"));
-    WriteScript(path, {}, log.log);
+    Write([&](FileSet &files) { WriteScript(path, {}, files, log.log); });
     EXPECT_FALSE(std::filesystem::exists(path));
-    WriteScript(path, {}, log.log);
+    Write([&](FileSet &files) { WriteScript(path, {}, files, log.log); });
 }
 
 Bsp WithPages(std::size_t bytes) {

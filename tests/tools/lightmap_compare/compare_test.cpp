@@ -40,8 +40,10 @@ class CompareTest : public StoreTest {
         const auto path = folder / ("maps/" + name + ".bsp");
         std::filesystem::create_directories(path.parent_path());
         WriteBspFile(path, bsp, {}, log);
-        WritePages(folder / ("maps/" + name), stored, log);
-        WriteScript(ScriptPath(path, *FindGame("quake3")), stored, log);
+        FileSet written;
+        WritePages(folder / ("maps/" + name), stored, written, log);
+        WriteScript(ScriptPath(path, *FindGame("quake3")), stored, written, log);
+        written.Commit();
         bsp = std::move(unlit);
         return LitMap::Load(path, 128, log);
     }

@@ -74,7 +74,7 @@ void EmbreeThroughput::State::MakeScene(const std::vector<float> &corners) {
     scene = NewScene(device.get());
     const GeometryPtr geometry = NewTriangles(device.get(), corners);
     rtcAttachGeometry(scene.get(), geometry.get());
-    rtcCommitScene(scene.get());
+    CommitScene(device.get(), scene.get());
 }
 
 void EmbreeThroughput::State::AddBrick(const BenchMap &map, const std::vector<Light> &lights,
