@@ -45,7 +45,10 @@ Vec3d SunDirection(double azimuth, double elevation) {
 /// Cells grow until the grid leaves a file of 2 GiB, where offsets of BSP files end, a quarter of a GiB for other lumps.
 TEST(GridSHLayout, OfALargeWorldLeavesRoomInTheFile) {
     Bsp bsp;
-    bsp.models.push_back({{-32768, -32768, -4096}, {32768, 32768, 4096}});
+    bspModel_t world{};
+    world.mins = {-32768, -32768, -4096};
+    world.maxs = {32768, 32768, 4096};
+    bsp.models.push_back(world);
     const GridLayout layout = LayoutGridSH(bsp, {8, 8, 8});
     const std::int64_t bytes = layout.Count() * std::int64_t(sizeof(bspGridPointSH_t));
     EXPECT_LE(bytes, 7 * (std::int64_t(1) << 28));
