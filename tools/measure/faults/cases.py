@@ -141,7 +141,7 @@ def two_runs(stage, tools, folder, _seed):
             texts.append(output.read().decode(errors="replace"))
         clean = all(status == 0 or (status == 1 and len(runs.error_lines(text)) == 1)
                     for status, text in zip(ended, texts))
-        result = runs.Result(0, texts[0], [], 0, "", [])
+        result = runs.Result(0, texts[ended.index(0)] if 0 in ended else "", [], 0, "", [])
         wrong = finding_of(scratch, result, allowed=("harmless", "warned"))
         yield "", wrong or (None if clean and 0 in ended else f"statuses {ended}")
     scratch.close()
