@@ -40,7 +40,8 @@ PARTS = {
     "Internals": ("internals", ["architecture", "bsp", "vis", "lightmaps", "sh_grid", "sh_math", "scaling", "differences",
                                 "results", "shbench", "windows", "arm64"]),
 }
-ABOUT = ["/README", "/CHANGELOG", "/CONTRIBUTING", "/tools/engines/README", "/tools/engines/ioquake3/README", "/tools/viewer/README"]
+ABOUT = ["/README", "/docs/reliability", "/CHANGELOG", "/CONTRIBUTING", "/tools/engines/README",
+         "/tools/engines/ioquake3/README", "/tools/viewer/README"]
 
 
 def contents():
