@@ -41,7 +41,7 @@ class ChainSearch {
             std::fill_n(&first.mightSee[blockWords_ * block], blockWords_, BitWord(0));
         });
         row.ForEachWord([&](std::size_t i, BitWord word) { first.mightSee[i] = word; });
-        first.unseenBlocks = UnseenBlocks(first, first.blocks);
+        FindUnseen(first, first.blocks);
         first.length = 1;
         first.source = base_->winding;
         StartLink(first, base);
@@ -101,25 +101,26 @@ class ChainSearch {
             const SparseBits::Block through = passage[block], beyond = seenThroughQ[block];
             const BitWord *const mightSee = &last.mightSee[blockWords_ * block], *const seen =
                                                                                      seen_ + blockWords_ * block;
-            for (BitWord words = through.stored & beyond.stored; words != 0; words &= words - 1) {
+            for (BitWord words = last.unseenWords[block] & through.stored & beyond.stored; words != 0;
+                 words &= words - 1) {
                 const auto i = std::size_t(std::countr_zero(words));
-                const BitWord unseen = mightSee[i] & ~seen[i];
-                if (unseen != 0 && (unseen & through[i] & beyond[i]) != 0)
+                if ((mightSee[i] & ~seen[i] & through[i] & beyond[i]) != 0)
                     return true;
             }
         }
         return false;
     }
-    /// Those of some blocks of link.mightSee that hold portals not seen yet.
-    BitWord UnseenBlocks(const ChainLink &link, BitWord blocks) const {
-        BitWord unseen = 0;
+    /// Sets unseenBlocks and unseenWords: which of some blocks of link.mightSee hold portals not seen yet.
+    void FindUnseen(ChainLink &link, BitWord blocks) const {
+        link.unseenBlocks = 0;
         ForEachBitOf(blocks, [&](std::size_t block) {
-            BitWord any = 0;
-            for (std::size_t i = blockWords_ * block; i < blockWords_ * (block + 1); ++i)
-                any |= link.mightSee[i] & ~seen_[i];
-            unseen |= BitWord(any != 0) << block;
+            const std::size_t first = blockWords_ * block;
+            std::uint32_t words = 0;
+            for (std::size_t i = 0; i < blockWords_; ++i)
+                words |= std::uint32_t((link.mightSee[first + i] & ~seen_[first + i]) != 0) << i;
+            link.unseenWords[block] = words;
+            link.unseenBlocks |= BitWord(words != 0) << block;
         });
-        return unseen;
     }
 
     /// Sets next.mightSee: the portals that may be seen through the chain and q.
@@ -138,7 +139,7 @@ class ChainSearch {
             });
             next.blocks |= BitWord(any != 0) << block;
         });
-        next.unseenBlocks = UnseenBlocks(next, last.unseenBlocks & next.blocks);
+        FindUnseen(next, last.unseenBlocks & next.blocks);
     }
 
     /// Makes `next` the chain with q at its end. False: no portal that is not seen yet can be seen through it.
@@ -183,12 +184,14 @@ class ChainSearch {
     bool PruneMightSee(ChainLink &link, const FlowPortal &portal) const {
         link.MakeSeparators(base_->plane.normal, portal.plane.normal);
         ForEachBitOf(link.unseenBlocks, [&](std::size_t block) {
-            for (std::size_t i = blockWords_ * block; i < blockWords_ * (block + 1); ++i)
+            ForEachBitOf(link.unseenWords[block], [&](std::size_t inBlock) {
+                const std::size_t i = blockWords_ * block + inBlock;
                 for (BitWord word = link.mightSee[i] & ~seen_[i]; word != 0; word &= word - 1)
                     if (link.Hides(map_.Portal(map_.PortalAt(kBitsPerWord * i + std::size_t(std::countr_zero(word))))))
                         link.mightSee[i] &= ~(word & -word);
+            });
         });
-        link.unseenBlocks = UnseenBlocks(link, link.unseenBlocks);
+        FindUnseen(link, link.unseenBlocks);
         return link.unseenBlocks != 0;
     }
 

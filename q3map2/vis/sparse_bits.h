@@ -5,6 +5,7 @@
 #include "libs/math/bit_table.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <memory>
@@ -26,13 +27,20 @@ template <typename Visit> void ForEachBitOf(BitWord word, Visit &&visit) {
     for (; word != 0; word &= word - 1)
         visit(std::size_t(std::countr_zero(word)));
 }
-/// Number of bits of `set` below bit number `end`. The base processor has no instruction that counts bits.
+/// Number of bits of `set` below bit number `end`. The base processor has no instruction that counts bits; most sets
+/// have their bits in few bytes.
 inline std::size_t CountBelow(BitWord set, std::size_t end) {
+    static constexpr auto kCounts = [] {
+        std::array<std::uint8_t, 256> counts{};
+        for (std::size_t i = 1; i < counts.size(); ++i)
+            counts[i] = std::uint8_t(counts[i / 2] + i % 2);
+        return counts;
+    }();
     BitWord x = set & ((BitWord(1) << end) - 1);
-    x -= x >> 1 & 0x5555555555555555u;
-    x = (x & 0x3333333333333333u) + (x >> 2 & 0x3333333333333333u);
-    x = (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-    return x * 0x0101010101010101u >> 56;
+    std::size_t count = kCounts[x & 255];
+    while ((x >>= 8) != 0)
+        count += kCounts[x & 255];
+    return count;
 }
 
 /// Memory of rows, in large pieces, of which the system makes large pages: rows are read at random.
