@@ -34,11 +34,15 @@ inline std::size_t CountBits(std::span<const BitWord> row) {
         count += std::size_t(std::popcount(word));
     return count;
 }
+/// Calls visit(bit) for each bit of a word, in ascending order.
+template <typename Visit> void ForEachBitOf(BitWord word, Visit &&visit) {
+    for (; word != 0; word &= word - 1)
+        visit(std::size_t(std::countr_zero(word)));
+}
 /// Calls visit(bit) for every set bit in ascending order. `visit` may clear bits of the row.
 template <typename Visit> void ForEachBit(std::span<const BitWord> row, Visit &&visit) {
     for (std::size_t i = 0; i < row.size(); ++i)
-        for (BitWord word = row[i]; word != 0; word &= word - 1)
-            visit(kBitsPerWord * i + std::size_t(std::countr_zero(word)));
+        ForEachBitOf(row[i], [&](std::size_t bit) { visit(kBitsPerWord * i + bit); });
 }
 
 /// A table of bits, all clear at first. Rows start at whole words, so threads may write different rows at once.

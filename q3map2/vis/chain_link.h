@@ -37,10 +37,9 @@ struct ChainLink {
     explicit ChainLink(std::size_t words) : mightSee(words) {}
 
     std::vector<BitWord> mightSee; ///< portals that may be seen through the chain; only `blocks` are to be read
-    std::array<std::uint32_t, kMaxBlocks>
-        unseenWords;                                ///< by block of unseenBlocks: its words that may hold such portals
-    BitWord blocks = 0;                             ///< blocks of mightSee (SparseBits) that hold bits
-    BitWord unseenBlocks = 0;                       ///< those of them that may hold portals not seen yet
+    BitWord blocks = 0;            ///< blocks of mightSee (SparseBits) that hold bits
+    BitWord unseenBlocks = 0;      ///< those of them that may hold portals not seen yet
+    std::array<BitWord, kMaxBlocks> unseenWords;    ///< by block of these: its words that may hold them
     std::size_t lastPortal = 0;                     ///< the last portal of the chain
     std::span<const int> candidates;                ///< portals that lead out of the leaf behind lastPortal
     std::size_t nextCandidate = 0;                  ///< index in `candidates` of the portal to try next
@@ -56,7 +55,10 @@ struct ChainLink {
                 const float d = list.planes[i].Distance(portal.center);
                 if (d > portal.radius)
                     continue;
-                if (d < -portal.radius || IsBehind(portal.winding, list.planes[i]))
+                if (d < -portal.radius)
+                    return true;
+                const PointDistances distances(portal.winding, list.planes[i]);
+                if (distances.max < kOnEpsilon && distances.min <= -kOnEpsilon)
                     return true;
             }
         return false;

@@ -75,32 +75,31 @@ void SeenThrough(const VisMap &map, const MightSeeTable &mightSee, std::size_t f
     });
 }
 
-/// Clears bits of `dense` that one of two rows does not have.
-void Intersect(const SparseBits &a, const SparseBits &b, std::span<BitWord> dense) {
+/// Clears the bits of a dense row that another row does not have.
+void Intersect(const SparseBits &other, std::span<BitWord> dense) {
     for (std::size_t word = 0; word < dense.size(); ++word)
         if (dense[word] != 0)
-            dense[word] &= a.Word(word) & b.Word(word);
+            dense[word] &= other.Word(word);
 }
 
 /// Portals whose rows are made between two looks at the memory that they take. Constant, so that the rows that are left
 /// out do not depend on the number of threads.
 constexpr std::size_t kPassageChunk = 256;
 
+std::size_t RowsOf(const VisMap &map, std::size_t p) {
+    return map.Portal(p).removed ? 0 : map.PortalsAfter(p).size();
+}
+
 } // namespace
 
 std::size_t Passages::NumRows(const VisMap &map) {
-    std::size_t rows = 0;
-    for (std::size_t p = 0; p < map.NumPortals(); ++p)
-        rows += map.Portal(p).removed ? 0 : map.PortalsAfter(p).size();
-    return rows;
+    return Passages(map).start_.back();
 }
 
 Passages::Passages(const VisMap &map) {
-    std::size_t rows = 0;
-    for (std::size_t p = 0; p < map.NumPortals(); ++p) {
-        start_.push_back(rows);
-        rows += map.Portal(p).removed ? 0 : map.PortalsAfter(p).size();
-    }
+    start_.push_back(0);
+    for (std::size_t p = 0; p < map.NumPortals(); ++p)
+        start_.push_back(start_.back() + RowsOf(map, p));
 }
 
 Passages::Passages(const VisMap &map, SparseBitTable rows, std::size_t made) : Passages(map) {
@@ -112,7 +111,7 @@ Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, std::uint64
                    const JobPool &jobs, Log &log)
     : Passages(map) {
     const std::size_t count = map.NumPortals();
-    rows_ = SparseBitTable(NumRows(map), jobs.Threads());
+    rows_ = SparseBitTable(start_.back(), jobs.Threads());
     const bool isPart = units.IsFirstPart();
     const std::vector<std::uint8_t> own = isPart ? OwnPortals(map, units) : std::vector<std::uint8_t>(count, 1);
     std::vector<std::vector<BitWord>> scratch(std::size_t(jobs.Threads()));
@@ -126,10 +125,12 @@ Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, std::uint64
             const auto t = std::size_t(after[next]);
             const std::span<BitWord> row(dense.data() + next * map.Words(), map.Words());
             // A part did not know yet what symmetry has cleared.
-            if (known)
-                Intersect(mightSee[p], mightSee[t], row);
-            else
+            if (known) {
+                Intersect(mightSee[p], row);
+                Intersect(mightSee[t], row);
+            } else {
                 SeenThrough(map, mightSee, p, t, row);
+            }
             rows_.Set(start_[p] + next, row, worker);
             bytes += rows_[start_[p] + next].Bytes();
         }
@@ -151,8 +152,7 @@ Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, std::uint64
 
 void Passages::TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const JobPool &jobs) const {
     constexpr int kRounds = 4; // later ones find little
-    const std::size_t words = map.Words();
-    std::vector<std::vector<BitWord>> scratch(std::size_t(jobs.Threads()), std::vector<BitWord>(words));
+    std::vector<std::vector<BitWord>> scratch(std::size_t(jobs.Threads()), std::vector<BitWord>(map.Words()));
     for (int round = 0; round < kRounds; ++round) {
         MightSeeTable tighter(map.NumPortals(), jobs.Threads());
         jobs.For(std::int64_t(map.NumPortals()), [&](std::int64_t index, int worker) {
@@ -171,9 +171,7 @@ void Passages::TightenMightSee(const VisMap &map, MightSeeTable &mightSee, const
                 const SparseBits &through = passage ? *passage : beyond;
                 through.ForEachWord([&](std::size_t i, BitWord word) { row[i] |= word & beyond.Word(i); });
             }
-            for (std::size_t word = 0; word < words; ++word)
-                if (row[word] != 0)
-                    row[word] &= mightSee[p].Word(word);
+            Intersect(mightSee[p], row);
             tighter.Set(p, row, worker);
         });
         mightSee = std::move(tighter);

@@ -39,7 +39,7 @@ class Passages {
   private:
     explicit Passages(const VisMap &map);
 
-    std::vector<std::size_t> start_; ///< by portal: its first row
+    std::vector<std::size_t> start_; ///< by portal: its first row; then the end of all
     SparseBitTable rows_;
     std::size_t made_ = 0;
 };

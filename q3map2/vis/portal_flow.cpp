@@ -11,7 +11,6 @@
 #include <chrono>
 #include <memory>
 #include <numeric>
-#include <utility>
 
 namespace q3 {
 
@@ -99,8 +98,8 @@ class ChainSearch {
         for (; common != 0; common &= common - 1) {
             const auto block = std::size_t(std::countr_zero(common));
             const SparseBits::Block through = passage[block], beyond = seenThroughQ[block];
-            const BitWord *const mightSee = &last.mightSee[blockWords_ * block], *const seen =
-                                                                                     seen_ + blockWords_ * block;
+            const BitWord *const mightSee = &last.mightSee[blockWords_ * block];
+            const BitWord *const seen = seen_ + blockWords_ * block;
             for (BitWord words = last.unseenWords[block] & through.stored & beyond.stored; words != 0;
                  words &= words - 1) {
                 const auto i = std::size_t(std::countr_zero(words));
@@ -115,9 +114,9 @@ class ChainSearch {
         link.unseenBlocks = 0;
         ForEachBitOf(blocks, [&](std::size_t block) {
             const std::size_t first = blockWords_ * block;
-            std::uint32_t words = 0;
+            BitWord words = 0;
             for (std::size_t i = 0; i < blockWords_; ++i)
-                words |= std::uint32_t((link.mightSee[first + i] & ~seen_[first + i]) != 0) << i;
+                words |= BitWord((link.mightSee[first + i] & ~seen_[first + i]) != 0) << i;
             link.unseenWords[block] = words;
             link.unseenBlocks |= BitWord(words != 0) << block;
         });

@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Sets of portals of large maps: rows of bits of which only the blocks that hold bits are stored.
+// GPL-2.0-or-later. Sets of portals of large maps: rows of bits of which only words that are not zero are stored.
 #pragma once
 
 #include "common/platform/platform.h"
@@ -15,17 +15,13 @@
 
 namespace q3 {
 
-/// A row has at most 64 blocks of at most 32 words, so that bits say which blocks and which of their words are stored.
-inline constexpr std::size_t kMaxBlocks = 64, kMaxBlockWords = 32;
+/// A row has at most 64 blocks of at most 48 words, so that bits say which blocks and which of their words are stored.
+/// That is enough for twice the 65,536 portals of the largest portal file.
+inline constexpr std::size_t kMaxBlocks = 64, kMaxBlockWords = 48;
 /// Words of a block of a row of that many words.
 inline std::size_t BlockWordsOf(std::size_t words) {
     constexpr std::size_t kFewest = 8;
     return std::max(kFewest, (words + kMaxBlocks - 1) / kMaxBlocks);
-}
-/// Calls visit(index) for each bit of a word, in ascending order.
-template <typename Visit> void ForEachBitOf(BitWord word, Visit &&visit) {
-    for (; word != 0; word &= word - 1)
-        visit(std::size_t(std::countr_zero(word)));
 }
 /// Number of bits of `set` below bit number `end`. The base processor has no instruction that counts bits; most sets
 /// have their bits in few bytes.
@@ -58,8 +54,8 @@ class BitPool {
     }
 
   private:
-    static constexpr std::size_t kFirstWords = std::size_t(1) << 13, kMostWords = std::size_t(1)
-                                                                                  << 22; ///< 64 KB, 32 MB
+    static constexpr std::size_t kFirstWords = std::size_t(1) << 13; ///< 64 KB
+    static constexpr std::size_t kMostWords = std::size_t(1) << 22;  ///< 32 MB
 
     std::vector<std::unique_ptr<BitWord[]>> pieces_;
     BitWord *next_ = nullptr;
@@ -72,8 +68,8 @@ class SparseBits {
   public:
     /// A block that is stored.
     struct Block {
-        std::uint32_t stored; ///< bit i: word i of the block is stored
-        BitWord *words;       ///< the words that are stored, one after another
+        BitWord stored; ///< bit i: word i of the block is stored
+        BitWord *words; ///< the words that are stored, one after another
         BitWord *Find(std::size_t i) const { return (stored >> i & 1) != 0 ? words + CountBelow(stored, i) : nullptr; }
         /// Word i, which is stored.
         BitWord operator[](std::size_t i) const { return words[CountBelow(stored, i)]; }
@@ -151,10 +147,13 @@ class SparseBits {
     }
 
   private:
-    Block BlockOf(BitWord head) const { return {std::uint32_t(head), data_ + (head >> kMaxBlockWords)}; }
+    Block BlockOf(BitWord head) const {
+        return {head & ((BitWord(1) << kMaxBlockWords) - 1), data_ + (head >> kMaxBlockWords)};
+    }
 
     BitWord blocks_ = 0; ///< bit b: block b is stored
-    /// For each block that is stored: 32 bits for its words, and 32 for the index of the first one; then all words.
+    /// For each block that is stored: kMaxBlockWords bits for its words, and above them the index of the first one.
+    /// Then all words.
     BitWord *data_ = nullptr;
     std::uint32_t size_ = 0, blockWords_ = 0; ///< of data_, and words of a block
 };

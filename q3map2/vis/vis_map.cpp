@@ -63,11 +63,11 @@ bool FacesFrom(const FlowPortal &p, const FlowPortal &t) {
     return AnyPointInFront(p.plane, t, 1) && AnyPointInFront(t.plane, p, -1);
 }
 
-/// Planes and bounding spheres of all portals, number after number.
-struct PortalColumns {
+/// Planes and bounding spheres of all portals, as a structure of arrays.
+struct PortalArrays {
     std::vector<float> x, y, z, radius, normalX, normalY, normalZ, dist;
 
-    explicit PortalColumns(const VisMap &map) {
+    explicit PortalArrays(const VisMap &map) {
         for (std::size_t q = 0; q < map.NumPortals(); ++q) {
             const FlowPortal &t = map.Portal(q);
             x.push_back(t.center.x), y.push_back(t.center.y), z.push_back(t.center.z), radius.push_back(t.radius);
@@ -103,8 +103,8 @@ struct FloodScratch {
     std::vector<BitWord> seen, reached;
     std::vector<int> leafs;
 };
-/// Portals that are compared with all others at once, and portals of a comparison whose columns stay in the cache.
-constexpr std::size_t kFloodTile = 8, kFloodColumns = 512;
+/// Portals that are compared with all others at once, and those of the others that stay in the cache meanwhile.
+constexpr std::size_t kFloodTile = 8, kFloodChunk = 512;
 
 /// Sets mine.seen from what `facing` says of portal `from` and the others.
 void FloodFrom(const VisMap &map, const FarPlane &farPlane, std::size_t from, const std::uint8_t *facing,
@@ -197,7 +197,6 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
 }
 
 void VisMap::SetColumns() {
-    constexpr std::size_t kGroupBits = 8 * kBitsPerWord; // whole cache lines
     // By the axis of its normal: of each pair of a portal and its twin the one that faces the positive side.
     std::array<std::vector<std::size_t>, 3> facing;
     for (std::size_t p = 0; p < NumPortals(); p += 2) {
@@ -207,7 +206,7 @@ void VisMap::SetColumns() {
         facing[axis].push_back(n[axis] > 0 ? p : p + 1);
     }
     for (const std::vector<std::size_t> &group : facing) {
-        const std::size_t first = portalAt_.size(), size = (group.size() + kGroupBits - 1) / kGroupBits * kGroupBits;
+        const std::size_t first = portalAt_.size(), size = WordsOf(group.size()) * kBitsPerWord;
         portalAt_.resize(first + 2 * size, -1);
         for (std::size_t i = 0; i < group.size(); ++i) {
             const std::size_t p = group[i];
@@ -253,7 +252,7 @@ MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const V
                             Log &log) {
     const std::size_t count = map.NumPortals();
     MightSeeTable mightSee(count, jobs.Threads());
-    const PortalColumns columns(map);
+    const PortalArrays arrays(map);
     std::vector<FloodScratch> scratch(std::size_t(jobs.Threads()));
     for (FloodScratch &one : scratch) {
         one.facing.resize(kFloodTile * count);
@@ -264,11 +263,9 @@ MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const V
     const std::vector<std::uint8_t> own = isPart ? OwnPortals(map, units) : std::vector<std::uint8_t>(),
                                     wanted = isPart ? FloodedPortals(map, units) : std::vector<std::uint8_t>(count, 1);
     const auto flood = [&](std::size_t p, const std::uint8_t *facing, FloodScratch &mine, int worker) {
-        if (!units.Find(VisUnits::Row::Flood, p, mine.seen)) {
-            FloodFrom(map, farPlane, p, facing, mine);
-            if (isPart && own[p] != 0)
-                units.Keep(VisUnits::Row::Flood, p, mine.seen);
-        }
+        FloodFrom(map, farPlane, p, facing, mine);
+        if (isPart && own[p] != 0)
+            units.Keep(VisUnits::Row::Flood, p, mine.seen);
         mightSee.Set(p, mine.seen, worker);
     };
     const std::size_t tiles = (count + kFloodTile - 1) / kFloodTile;
@@ -278,13 +275,19 @@ MightSeeTable FloodMightSee(const VisMap &map, const FarPlane &farPlane, const V
         [&](std::int64_t index, int worker) {
             FloodScratch &mine = scratch[std::size_t(worker)];
             std::vector<std::size_t> portals;
-            for (std::size_t p = kFloodTile * std::size_t(index); p < count && portals.size() < kFloodTile; ++p)
-                if (!map.Portal(p).removed && wanted[p] != 0)
+            const std::size_t tile = kFloodTile * std::size_t(index);
+            for (std::size_t p = tile; p < std::min(count, tile + kFloodTile); ++p) {
+                if (map.Portal(p).removed || wanted[p] == 0)
+                    continue;
+                if (units.Find(VisUnits::Row::Flood, p, mine.seen))
+                    mightSee.Set(p, mine.seen, worker);
+                else
                     portals.push_back(p);
-            for (std::size_t first = 0; first < count; first += kFloodColumns)
+            }
+            for (std::size_t first = 0; first < count; first += kFloodChunk)
                 for (std::size_t i = 0; i < portals.size(); ++i)
-                    columns.Compare(map.Portal(portals[i]), first, std::min(count, first + kFloodColumns),
-                                    mine.facing.data() + i * count);
+                    arrays.Compare(map.Portal(portals[i]), first, std::min(count, first + kFloodChunk),
+                                   mine.facing.data() + i * count);
             for (std::size_t i = 0; i < portals.size(); ++i)
                 flood(portals[i], mine.facing.data() + i * count, mine, worker);
         },
@@ -324,6 +327,8 @@ void ApplySymmetry(const VisMap &map, const JobPool &jobs, MightSeeTable &mightS
             if (std::pair(mirrorRows, mirrorWord) < std::pair(rows, word))
                 continue;
             const bool hasBlock = load(rows, word, block), hasAcross = load(mirrorRows, mirrorWord, across);
+            if (!hasBlock && !hasAcross)
+                continue;
             Transpose64(block);
             Transpose64(across);
             if (hasBlock)

@@ -53,7 +53,7 @@ class VisMap {
     /// Portals that lead out of the leaf behind a portal: the candidates for the next portal of a chain.
     std::span<const int> PortalsAfter(std::size_t portal) const { return PortalsOf(portals_[portal].leaf); }
     // Columns: bits of rows. Portals of about the same direction are next to each other, since what is seen through a
-    // portal faces one way: so blocks of rows are either full or not stored.
+    // portal faces one way: so most words have many bits or none.
 
     /// Number of bits of a row: a multiple of that of a block.
     std::size_t Columns() const { return portalAt_.size(); }

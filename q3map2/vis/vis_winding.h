@@ -106,16 +106,6 @@ struct PointDistances {
     }
 };
 
-/// Whether a winding is behind a plane: parts of it may be on the plane, but not all.
-inline bool IsBehind(const WindingView &w, const VisPlane &plane) {
-    PointLanes low = w.Project(plane.normal, 0) - plane.dist, high = low;
-    for (int i = kPointGroup; i < w.count; i += kPointGroup) {
-        const PointLanes d = w.Project(plane.normal, i) - plane.dist;
-        low = MinLanes(d, low), high = MaxLanes(d, high);
-    }
-    return MaxLane(high) < kOnEpsilon && MinLane(low) <= -kOnEpsilon;
-}
-
 /// Intersection of the edge from a (distance da) to b (distance db) with the plane; exact on the axis of an axial
 /// plane.
 inline Vec3f CutEdge(const Vec3f &a, const Vec3f &b, float da, float db, const VisPlane &plane) {

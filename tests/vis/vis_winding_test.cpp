@@ -186,7 +186,7 @@ TEST(VisMapColumns, TwinsAreAtTheSameBits) {
 /// Rows of random words against dense rows, for small and for large maps.
 TEST(SparseBits, AreWhatDenseRowsAre) {
     std::mt19937_64 random(11);
-    for (const std::size_t words : {std::size_t(8), std::size_t(72), std::size_t(2048)}) {
+    for (const std::size_t words : {std::size_t(8), std::size_t(72), std::size_t(2112)}) {
         std::vector<BitWord> dense(words), kept(words);
         for (std::size_t i = 0; i < words; ++i) {
             dense[i] = random() % 5 == 0 ? random() & random() : 0;
