@@ -10,8 +10,8 @@ release = os.environ.get("MANUAL_VERSION", "")
 copyright = "the q3map2-sh developers"  # noqa: A001 (a name that Sphinx asks for)
 extensions = ["myst_parser"]
 root_doc = "docs/README"
-include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/README.md", "docs/reliability.md",
-                    "docs/guide/*.md", "docs/reference/*.md", "docs/engines/*.md", "docs/internals/*.md",
+include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "docs/README.md",
+                    "docs/reliability.md", "docs/guide/*.md", "docs/reference/*.md", "docs/engines/*.md", "docs/internals/*.md",
                     "tools/engines/README.md", "tools/engines/ioquake3/README.md", "tools/viewer/README.md"]
 myst_heading_anchors = 5
 html_theme = "theme"
@@ -39,7 +39,7 @@ PARTS = {
     "Internals": ("internals", ["architecture", "bsp", "vis", "lightmaps", "sh_grid", "sh_math", "scaling", "differences",
                                 "results", "shbench", "windows", "arm64"]),
 }
-ABOUT = ["/README", "/docs/reliability", "/CHANGELOG", "/CONTRIBUTING", "/tools/engines/README",
+ABOUT = ["/README", "/docs/reliability", "/SECURITY", "/CHANGELOG", "/CONTRIBUTING", "/tools/engines/README",
          "/tools/engines/ioquake3/README", "/tools/viewer/README"]
 
 
