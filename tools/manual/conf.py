@@ -11,8 +11,9 @@ copyright = "the q3map2-sh developers"  # noqa: A001 (a name that Sphinx asks fo
 extensions = ["myst_parser"]
 root_doc = "docs/README"
 include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "docs/README.md",
-                    "docs/reliability.md", "docs/guide/*.md", "docs/reference/*.md", "docs/engines/*.md", "docs/internals/*.md",
-                    "tools/engines/README.md", "tools/engines/ioquake3/README.md", "tools/viewer/README.md"]
+                    "docs/reliability.md", "docs/guide/*.md", "docs/reference/*.md", "docs/engines/*.md",
+                    "docs/internals/*.md", "tools/engines/README.md", "tools/engines/ioquake3/README.md",
+                    "tools/viewer/README.md"]
 myst_heading_anchors = 5
 html_theme = "theme"
 html_theme_path = ["."]
