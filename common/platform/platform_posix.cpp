@@ -126,7 +126,8 @@ bool HasColors() {
 }
 
 std::string UserFolder(const std::string &name) {
-    const std::string home = g_get_home_dir();
+    const char *const variable = std::getenv("HOME"); // GLib ends the process if it cannot copy it
+    const std::string home = variable && *variable ? variable : g_get_home_dir();
     return name == "." ? home : home + "/" + name;
 }
 

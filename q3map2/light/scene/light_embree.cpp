@@ -3,11 +3,9 @@
 
 #include "common/error.h"
 
-#ifdef Q3_EMBREE_TBB
-#include <tbb/global_control.h>
-#endif
-
 #include <cstdlib>
+#include <map>
+#include <mutex>
 #include <new>
 #include <string>
 
@@ -24,23 +22,20 @@ void RequireSuccess(RTCDevice device) {
         throw Error("Embree: {}", device ? "a scene cannot be built" : "a device cannot be made");
 }
 
-/// With threads=1 a device limits TBB to one thread. When the limit goes with the device, TBB starts another thread,
-/// which has nothing to do, and ends the program if the system refuses it. This limit stays, so it is never freed.
-void LimitThreadsForGood() {
-#ifdef Q3_EMBREE_TBB
-    [[maybe_unused]] const auto *const limit = new tbb::global_control(tbb::global_control::max_allowed_parallelism, 1);
-#endif
-}
-
 } // namespace
 
-DevicePtr NewDevice() {
+RTCDevice SharedDevice() {
+    static std::mutex making;
+    static std::map<std::string, RTCDevice> devices; // by settings
     const char *more = std::getenv("Q3MAP2_EMBREE");
+    const std::lock_guard lock(making);
     const std::string settings = std::string("threads=1") + (more ? "," : "") + (more ? more : "");
-    LimitThreadsForGood();
-    DevicePtr device(rtcNewDevice(settings.c_str()));
-    if (!device)
-        RequireSuccess(nullptr);
+    RTCDevice &device = devices[settings];
+    if (!device) {
+        device = rtcNewDevice(settings.c_str());
+        if (!device)
+            RequireSuccess(nullptr);
+    }
     return device;
 }
 
@@ -53,6 +48,7 @@ ScenePtr NewScene(RTCDevice device) {
 }
 
 void CommitScene(RTCDevice device, RTCScene scene) {
+    RequireSuccess(device); // without memory for a geometry, building the scene would end the process
     rtcCommitScene(scene);
     RequireSuccess(device);
 }

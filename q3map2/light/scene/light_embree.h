@@ -19,16 +19,12 @@
 
 namespace q3 {
 
-struct ReleaseDevice {
-    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-};
 struct ReleaseScene {
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
 struct ReleaseGeometry {
     void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
 };
-using DevicePtr = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
 using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 using GeometryPtr = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
 
@@ -69,10 +65,11 @@ inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context,
 }
 #endif
 
-/// A device. Only one thread at a time may build scenes with it; tracing needs no device. The environment variable
-/// Q3MAP2_EMBREE adds settings, see rtcNewDevice: "isa=avx2" imitates an older processor. Errors: Error or
+/// The device of all scenes, made on first use. It lives until the process ends, since Embree allocates memory to
+/// release a device, and ends the process if there is none. The environment variable Q3MAP2_EMBREE adds settings, see
+/// rtcNewDevice: "isa=avx2" imitates an older processor; each value has its own device. Errors: Error or
 /// std::bad_alloc.
-DevicePtr NewDevice();
+RTCDevice SharedDevice();
 /// An empty scene, watertight and built for fast tracing. Errors: std::bad_alloc.
 ScenePtr NewScene(RTCDevice device);
 /// Builds a scene of the device. Errors: of this thread's earlier calls too, std::bad_alloc or Error.

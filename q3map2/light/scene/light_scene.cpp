@@ -161,7 +161,7 @@ struct LightScene::State {
     const LightOptions options;
     float legacyIgnoreRadius;
     bool trace; ///< false, with -notrace: no shadows
-    DevicePtr device;
+    RTCDevice device = nullptr;
     Casters main;                ///< for receivers of group 1
     std::vector<int> skyIndexes; ///< by triangle of kSkies
     std::optional<SkyFaces> skyFaces;
@@ -194,7 +194,7 @@ struct LightScene::State {
     /// The same for rays from the legacy grid to lights, and to suns.
     void MakeLegacy();
     void MakeLegacySuns();
-    /// Calls make() the first time. One thread at a time: scenes share the device and geometries.
+    /// Calls make() the first time. One thread at a time: scenes share geometries.
     template <typename Make> void Once(std::once_flag &made, const Make &make) {
         std::call_once(made, [&] {
             const std::lock_guard lock(making);
@@ -282,7 +282,7 @@ LightScene::LightScene(const Bsp &bsp, const SurfaceTable &table, const LightOpt
     for (const int surface : state.main.triangles[kSkies].surface)
         state.skyIndexes.push_back(table[std::size_t(surface)].skyIndex);
     state.skyFaces.emplace(state.main.triangles[kSkies], state.skyIndexes);
-    state.device = NewDevice();
+    state.device = SharedDevice();
     state.AddFingerprints(state.main, 1);
     state.MakeGeometries(state.main);
     state.all = state.MakeScene({kSolids, kSurfaces, kPatches, kProps});
@@ -361,7 +361,7 @@ void LightScene::State::MakeGeometries(Casters &casters) const {
 void LightScene::State::MakeGeometry(GeometryId id, Casters &casters) const {
     if (casters.triangles[id].Count() == 0)
         return;
-    casters.geometries[id] = NewTriangles(device.get(), casters.triangles[id].corners);
+    casters.geometries[id] = NewTriangles(device, casters.triangles[id].corners);
     const RTCGeometry geometry = casters.geometries[id].get();
     if (id == kFilters || id == kFilterPatches) {
         rtcSetGeometryOccludedFilterFunction(geometry, FilterHit);
@@ -384,7 +384,7 @@ void LightScene::State::MakeGeometry(GeometryId id, Casters &casters) const {
 }
 
 ScenePtr LightScene::State::MakeScene(const Casters &casters, std::initializer_list<GeometryId> ids) const {
-    ScenePtr scene = NewScene(device.get());
+    ScenePtr scene = NewScene(device);
     bool any = false;
     for (const GeometryId id : ids)
         if (casters.geometries[id]) {
@@ -393,7 +393,7 @@ ScenePtr LightScene::State::MakeScene(const Casters &casters, std::initializer_l
         }
     if (!any)
         return nullptr;
-    CommitScene(device.get(), scene.get());
+    CommitScene(device, scene.get());
     return scene;
 }
 

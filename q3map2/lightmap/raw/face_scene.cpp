@@ -22,18 +22,18 @@ void FaceScene::Add(int surface, const Face &face) {
 }
 
 void FaceScene::Commit() {
-    device_ = NewDevice();
-    scene_ = NewScene(device_.get());
+    const RTCDevice device = SharedDevice();
+    scene_ = NewScene(device);
     if (triangles_.empty())
-        return CommitScene(device_.get(), scene_.get());
+        return CommitScene(device, scene_.get());
     std::vector<float> corners;
     corners.reserve(9 * triangles_.size());
     for (const FaceTriangle &triangle : triangles_)
         for (const FaceCorner &corner : triangle.corners)
             corners.insert(corners.end(), {corner.xyz.x, corner.xyz.y, corner.xyz.z});
-    const GeometryPtr geometry = NewTriangles(device_.get(), corners);
+    const GeometryPtr geometry = NewTriangles(device, corners);
     rtcAttachGeometry(scene_.get(), geometry.get());
-    CommitScene(device_.get(), scene_.get());
+    CommitScene(device, scene_.get());
 }
 
 FaceScene::Hits FaceScene::FirstHits(const RayPacket &rays, RayCoherence coherence) const {

@@ -66,7 +66,6 @@ class FaceScene {
 
   private:
     std::vector<FaceTriangle> triangles_;
-    DevicePtr device_;
     ScenePtr scene_;
 };
 

@@ -52,7 +52,6 @@ std::vector<float> Triangles(const BenchMap &map) {
 } // namespace
 
 struct EmbreeThroughput::State {
-    std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice> device;
     std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene> scene;
     /// Rays from points of a brick to one light.
     struct Task {
@@ -70,11 +69,11 @@ struct EmbreeThroughput::State {
 };
 
 void EmbreeThroughput::State::MakeScene(const std::vector<float> &corners) {
-    device = NewDevice();
-    scene = NewScene(device.get());
-    const GeometryPtr geometry = NewTriangles(device.get(), corners);
+    const RTCDevice device = SharedDevice();
+    scene = NewScene(device);
+    const GeometryPtr geometry = NewTriangles(device, corners);
     rtcAttachGeometry(scene.get(), geometry.get());
-    CommitScene(device.get(), scene.get());
+    CommitScene(device, scene.get());
 }
 
 void EmbreeThroughput::State::AddBrick(const BenchMap &map, const std::vector<Light> &lights,
