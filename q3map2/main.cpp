@@ -3,15 +3,41 @@
 #include "q3map2/cli/program.h"
 #include "q3map2/stages/stages.h"
 
+#include <cstdlib>
+#include <exception>
 #include <new>
 
+namespace {
+
+void PrintOutOfMemory() {
+    q3::WriteError("************ ERROR ************\nout of memory\n");
+}
+
+std::terminate_handler usualHandler;
+
+/// TBB, which Embree uses, ends the process if it gets no memory to start its work. A run without memory still ends
+/// with its error line, and not as a crash; files are only replaced at its end.
+void EndOrCrash() {
+    constexpr std::size_t kLittle = std::size_t(1) << 12; // bytes
+    void *const volatile memory = std::malloc(kLittle);
+    if (!memory) {
+        PrintOutOfMemory();
+        std::_Exit(1);
+    }
+    std::free(memory);
+    usualHandler();
+}
+
+} // namespace
+
 int main(int argc, char **argv) {
+    usualHandler = std::set_terminate(EndOrCrash);
     try {
         const q3::ProcessStart start = q3::StartProcess(argc, argv);
         q3::Log log;
         return q3::RunProgram(q3::Stages(), start.arguments, start.program, log);
     } catch (const std::bad_alloc &) { // before the run could begin
-        q3::WriteError("************ ERROR ************\nout of memory\n");
+        PrintOutOfMemory();
         return 1;
     }
 }
