@@ -2,10 +2,10 @@
 // them.
 #pragma once
 
+#include "q3map2/vis/sparse_bits.h"
 #include "q3map2/vis/vis_map.h"
 #include "q3map2/vis/vis_winding.h"
 
-#include <array>
 #include <span>
 #include <vector>
 
@@ -36,15 +36,14 @@ struct Separators {
 struct ChainLink {
     explicit ChainLink(std::size_t words) : mightSee(words) {}
 
-    std::vector<BitWord> mightSee; ///< portals that may be seen through the chain; only `blocks` are to be read
-    BitWord blocks = 0;            ///< blocks of mightSee (SparseBits) that hold bits
-    BitWord unseenBlocks = 0;      ///< those of them that may hold portals not seen yet
-    std::array<BitWord, kMaxBlocks> unseenWords;    ///< by block of these: its words that may hold them
-    std::size_t lastPortal = 0;                     ///< the last portal of the chain
-    std::span<const int> candidates;                ///< portals that lead out of the leaf behind lastPortal
-    std::size_t nextCandidate = 0;                  ///< index in `candidates` of the portal to try next
-    int length = 1;                                 ///< number of portals of the chain
-    WindingView source, pass;                       ///< clipped windings of the first and of the last portal
+    std::vector<BitWord> mightSee;   ///< portals that may be seen through the chain; only `blocks` are to be read
+    BlockSet blocks;                 ///< blocks of mightSee (SparseBits) that hold bits
+    BlockSet unseenBlocks;           ///< those of them that may hold portals not seen yet
+    std::size_t lastPortal = 0;      ///< the last portal of the chain
+    std::span<const int> candidates; ///< portals that lead out of the leaf behind lastPortal
+    std::size_t nextCandidate = 0;   ///< index in `candidates` of the portal to try next
+    int length = 1;                  ///< number of portals of the chain
+    WindingView source, pass;        ///< clipped windings of the first and of the last portal
     WindingBuffer sourceBuffers[2], passBuffers[2]; ///< storage of `source` and `pass`, by turns
     Separators separators[2];                       ///< source against pass, pass against source
 

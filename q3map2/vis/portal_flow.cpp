@@ -36,9 +36,8 @@ class ChainSearch {
         ChainLink &first = Link(0);
         const SparseBits &row = mightSee_[base];
         first.blocks = row.Blocks();
-        ForEachBitOf(first.blocks, [&](std::size_t block) {
-            std::fill_n(&first.mightSee[blockWords_ * block], blockWords_, BitWord(0));
-        });
+        first.blocks.ForEach(
+            [&](std::size_t block) { std::fill_n(&first.mightSee[blockWords_ * block], blockWords_, BitWord(0)); });
         row.ForEachWord([&](std::size_t i, BitWord word) { first.mightSee[i] = word; });
         FindUnseen(first, first.blocks);
         first.length = 1;
@@ -88,55 +87,50 @@ class ChainSearch {
 
     bool MaySee(const ChainLink &link, std::size_t q) const {
         const std::size_t column = map_.Column(q);
-        return (link.blocks >> column / (kBitsPerWord * blockWords_) & 1) != 0 && TestBit(link.mightSee.data(), column);
+        return link.blocks.Has(column / (kBitsPerWord * blockWords_)) && TestBit(link.mightSee.data(), column);
     }
 
     /// Whether a portal not seen yet may be seen through the chain and q.
     bool HasUnseen(const ChainLink &last, std::size_t candidate, std::size_t q) const {
         const SparseBits &seenThroughQ = mightSee_[q], &passage = PassageRow(last, candidate, q);
-        BitWord common = last.unseenBlocks & passage.Blocks() & seenThroughQ.Blocks();
-        for (; common != 0; common &= common - 1) {
-            const auto block = std::size_t(std::countr_zero(common));
-            const SparseBits::Block through = passage[block], beyond = seenThroughQ[block];
+        return (last.unseenBlocks & passage.Blocks() & seenThroughQ.Blocks()).Any([&](std::size_t block) {
+            const BitWord *const through = passage[block], *const beyond = seenThroughQ[block];
             const BitWord *const mightSee = &last.mightSee[blockWords_ * block];
             const BitWord *const seen = seen_ + blockWords_ * block;
-            for (BitWord words = last.unseenWords[block] & through.stored & beyond.stored; words != 0;
-                 words &= words - 1) {
-                const auto i = std::size_t(std::countr_zero(words));
-                if ((mightSee[i] & ~seen[i] & through[i] & beyond[i]) != 0)
-                    return true;
-            }
-        }
-        return false;
-    }
-    /// Sets unseenBlocks and unseenWords: which of some blocks of link.mightSee hold portals not seen yet.
-    void FindUnseen(ChainLink &link, BitWord blocks) const {
-        link.unseenBlocks = 0;
-        ForEachBitOf(blocks, [&](std::size_t block) {
-            const std::size_t first = blockWords_ * block;
-            BitWord words = 0;
+            BitWord any = 0;
             for (std::size_t i = 0; i < blockWords_; ++i)
-                words |= BitWord((link.mightSee[first + i] & ~seen_[first + i]) != 0) << i;
-            link.unseenWords[block] = words;
-            link.unseenBlocks |= BitWord(words != 0) << block;
+                any |= mightSee[i] & ~seen[i] & through[i] & beyond[i];
+            return any != 0;
         });
+    }
+    /// Sets unseenBlocks: which of some blocks of link.mightSee hold portals not seen yet.
+    void FindUnseen(ChainLink &link, const BlockSet &blocks) const {
+        BlockSet unseen;
+        blocks.ForEach([&](std::size_t block) {
+            const BitWord *const mightSee = &link.mightSee[blockWords_ * block];
+            const BitWord *const seen = seen_ + blockWords_ * block;
+            BitWord any = 0;
+            for (std::size_t i = 0; i < blockWords_; ++i)
+                any |= mightSee[i] & ~seen[i];
+            if (any != 0)
+                unseen.Insert(block);
+        });
+        link.unseenBlocks = unseen;
     }
 
     /// Sets next.mightSee: the portals that may be seen through the chain and q.
     void RestrictMightSee(const ChainLink &last, std::size_t candidate, std::size_t q, ChainLink &next) const {
         const SparseBits &seenThroughQ = mightSee_[q], &passage = PassageRow(last, candidate, q);
-        next.blocks = 0;
-        ForEachBitOf(last.blocks & passage.Blocks() & seenThroughQ.Blocks(), [&](std::size_t block) {
-            const SparseBits::Block through = passage[block], beyond = seenThroughQ[block];
+        next.blocks = BlockSet();
+        (last.blocks & passage.Blocks() & seenThroughQ.Blocks()).ForEach([&](std::size_t block) {
+            const BitWord *const through = passage[block], *const beyond = seenThroughQ[block];
             const BitWord *const mightSee = &last.mightSee[blockWords_ * block];
             BitWord *const into = &next.mightSee[blockWords_ * block];
-            std::fill_n(into, blockWords_, BitWord(0));
             BitWord any = 0;
-            ForEachBitOf(through.stored & beyond.stored, [&](std::size_t i) {
-                if (mightSee[i] != 0)
-                    any |= into[i] = mightSee[i] & through[i] & beyond[i];
-            });
-            next.blocks |= BitWord(any != 0) << block;
+            for (std::size_t i = 0; i < blockWords_; ++i)
+                any |= into[i] = mightSee[i] & through[i] & beyond[i];
+            if (any != 0)
+                next.blocks.Insert(block);
         });
         FindUnseen(next, last.unseenBlocks & next.blocks);
     }
@@ -182,16 +176,14 @@ class ChainSearch {
     /// visited. `portal` is the last of the chain. True: some are left that are not seen yet.
     bool PruneMightSee(ChainLink &link, const FlowPortal &portal) const {
         link.MakeSeparators(base_->plane.normal, portal.plane.normal);
-        ForEachBitOf(link.unseenBlocks, [&](std::size_t block) {
-            ForEachBitOf(link.unseenWords[block], [&](std::size_t inBlock) {
-                const std::size_t i = blockWords_ * block + inBlock;
+        link.unseenBlocks.ForEach([&](std::size_t block) {
+            for (std::size_t i = blockWords_ * block; i < blockWords_ * (block + 1); ++i)
                 for (BitWord word = link.mightSee[i] & ~seen_[i]; word != 0; word &= word - 1)
                     if (link.Hides(map_.Portal(map_.PortalAt(kBitsPerWord * i + std::size_t(std::countr_zero(word))))))
                         link.mightSee[i] &= ~(word & -word);
-            });
         });
         FindUnseen(link, link.unseenBlocks);
-        return link.unseenBlocks != 0;
+        return !link.unseenBlocks.IsEmpty();
     }
 
     static bool Clip(const ChainLink &last, const FlowPortal &portal, ChainLink &next) {

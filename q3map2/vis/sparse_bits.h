@@ -1,4 +1,4 @@
-// GPL-2.0-or-later. Sets of portals of large maps: rows of bits of which only words that are not zero are stored.
+// GPL-2.0-or-later. Sets of portals of large maps: rows of bits of which only blocks that are not all zero are stored.
 #pragma once
 
 #include "common/platform/platform.h"
@@ -15,29 +15,62 @@
 
 namespace q3 {
 
-/// A row has at most 64 blocks of at most 48 words, so that bits say which blocks and which of their words are stored.
-/// That is enough for twice the 65,536 portals of the largest portal file.
-inline constexpr std::size_t kMaxBlocks = 64, kMaxBlockWords = 48;
+/// Most blocks of a row, and the number of words that have a bit for each.
+inline constexpr std::size_t kMaxBlocks = 128, kBlockSetWords = kMaxBlocks / kBitsPerWord;
 /// Words of a block of a row of that many words.
 inline std::size_t BlockWordsOf(std::size_t words) {
-    constexpr std::size_t kFewest = 8;
+    constexpr std::size_t kFewest = 4;
     return std::max(kFewest, (words + kMaxBlocks - 1) / kMaxBlocks);
 }
-/// Number of bits of `set` below bit number `end`. The base processor has no instruction that counts bits; most sets
-/// have their bits in few bytes.
-inline std::size_t CountBelow(BitWord set, std::size_t end) {
-    static constexpr auto kCounts = [] {
-        std::array<std::uint8_t, 256> counts{};
-        for (std::size_t i = 1; i < counts.size(); ++i)
-            counts[i] = std::uint8_t(counts[i / 2] + i % 2);
-        return counts;
-    }();
-    BitWord x = set & ((BitWord(1) << end) - 1);
-    std::size_t count = kCounts[x & 255];
-    while ((x >>= 8) != 0)
-        count += kCounts[x & 255];
-    return count;
-}
+
+/// A set of blocks of a row.
+class BlockSet {
+  public:
+    bool Has(std::size_t block) const { return TestBit(words_.data(), block); }
+    void Insert(std::size_t block) { SetBit(words_.data(), block); }
+    bool IsEmpty() const { return *this == BlockSet(); }
+    std::size_t Size() const { return CountBits(words_); }
+    /// Number of blocks below one.
+    std::size_t CountBelow(std::size_t block) const {
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < block / kBitsPerWord; ++i)
+            count += CountOf(words_[i]);
+        return count + CountOf(words_[block / kBitsPerWord] & ((BitWord(1) << block % kBitsPerWord) - 1));
+    }
+    /// Calls visit(block) for each block, in ascending order.
+    template <typename Visit> void ForEach(Visit &&visit) const { ForEachBit(words_, visit); }
+    /// Whether test(block) is true for a block. The first one ends the search.
+    template <typename Test> bool Any(Test &&test) const {
+        for (std::size_t i = 0; i < kBlockSetWords; ++i)
+            for (BitWord word = words_[i]; word != 0; word &= word - 1)
+                if (test(kBitsPerWord * i + std::size_t(std::countr_zero(word))))
+                    return true;
+        return false;
+    }
+    bool operator==(const BlockSet &) const = default;
+    friend BlockSet operator&(BlockSet a, const BlockSet &b) {
+        for (std::size_t i = 0; i < kBlockSetWords; ++i)
+            a.words_[i] &= b.words_[i];
+        return a;
+    }
+
+  private:
+    /// Number of bits. The base processor has no instruction that counts them; most sets have theirs in few bytes.
+    static std::size_t CountOf(BitWord set) {
+        static constexpr auto kCounts = [] {
+            std::array<std::uint8_t, 256> counts{};
+            for (std::size_t i = 1; i < counts.size(); ++i)
+                counts[i] = std::uint8_t(counts[i / 2] + i % 2);
+            return counts;
+        }();
+        std::size_t count = kCounts[set & 255];
+        while ((set >>= 8) != 0)
+            count += kCounts[set & 255];
+        return count;
+    }
+
+    std::array<BitWord, kBlockSetWords> words_{};
+};
 
 /// Memory of rows, in large pieces, of which the system makes large pages: rows are read at random.
 class BitPool {
@@ -62,51 +95,31 @@ class BitPool {
     std::size_t left_ = 0, pieceWords_ = 0; ///< words left of the last piece, and its size
 };
 
-/// A row of bits in the memory of a pool. Words that are 0 when it is made are not stored; afterwards bits can only be
-/// cleared.
+/// A row of bits in the memory of a pool. Blocks of words that are all 0 when it is made are not stored; afterwards
+/// bits can only be cleared.
 class SparseBits {
   public:
-    /// A block that is stored.
-    struct Block {
-        BitWord stored; ///< bit i: word i of the block is stored
-        BitWord *words; ///< the words that are stored, one after another
-        BitWord *Find(std::size_t i) const { return (stored >> i & 1) != 0 ? words + CountBelow(stored, i) : nullptr; }
-        /// Word i, which is stored.
-        BitWord operator[](std::size_t i) const { return words[CountBelow(stored, i)]; }
-    };
-
     /// No bits, of any row.
     SparseBits() = default;
     /// dense: all words of a row, a multiple of BlockWordsOf(its size).
-    SparseBits(std::span<const BitWord> dense, BitPool &pool) : blockWords_(std::uint32_t(BlockWordsOf(dense.size()))) {
-        std::size_t words = 0;
-        for (std::size_t i = 0; i < dense.size(); ++i)
-            if (dense[i] != 0)
-                ++words, blocks_ |= BitWord(1) << i / blockWords_;
-        const std::size_t heads = CountBits({&blocks_, 1});
-        size_ = std::uint32_t(heads + words);
-        data_ = pool.Allocate(size_);
-        std::size_t head = 0, at = heads;
-        ForEachBitOf(blocks_, [&](std::size_t block) {
-            const std::size_t first = at;
-            BitWord stored = 0;
-            for (std::size_t i = 0; i < blockWords_; ++i)
-                if (const BitWord word = dense[block * blockWords_ + i]) {
-                    stored |= BitWord(1) << i;
-                    data_[at++] = word;
-                }
-            data_[head++] = BitWord(first) << kMaxBlockWords | stored;
-        });
+    SparseBits(std::span<const BitWord> dense, BitPool &pool) : blockWords_(BlockWordsOf(dense.size())) {
+        const auto blockOf = [&](std::size_t block) { return dense.subspan(block * blockWords_, blockWords_); };
+        for (std::size_t block = 0; block < dense.size() / blockWords_; ++block)
+            if (std::ranges::any_of(blockOf(block), [](BitWord word) { return word != 0; }))
+                blocks_.Insert(block);
+        BitWord *next = words_ = pool.Allocate(NumWords());
+        blocks_.ForEach([&](std::size_t block) { next = std::ranges::copy(blockOf(block), next).out; });
     }
 
     /// The set of blocks that are stored.
-    BitWord Blocks() const { return blocks_; }
-    /// A block that is stored.
-    Block operator[](std::size_t block) const { return BlockOf(data_[CountBelow(blocks_, block)]); }
-    /// Null for words that are not stored, which are 0.
+    const BlockSet &Blocks() const { return blocks_; }
+    /// The words of a block that is stored.
+    BitWord *operator[](std::size_t block) { return words_ + blockWords_ * blocks_.CountBelow(block); }
+    const BitWord *operator[](std::size_t block) const { return words_ + blockWords_ * blocks_.CountBelow(block); }
+    /// Null for words of blocks that are not stored, which are 0.
     BitWord *Find(std::size_t word) {
-        const std::size_t block = blocks_ != 0 ? word / blockWords_ : 0;
-        return (blocks_ >> block & 1) != 0 ? (*this)[block].Find(word % blockWords_) : nullptr;
+        const std::size_t block = word / blockWords_;
+        return blocks_.Has(block) ? &(*this)[block][word % blockWords_] : nullptr;
     }
     BitWord Word(std::size_t word) const {
         const BitWord *const found = const_cast<SparseBits *>(this)->Find(word);
@@ -117,20 +130,16 @@ class SparseBits {
         if (BitWord *const word = Find(bit / kBitsPerWord))
             *word &= ~(BitWord(1) << bit % kBitsPerWord);
     }
-    std::size_t Count() const {
-        const std::size_t heads = CountBits({&blocks_, 1});
-        return CountBits({data_ + heads, size_ - heads});
-    }
+    std::size_t Count() const { return CountBits({words_, NumWords()}); }
     /// Bytes in memory, this object included.
-    std::size_t Bytes() const { return sizeof(*this) + sizeof(BitWord) * size_; }
+    std::size_t Bytes() const { return sizeof(*this) + sizeof(BitWord) * NumWords(); }
 
     /// Calls visit(index, word) for each word that is stored, in ascending order; `word` may be changed.
     template <typename Visit> void ForEachWord(Visit &&visit) const {
-        const BitWord *head = data_;
-        ForEachBitOf(blocks_, [&](std::size_t block) {
-            const Block stored = BlockOf(*head++);
-            BitWord *word = stored.words;
-            ForEachBitOf(stored.stored, [&](std::size_t i) { visit(blockWords_ * block + i, *word++); });
+        BitWord *next = words_;
+        blocks_.ForEach([&](std::size_t block) {
+            for (std::size_t i = 0; i < blockWords_; ++i)
+                visit(blockWords_ * block + i, *next++);
         });
     }
     /// Clears the bits that a dense row of the same length does not have, and sets that row to those that were cleared.
@@ -147,15 +156,11 @@ class SparseBits {
     }
 
   private:
-    Block BlockOf(BitWord head) const {
-        return {head & ((BitWord(1) << kMaxBlockWords) - 1), data_ + (head >> kMaxBlockWords)};
-    }
+    std::size_t NumWords() const { return blockWords_ * blocks_.Size(); }
 
-    BitWord blocks_ = 0; ///< bit b: block b is stored
-    /// For each block that is stored: kMaxBlockWords bits for its words, and above them the index of the first one.
-    /// Then all words.
-    BitWord *data_ = nullptr;
-    std::uint32_t size_ = 0, blockWords_ = 0; ///< of data_, and words of a block
+    BlockSet blocks_;            ///< those that are stored
+    BitWord *words_ = nullptr;   ///< those of the blocks that are stored, one block after another
+    std::size_t blockWords_ = 1; ///< words of a block
 };
 
 /// Rows of the same length, and their memory.

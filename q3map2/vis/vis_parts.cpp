@@ -14,8 +14,7 @@ class WordList {
   public:
     explicit WordList(std::span<const BitWord> dense) {
         for (std::size_t i = 0; i < dense.size(); ++i)
-            if (dense[i] != 0)
-                Add(i, dense[i]);
+            Add(i, dense[i]);
     }
     explicit WordList(const SparseBits &row) {
         row.ForEachWord([&](std::size_t i, BitWord word) { Add(i, word); });
@@ -53,7 +52,10 @@ class WordList {
     }
 
   private:
-    void Add(std::size_t place, BitWord word) { places_.push_back(std::uint32_t(place)), words_.push_back(word); }
+    void Add(std::size_t place, BitWord word) {
+        if (word != 0)
+            places_.push_back(std::uint32_t(place)), words_.push_back(word);
+    }
 
     std::vector<std::uint32_t> places_;
     std::vector<BitWord> words_;
