@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <utility>
@@ -158,9 +159,10 @@ class SparseBits {
   private:
     std::size_t NumWords() const { return blockWords_ * blocks_.Size(); }
 
-    BlockSet blocks_;            ///< those that are stored
-    BitWord *words_ = nullptr;   ///< those of the blocks that are stored, one block after another
-    std::size_t blockWords_ = 1; ///< words of a block
+    BlockSet blocks_;          ///< those that are stored
+    BitWord *words_ = nullptr; ///< those of the blocks that are stored, one block after another
+    /// Words of a block. Without a row, a block has the bits of any row, and is not stored.
+    std::size_t blockWords_ = std::numeric_limits<std::size_t>::max();
 };
 
 /// Rows of the same length, and their memory.

@@ -213,6 +213,13 @@ TEST(SparseBits, AreWhatDenseRowsAre) {
     }
 }
 
+TEST(SparseBits, ARowThatWasNeverSetHasNoBits) {
+    SparseBits row;
+    for (const std::size_t word : {std::size_t(0), std::size_t(1000), std::size_t(1) << 20})
+        EXPECT_EQ(row.Find(word), nullptr);
+    EXPECT_EQ(row.Count(), 0u);
+}
+
 /// A bound of the memory leaves out passages: more counts as seen, and the result is the same on more threads.
 TEST(Passages, BeyondTheBoundOfMemoryAreLeftOut) {
     const RoomGrid grid(12);
