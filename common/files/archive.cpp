@@ -422,10 +422,4 @@ std::vector<std::byte> ArchiveWriter::Finish() {
     return std::move(state_->file.bytes);
 }
 
-std::uint64_t ArchiveWriter::Commit(const std::filesystem::path &path) {
-    const std::vector<std::byte> bytes = Finish();
-    ReplaceFile(path, bytes);
-    return bytes.size();
-}
-
 } // namespace q3

@@ -72,7 +72,7 @@ std::string PlainName(std::string_view name);
 /// PlainName; a name that could lead out of the game folders, or that holds control bytes, becomes empty.
 std::string SafeName(std::string_view name);
 
-/// An archive in memory that is written as a whole. The same entries in the same order give the same bytes: every entry
+/// An archive in memory. The same entries in the same order give the same bytes: every entry
 /// has the date 1980-01-01, the first that zip knows.
 class ArchiveWriter {
   public:
@@ -85,9 +85,6 @@ class ArchiveWriter {
     void Add(std::string_view name, std::span<const std::byte> data);
     /// The finished archive. To be called once, as the last call.
     std::vector<std::byte> Finish();
-    /// Finish, then replaces the file by the archive, or leaves it as it was, and returns the size in bytes. Without it
-    /// nothing is written. Errors: Error naming the path.
-    std::uint64_t Commit(const std::filesystem::path &path);
 
   private:
     struct State;

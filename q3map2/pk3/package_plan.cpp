@@ -389,8 +389,8 @@ void AddMapFiles(const fs::path &bspPath, const WantedList &externalPages, const
     addIfThere(fmt::format("scripts/{}.defi", name), {}, "");
 }
 
-fs::path WritePackage(const fs::path &path, const fs::path &failedPath, int level, const PackageSource &source,
-                      PackagePlan &plan, Log &log) {
+void WritePackage(const fs::path &path, const fs::path &failedPath, int level, const PackageSource &source,
+                  PackagePlan &plan, FileSet &files, Log &log) {
     ArchiveWriter archive(level);
     int count = 0;
     for (const PackageEntry &entry : plan.Files()) {
@@ -405,9 +405,12 @@ fs::path WritePackage(const fs::path &path, const fs::path &failedPath, int leve
     }
     const fs::path &target = plan.missing.empty() ? path : failedPath;
     log.Print("Writing {}\n", target.string());
-    const std::uint64_t size = archive.Commit(target);
-    log.Print("Wrote {}, {} ({})\n", Counted(count, "files"), SizeText(size), Counted(size, "bytes"));
-    return target;
+    const std::vector<std::byte> bytes = archive.Finish();
+    files.AddFile(target, bytes);
+    if (const fs::path &other = plan.missing.empty() ? failedPath : path; other != target)
+        files.AddRemoval(other);
+    files.Commit();
+    log.Print("Wrote {}, {} ({})\n", Counted(count, "files"), SizeText(bytes.size()), Counted(bytes.size(), "bytes"));
 }
 
 } // namespace q3

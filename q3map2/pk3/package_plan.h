@@ -11,6 +11,8 @@
 
 namespace q3 {
 
+class FileSet;
+
 // ---- Options of -pk3 and -repack ----
 
 struct PackOptions {
@@ -73,9 +75,10 @@ void AddLightFiles(const std::filesystem::path &bspPath, const WantedList &exter
 void AddMapFiles(const std::filesystem::path &bspPath, const WantedList &externalPages, const PackageSource &source,
                  PackagePlan &plan);
 
-/// Reads the plan's files and writes the archive. A file that cannot be read is added to PackagePlan::missing, and the
-/// archive then gets `failedPath`. Returns the path of the archive. Errors: it cannot be written.
-std::filesystem::path WritePackage(const std::filesystem::path &path, const std::filesystem::path &failedPath,
-                                   int level, const PackageSource &source, PackagePlan &plan, Log &log);
+/// Reads the plan's files and writes the archive, together with the files that the set has already. A file that cannot
+/// be read is added to PackagePlan::missing, and the archive then gets `failedPath`. An older archive with the other of
+/// the two names is removed. Errors: a file cannot be written.
+void WritePackage(const std::filesystem::path &path, const std::filesystem::path &failedPath, int level,
+                  const PackageSource &source, PackagePlan &plan, FileSet &files, Log &log);
 
 } // namespace q3

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
 
 namespace q3 {
 
@@ -235,10 +234,6 @@ namespace {
 
 constexpr std::string_view kMarker = "<!-- package -->";
 
-struct FreeText {
-    void operator()(gchar *text) const { g_free(text); }
-};
-
 /// The text as the value of an attribute in double quotes.
 std::string EscapedAttribute(std::string_view text) {
     std::string escaped;
@@ -276,14 +271,23 @@ std::string WithReplaced(std::string_view page, std::string_view what, std::stri
     return result;
 }
 
+/// Into memory of our own: g_base64_encode ends the process if it gets none.
+std::string Base64(std::span<const std::byte> bytes) {
+    std::string text((bytes.size() / 3 + 1) * 4, '\0');
+    int state = 0, save = 0;
+    std::size_t size = g_base64_encode_step(reinterpret_cast<const guchar *>(bytes.data()), bytes.size(), FALSE,
+                                            text.data(), &state, &save);
+    size += g_base64_encode_close(FALSE, text.data() + size, &state, &save);
+    text.resize(size);
+    return text;
+}
+
 } // namespace
 
 std::string PageWithPackage(std::string_view page, std::string_view map, std::span<const std::byte> archive) {
-    const std::unique_ptr<gchar, FreeText> base64(
-        g_base64_encode(reinterpret_cast<const guchar *>(archive.data()), archive.size()));
     return WithReplaced(page, kMarker,
                         fmt::format(R"(<script type="application/zip;base64" id="package" data-map="{}">{}</script>)",
-                                    EscapedAttribute(map), base64.get()));
+                                    EscapedAttribute(map), Base64(archive)));
 }
 
 std::string PageForWatch(std::string_view page, std::string_view map, std::string_view origins) {

@@ -169,11 +169,6 @@ int Finish(const PackagePlan &plan, RunReport &report, Log &log) {
     return plan.missing.empty() ? 0 : 1;
 }
 
-void RemoveOld(const fs::path &path) {
-    std::error_code ignored;
-    fs::remove(path, ignored);
-}
-
 } // namespace
 
 int PackStage(const StageContext &context, Arguments arguments) {
@@ -198,8 +193,8 @@ int PackStage(const StageContext &context, Arguments arguments) {
     for (const fs::path &map : packing.maps)
         WarnOfBotFiles(map, packing.source, plan, log);
     files.CheckUnchanged();
-    const fs::path written = WritePackage(path, failed, options.level, packing.source, plan, log);
-    RemoveOld(written == path ? failed : path);
+    FileSet output;
+    WritePackage(path, failed, options.level, packing.source, plan, output, log);
     return Finish(plan, context.report, log);
 }
 
@@ -230,8 +225,9 @@ int RepackStage(const StageContext &context, Arguments arguments) {
         for (const EngineShader *shader : plan.strippedShaders)
             text += '\n' + StrippedText(*shader);
         log.Print("Writing {}\n", script.string());
-        ReplaceTextFile(script, text);
-        WritePackage(path, path, options.level, packing.source, plan, log);
+        FileSet output;
+        output.AddText(script, text);
+        WritePackage(path, path, options.level, packing.source, plan, output, log);
     }
     return Finish(plan, context.report, log);
 }

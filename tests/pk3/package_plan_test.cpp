@@ -282,7 +282,8 @@ TEST_F(PackageTest, TheArchiveHoldsThePlan) {
     Put("textures/base/wall.tga", std::string(100000, 'x'));
     PackagePlan plan = Plan(MapWith(""));
     const auto write = [&](std::string_view name, int level) {
-        EXPECT_EQ(WritePackage(folder_ / name, folder_ / "bad.pk3", level, *source_, plan, log_.log), folder_ / name);
+        FileSet files;
+        WritePackage(folder_ / name, folder_ / "bad.pk3", level, *source_, plan, files, log_.log);
         return folder_.ReadBack(name);
     };
     const std::string packed = write("a.pk3", 9);
@@ -300,9 +301,13 @@ TEST_F(PackageTest, TheArchiveHoldsThePlan) {
 
 TEST_F(PackageTest, AnIncompletePackageHasAnotherName) {
     PackagePlan plan = Plan(MapWith(""));
-    EXPECT_EQ(WritePackage(folder_ / "good.pk3", folder_ / "bad.pk3", 9, *source_, plan, log_.log),
-              folder_ / "bad.pk3");
+    Put("good.pk3", "an older package");
+    FileSet files;
+    files.AddText(folder_ / "list.txt", "of the package");
+    WritePackage(folder_ / "good.pk3", folder_ / "bad.pk3", 9, *source_, plan, files, log_.log);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "bad.pk3"));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "good.pk3"));
+    EXPECT_EQ(folder_.ReadBack("list.txt"), "of the package");
 }
 
 } // namespace

@@ -186,7 +186,7 @@ TEST(VisMapColumns, TwinsAreAtTheSameBits) {
 /// Rows with random words in a third of their blocks against dense rows, for small and for large maps.
 TEST(SparseBits, AreWhatDenseRowsAre) {
     std::mt19937_64 random(11);
-    for (const std::size_t words : {std::size_t(8), std::size_t(72), std::size_t(2112)}) {
+    for (const std::size_t words : {std::size_t(8), std::size_t(72), std::size_t(2176)}) {
         std::vector<BitWord> dense(words), kept(words);
         for (std::size_t i = 0; i < words; ++i) {
             dense[i] = i / BlockWordsOf(words) % 3 == 1 ? random() & random() : 0;

@@ -492,9 +492,9 @@ void PrintMeshCounts(const MeshScene &scene, Log &log) {
     log.Count(triangles, "triangles");
 }
 
-void WriteText(const std::filesystem::path &path, const std::string &text, Log &log) {
+void AddText(FileSet &files, const std::filesystem::path &path, const std::string &text, Log &log) {
     log.Print("Writing {}\n", path.string());
-    ReplaceTextFile(path, text);
+    files.AddText(path, text);
 }
 
 } // namespace
@@ -504,7 +504,9 @@ void WriteAse(const Bsp &bsp, ShaderLibrary &library, const MeshExportOptions &o
     log.Section("Convert BSP to ASE");
     const MeshScene scene = MakeMeshScene(bsp, library, options, output, log);
     PrintMeshCounts(scene, log);
-    WriteText(output, AseText(scene), log);
+    FileSet files;
+    AddText(files, output, AseText(scene), log);
+    files.Commit();
 }
 
 void WriteObj(const Bsp &bsp, ShaderLibrary &library, const MeshExportOptions &options,
@@ -512,10 +514,12 @@ void WriteObj(const Bsp &bsp, ShaderLibrary &library, const MeshExportOptions &o
     log.Section("Convert BSP to OBJ");
     const MeshScene scene = MakeMeshScene(bsp, library, options, output, log);
     PrintMeshCounts(scene, log);
-    WriteText(output, ObjText(scene), log);
+    FileSet files;
+    AddText(files, output, ObjText(scene), log);
     auto materials = output;
     materials.replace_extension(".mtl");
-    WriteText(materials, MtlText(scene), log);
+    AddText(files, materials, MtlText(scene), log);
+    files.Commit();
 }
 
 } // namespace q3

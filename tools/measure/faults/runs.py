@@ -28,6 +28,7 @@ SECONDS = 60  # a run that takes longer hangs
 HUNG = -1000
 HEADER = "************ ERROR ************\n"
 UNFINISHED = re.compile(r"\.[0-9A-Za-z]{6}\.tmp$")
+PACKAGE = re.compile(r"_(FAILEDpack|repacked)\.pk3$|_strippedBYrepacker\.shader$")
 MAPS = "base/baseq3/maps/"
 OLD, NEW = "pillar.map", "room.map"  # of tests/data/maps: what the old outputs are from, and what is compiled
 
@@ -207,13 +208,14 @@ class Scratch:
         lost, left, other = [], [], []
         may_stay = dies or kind == "remove"
         is_new = all(not self.differs(name, now) for name in self.new)
+        incomplete = is_incomplete_package(result)
         for name in sorted(self.old.keys() | self.new.keys() | now.keys()):
             old, new, is_now = (state.get(name, "missing") for state in (self.old, self.new, now))
             if is_now in (old, new) and type(is_now) in (type(old), type(new)):
                 if is_now is None and old == "missing" and not is_new and not dies and not name.startswith("cache/"):
                     left.append(name)  # a folder for files that are not there
                 continue
-            if changes_each_time(name):
+            if changes_each_time(name) or incomplete and PACKAGE.search(name):
                 continue
             if old == "missing" and new == "missing":
                 # Nothing can be done about an unfinished file that the system refuses to remove.
@@ -226,7 +228,7 @@ class Scratch:
         done = [name for name in changed if now.get(name, "missing") == self.new[name]]
         gone = [name for name in self.old if name not in self.new and name not in now]
         only_records = all(is_record(name) or not self.differs(name, now) for name in self.new)
-        if result.status != 0 and not dies and (done or gone) and not only_records:
+        if result.status != 0 and not dies and (done or gone) and not only_records and not incomplete:
             other.append("old and new files: " + " ".join(Path(name).name for name in [*done, *gone]))
         if not dies and kind != "print":
             other += wrong_records(result, now)
@@ -246,6 +248,8 @@ class Scratch:
             other.append("status 0, other files, no warning")
             return "silent"
         if result.status == 1:
+            if is_incomplete_package(result):
+                return "error"
             if kind != "print" and (len(errors) != 1 or result.text.count(HEADER) != 1):
                 other.append(f"{len(errors)} error lines")
             if any(line.startswith("unexpected failure") for line in errors):
@@ -258,6 +262,11 @@ class Scratch:
         else:
             other.append(f"status {result.status}")
         return "crash"
+
+
+def is_incomplete_package(result):
+    """Whether -pk3 or -repack could read less than the map needs, says so, and wrote a package of the rest."""
+    return result.status == 1 and re.search(r"^failed: \d+ files? missing", result.text, re.MULTILINE) is not None
 
 
 def changes_each_time(name):
