@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <string_view>
 
 namespace {
 
 void PrintOutOfMemory() {
-    q3::WriteError("************ ERROR ************\nout of memory\n");
+    for (const std::string_view part : {q3::kErrorHeader, q3::kOutOfMemory, std::string_view("\n")})
+        q3::WriteError(part);
 }
 
 std::terminate_handler usualHandler;

@@ -2,6 +2,7 @@
 #include "common/files/files.h"
 
 #include "common/error.h"
+#include "common/log.h"
 #include "common/platform/posix_names.h"
 #include "common/text/text.h"
 
@@ -146,7 +147,7 @@ FileReplacement::~FileReplacement() {
     if (!temporary_.empty())
         g_unlink(temporary_.c_str());
     std::error_code ignored;
-    if (!old_.empty())
+    if (!old_.empty() && !keepsOld_)
         fs::remove(old_, ignored);
 }
 
@@ -175,6 +176,8 @@ void FileReplacement::KeepOld() {
     std::string name = temporary_;
     const auto letters = name.end() - std::ptrdiff_t(kUnfinished.size() + kRandomLetters);
     std::reverse(letters, letters + kRandomLetters);
+    if (name == temporary_)
+        *letters = *letters == 'a' ? 'b' : 'a';
     fs::path old = std::move(name);
     std::error_code failed;
     fs::create_hard_link(target_, old, failed);
@@ -190,6 +193,8 @@ void FileReplacement::Revert() noexcept {
         fs::remove(target_, ignored);
     else if (!old_.empty() && RenameOver(old_, target_))
         old_.clear();
+    else
+        keepsOld_ = !old_.empty();
 }
 
 void FileReplacement::Fail(int reason) const {
@@ -242,15 +247,30 @@ void FileSet::Commit() {
                 file.KeepOld();
             file.Commit();
         }
+    } catch (const Error &error) {
+        RevertAll();
+        std::string text = error.what();
+        for (const FileReplacement &file : files_)
+            if (file.keepsOld_)
+                text += fmt::format("; {} cannot be put back: its old contents are in {}", file.path_.string(),
+                                    file.old_.string());
+        throw Error("{}", text);
     } catch (...) {
-        for (FileReplacement &file : files_)
-            file.Revert();
+        RevertAll();
         throw;
     }
+    files_.clear();
     newFolders_.clear();
     std::error_code ignored;
     for (const fs::path &path : removed_)
         fs::remove(path, ignored);
+    for (const auto &[log, line] : lines_)
+        log->Print("{}", line);
+}
+
+void FileSet::RevertAll() noexcept {
+    for (FileReplacement &file : files_)
+        file.Revert();
 }
 
 FileSet::~FileSet() {
@@ -287,7 +307,8 @@ void RequireFolder(const fs::path &folder) {
 bool IsFile(const fs::path &path) {
     std::error_code failed;
     const fs::file_status status = fs::status(path, failed);
-    if (status.type() == fs::file_type::none && failed != std::errc::permission_denied)
+    if (status.type() == fs::file_type::none && failed != std::errc::permission_denied &&
+        failed != std::errc::filename_too_long)
         throw Error("{}: cannot read: {}", path.string(), failed.message());
     return fs::is_regular_file(status);
 }

@@ -16,6 +16,8 @@
 
 namespace q3 {
 
+class Log;
+
 /// No deflate stream expands to more than this many times its size: a match of 258 bytes takes at least 2 bits.
 inline constexpr std::size_t kMaxDeflateRatio = 1032;
 
@@ -86,8 +88,8 @@ class FileReplacement {
     /// Before Commit: keeps the old file for Revert, under the name of another unfinished file. File systems without
     /// hard links keep none.
     void KeepOld();
-    /// After Commit: puts the old file back, or removes the file if there was none. Before Commit: does nothing. Needs
-    /// no memory.
+    /// After Commit: puts the old file back, or removes the file if there was none. Before Commit: does nothing. If the
+    /// old file cannot be put back, it keeps the name of an unfinished file. Needs no memory.
     void Revert() noexcept;
     [[noreturn]] void Fail(int reason) const;
 
@@ -95,6 +97,7 @@ class FileReplacement {
     bool isNew_ = false;        ///< whether there is no old file
     std::string temporary_;     ///< empty once it is renamed
     std::filesystem::path old_; ///< the old file that is kept; empty: none
+    bool keepsOld_ = false;     ///< whether it stays there
     std::unique_ptr<std::FILE, CloseFile> file_;
 };
 
@@ -114,13 +117,18 @@ class FileSet {
     void AddRemoval(const std::filesystem::path &path) { removed_.push_back(path); }
     /// MakeFolder, for files of the set. Without Commit, the folders that did not exist are removed again.
     void AddFolder(const std::filesystem::path &folder);
+    /// A line of the log that Commit prints once all files are replaced.
+    void AddLine(Log &log, std::string line) { lines_.emplace_back(&log, std::move(line)); }
     /// Replaces the old files in the order of Add. To be called once.
     void Commit();
 
   private:
+    void RevertAll() noexcept;
+
     std::deque<FileReplacement> files_;
     std::vector<std::filesystem::path> removed_;
     std::vector<std::filesystem::path> newFolders_; ///< each before those in it
+    std::vector<std::pair<Log *, std::string>> lines_;
 };
 
 /// FileReplacement in one step.

@@ -175,14 +175,20 @@ class AttributeCheck {
             return false;
         }
         if (type == "preview") { // width, height, colors
+            if (value.size() < 2 * sizeof(std::uint32_t))
+                return false;
             const std::uint64_t width = in.TakeWord(), height = in.TakeWord();
             return width * height <= value.size() && width * height * kColorBytes == in.rest_.size();
         }
         if (type == "floatvector")
             return value.size() % sizeof(float) == 0;
-        while (type == "stringvector" && !in.rest_.empty()) // lengths and texts
-            if (const std::size_t length = in.TakeWord(); in.Take(length).size() != length)
+        while (type == "stringvector" && !in.rest_.empty()) { // lengths and texts
+            if (in.rest_.size() < sizeof(std::uint32_t))
                 return false;
+            const std::size_t length = in.TakeWord();
+            if (in.Take(length).size() != length)
+                return false;
+        }
         return true;
     }
 

@@ -1,10 +1,11 @@
 // GPL-2.0-or-later. Work in a copy of the process, which may crash without harm, and messages between the two.
 #pragma once
 
+#include "common/error.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,9 +28,10 @@ class Channel {
     std::optional<std::vector<std::byte>> Receive();
 
   private:
+    friend class ProcessCopy;
     bool ReceiveInto(std::span<std::byte> bytes);
 
-    int descriptor_;
+    int descriptor_; ///< -1: none
 };
 
 /// What a copy may use.
@@ -38,26 +40,32 @@ struct CopyLimits {
     unsigned cpuSeconds = 0;
 };
 
+/// The system refuses to make a copy.
+class ProcessCopyError : public Error {
+  public:
+    using Error::Error;
+};
+
 /// A copy of the process as fork makes it: with all of its memory, but only the calling thread. It has no crash report.
 class ProcessCopy {
   public:
     /// Whether the operating system has this.
     static bool IsAvailable();
 
-    /// Starts the copy, which calls `work` with its end of the channel and ends when that returns. Errors: the system
-    /// refuses.
+    /// Starts the copy, which calls `work` with its end of the channel and ends when that returns. Errors:
+    /// ProcessCopyError.
     ProcessCopy(const CopyLimits &limits, const std::function<void(Channel &)> &work);
     /// Ends the copy if it still runs.
     ~ProcessCopy();
     ProcessCopy(const ProcessCopy &) = delete;
     ProcessCopy &operator=(const ProcessCopy &) = delete;
 
-    Channel &ToCopy() { return *channel_; }
-    /// Waits until the copy has ended. Why, if `work` did not return: "Invalid memory access"; else empty.
+    Channel &ToCopy() { return channel_; }
+    /// Waits until the copy has ended. Empty if `work` returned; else why not, such as "Segmentation fault".
     std::string Wait();
 
   private:
-    std::unique_ptr<Channel> channel_;
+    Channel channel_{-1};
     int process_ = -1; ///< -1: it has ended
 };
 

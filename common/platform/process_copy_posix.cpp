@@ -121,7 +121,7 @@ bool ProcessCopy::IsAvailable() {
 ProcessCopy::ProcessCopy(const CopyLimits &limits, const std::function<void(Channel &)> &work) {
     std::array<int, 2> ends{};
     if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0)
-        throw Error("cannot connect to another process: {}", std::strerror(errno));
+        throw ProcessCopyError("cannot connect to another process: {}", std::strerror(errno));
     for (const int end : ends)
         SetNoSignal(end);
     process_ = fork();
@@ -131,9 +131,9 @@ ProcessCopy::ProcessCopy(const CopyLimits &limits, const std::function<void(Chan
     }
     const int failure = errno;
     close(ends[1]);
-    channel_ = std::make_unique<Channel>(ends[0]);
+    channel_.descriptor_ = ends[0];
     if (process_ < 0)
-        throw Error("cannot start another process: {}", std::strerror(failure));
+        throw ProcessCopyError("cannot start another process: {}", std::strerror(failure));
 }
 
 ProcessCopy::~ProcessCopy() {

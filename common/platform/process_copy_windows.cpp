@@ -1,5 +1,4 @@
 // GPL-2.0-or-later. Windows has no copies of processes.
-#include "common/error.h"
 #include "common/platform/process_copy.h"
 
 namespace q3 {
@@ -19,7 +18,7 @@ bool ProcessCopy::IsAvailable() {
 }
 
 ProcessCopy::ProcessCopy(const CopyLimits &, const std::function<void(Channel &)> &) {
-    throw Error("Windows has no copies of processes");
+    throw ProcessCopyError("Windows has no copies of processes");
 }
 
 ProcessCopy::~ProcessCopy() = default;

@@ -34,7 +34,7 @@ inline std::size_t CountBits(std::span<const BitWord> row) {
         count += std::size_t(std::popcount(word));
     return count;
 }
-/// Calls visit(bit) for each bit of a word, in ascending order.
+/// Calls visit(bit) for each set bit of a word, in ascending order.
 template <typename Visit> void ForEachBitOf(BitWord word, Visit &&visit) {
     for (; word != 0; word &= word - 1)
         visit(std::size_t(std::countr_zero(word)));

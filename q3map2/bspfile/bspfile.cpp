@@ -220,8 +220,8 @@ void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFo
     written.Commit();
 }
 
-void AddBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, FileSet &written,
-                Log &log) {
+std::uint64_t AddBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, FileSet &written,
+                         Log &log) {
     log.Print("Writing {}\n", path.string());
     const ByteRanges bytes = [&] {
         try {
@@ -233,7 +233,8 @@ void AddBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspForm
     FileReplacement &file = written.Add(path);
     bytes.Write([&file](std::span<const std::byte> range) { file.Append(range); });
     file.Finish();
-    log.Print("Wrote {} ({} bytes)\n", SizeText(bytes.Size()), bytes.Size());
+    written.AddLine(log, fmt::format("Wrote {} ({} bytes)\n", SizeText(bytes.Size()), bytes.Size()));
+    return bytes.Size();
 }
 
 } // namespace q3

@@ -47,7 +47,8 @@ std::vector<std::byte> WriteBsp(const Bsp &bsp, const BspFormat &format);
 /// Writes the bytes of WriteBsp without a second copy in memory. Replaces the file by a complete one or leaves the old
 /// one unchanged. Prints path and size.
 void WriteBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, Log &log);
-/// The same as a file of a set, which the caller commits.
-void AddBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, FileSet &written, Log &log);
+/// The same as a file of a set, which the caller commits. Returns its bytes.
+std::uint64_t AddBspFile(const std::filesystem::path &path, const Bsp &bsp, const BspFormat &format, FileSet &written,
+                         Log &log);
 
 } // namespace q3

@@ -23,6 +23,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <optional>
 #include <system_error>
 
 namespace q3 {
@@ -328,24 +329,19 @@ std::vector<std::string> Unquoted(std::vector<std::string> words) {
     return words;
 }
 
-int Run(StageList stages, const std::vector<std::string> &words, const std::filesystem::path &program,
-        RunReport &report, Log &log) {
-    // Before the options are parsed, so that the editor and the file get errors in them too.
-    EditorFeedback::Attach(LastValueOf("-connect", words), log);
-    std::shared_ptr<LogFile> logFile;
-    if (const std::string file = LastValueOf("-log", words); !file.empty()) {
-        logFile = std::make_shared<LogFile>(file);
-        log.AddSink([logFile](LogLevel, std::string_view text) { logFile->Write(text); });
-    }
+/// Runs the stage that the words name, or prints the text that they ask for. Returns the exit status; nothing: no stage
+/// ran.
+std::optional<int> Run(StageList stages, const std::vector<std::string> &words, const std::filesystem::path &program,
+                       RunReport &report, Log &log) {
     Arguments arguments(words);
     const GlobalOptions options = ParseGlobalOptions(arguments, log);
     if (options.help) {
         log.Print("{}{}", HelpText(stages, *options.help), options.help->empty() ? ManualLine(program) : "");
-        return 0;
+        return std::nullopt;
     }
     if (options.version) {
         log.Print("{}", VersionText());
-        return 0;
+        return std::nullopt;
     }
     log.Print("{}\n", kVersion);
     if (log.IsVerbose())
@@ -355,17 +351,8 @@ int Run(StageList stages, const std::vector<std::string> &words, const std::file
     ExpandPreset(chosen.stage, arguments, log);
     const StageContext context{options,          chosen.stage, stages, chosen.isNamed, program,
                                arguments.Rest(), log,          report, words};
-    const int status = chosen.stage.run(context, std::move(arguments));
-    if (logFile)
-        logFile->WarnIfIncomplete(log);
-    log.FlushWarnings();
-    report.PrintEnd(status == 0 ? RunEnd::Done : RunEnd::Failed, log);
-    return status;
+    return chosen.stage.run(context, std::move(arguments));
 }
-
-/// How an error is printed.
-constexpr std::string_view kErrorHeader = "************ ERROR ************\n";
-constexpr std::string_view kOutOfMemory = "out of memory";
 
 /// One run, from the command line to its exit status.
 class ProgramRun {
@@ -382,15 +369,21 @@ class ProgramRun {
     int Status(StageList stages, const std::filesystem::path &program) {
         try {
             RequireReportFile();
-            const int status = Run(stages, arguments_, program, report_, log_);
+            // Before the options are parsed, so that the editor and the file get errors in them too.
+            EditorFeedback::Attach(LastValueOf("-connect", arguments_), log_);
+            OpenLogFile();
+            const std::optional<int> status = Run(stages, arguments_, program, report_, log_);
+            if (!status)
+                return 0;
             const std::string faults = report_.Faults();
-            return End(status, status == 0 ? "" : faults.empty() ? "the log says what is wrong" : faults);
+            return End(*status, *status == 0 ? "" : faults.empty() ? "the log says what is wrong" : faults);
         } catch (const Error &error) {
             return Fail(error.what());
         } catch (const std::bad_alloc &) {
             return Fail(kOutOfMemory);
         } catch (const std::filesystem::filesystem_error &error) {
-            return Fail(fmt::format("{}: {}", error.path1().string(), error.code().message()));
+            const std::string path = error.path1().string();
+            return Fail(path.empty() ? error.code().message() : fmt::format("{}: {}", path, error.code().message()));
         } catch (const std::exception &error) {
             return Fail(fmt::format("unexpected failure: {}", error.what()));
         }
@@ -417,28 +410,46 @@ class ProgramRun {
         }
     }
 
+    void OpenLogFile() {
+        const std::string file = LastValueOf("-log", arguments_);
+        if (file.empty())
+            return;
+        logFile_ = std::make_shared<LogFile>(file);
+        log_.AddSink([logFile = logFile_](LogLevel, std::string_view text) { logFile->Write(text); });
+    }
+
     int Fail(std::string_view text) {
         log_.FlushWarnings();
         const std::string lines = fmt::format("{}{}\n", kErrorHeader, text);
         log_.Write(LogLevel::Error, lines);
         isErrorPrinted_ = true;
-        report_.PrintEnd(RunEnd::Failed, log_);
         return End(1, text);
     }
 
+    /// Writes the report first, so that the last line says how the whole run has ended.
     int End(int status, std::string_view error) {
+        if (logFile_)
+            logFile_->WarnIfIncomplete(log_);
+        log_.FlushWarnings();
+        if (!WriteReport(error))
+            status = 1;
+        report_.PrintEnd(status == 0 ? RunEnd::Done : RunEnd::Failed, log_);
+        return status;
+    }
+
+    bool WriteReport(std::string_view error) {
         log_.RemoveObserver(reportFile_);
         if (reportPath_.empty())
-            return status;
+            return true;
         try {
             reportFile_.Write(reportPath_, arguments_, error);
         } catch (const Error &failure) {
             const bool isFirst = error.empty(); // a run has one error
             log_.Write(isFirst ? LogLevel::Error : LogLevel::Warning,
                        fmt::format("{}-report: {}\n", isFirst ? kErrorHeader : "WARNING: ", failure.what()));
-            return 1;
+            return false;
         }
-        return status;
+        return true;
     }
 
     const std::vector<std::string> &arguments_;
@@ -446,6 +457,7 @@ class ProgramRun {
     Log &log_;
     RunReport report_;
     ReportFile reportFile_;
+    std::shared_ptr<LogFile> logFile_; ///< null: the log goes to no file
     bool isErrorPrinted_ = false;
 };
 

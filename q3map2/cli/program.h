@@ -78,6 +78,11 @@ struct ChosenStage {
 /// only.
 ChosenStage TakeStage(StageList stages, Arguments &arguments);
 
+/// How the error of a run is printed: this line, then one that says what is wrong.
+inline constexpr std::string_view kErrorHeader = "************ ERROR ************\n";
+/// That line of a run without memory.
+inline constexpr std::string_view kOutOfMemory = "out of memory";
+
 /// The whole program: parses the command line, runs the stage, prints failures. Returns the exit status. `program`:
 /// real path of the executable.
 int RunProgram(StageList stages, const std::vector<std::string> &arguments, const std::filesystem::path &program,

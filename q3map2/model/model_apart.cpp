@@ -90,16 +90,22 @@ class AskedModelFiles final : public ModelFiles {
     Channel &channel_;
 };
 
+std::vector<std::byte> Failure(std::string_view why) {
+    UnitWriter writer;
+    writer.Put(ModelMessage::Failed);
+    writer.PutText(why);
+    return writer.Take();
+}
+
 /// The whole work of the copy.
 void AnswerWithModel(Channel &channel, const std::function<Model(const ModelFiles &)> &read) {
     std::vector<std::byte> answer;
     try {
         answer = BytesOf(read(AskedModelFiles(channel)));
+    } catch (const std::bad_alloc &) {
+        answer = Failure("it needs too much memory");
     } catch (const std::exception &error) {
-        UnitWriter writer;
-        writer.Put(ModelMessage::Failed);
-        writer.PutText(error.what());
-        answer = writer.Take();
+        answer = Failure(error.what());
     }
     channel.Send(answer);
 }

@@ -5,6 +5,7 @@
 #include "common/error.h"
 #include "common/files/archive.h"
 #include "common/platform/platform.h"
+#include "common/platform/process_copy.h"
 #include "common/text/text.h"
 #include "common/text/text_scan.h"
 #include "q3map2/bspfile/bsp_records.h"
@@ -304,6 +305,8 @@ const Model *ModelLibrary::Get(std::string_view name, int frame, std::string &pr
             entry.model = std::make_unique<Model>(
                 ReadModelApart(*vfs_, [&](const ModelFiles &files) { return ReadModel(files, path, frame); }));
         } catch (const std::bad_alloc &) {
+            throw;
+        } catch (const ProcessCopyError &) { // not a fault of the file
             throw;
         } catch (const std::exception &error) {
             entry.problem = error.what();

@@ -409,8 +409,9 @@ void WritePackage(const fs::path &path, const fs::path &failedPath, int level, c
     files.AddFile(target, bytes);
     if (const fs::path &other = plan.missing.empty() ? failedPath : path; other != target)
         files.AddRemoval(other);
+    files.AddLine(log, fmt::format("Wrote {}, {} ({})\n", Counted(count, "files"), SizeText(bytes.size()),
+                                   Counted(bytes.size(), "bytes")));
     files.Commit();
-    log.Print("Wrote {}, {} ({})\n", Counted(count, "files"), SizeText(bytes.size()), Counted(bytes.size(), "bytes"));
 }
 
 } // namespace q3

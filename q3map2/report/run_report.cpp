@@ -89,8 +89,8 @@ namespace {
 
 /// Chosen, so that reports of maps with very many faults stay readable.
 constexpr std::size_t kMostWarnings = 10000;
-/// JSON text with a line for each value. There is no tree of values: that of nlohmann needs memory to be freed, and
-/// ends the program if there is none.
+/// JSON text with a line for each value. There is no tree of values: that of nlohmann allocates memory to
+/// free it, and ends the program without.
 class ReportText {
   public:
     void Open(char bracket) {

@@ -112,17 +112,16 @@ void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, co
                      Bsp &bsp, const JobPool &jobs, FileSet &written, Log &log) {
     if (formats.empty()) {
         DropGridLumps(bsp);
-        WriteGridFiles(folder, {}, written, log);
+        AddGridFiles(folder, {}, written, log);
         return;
     }
     log.Section("Light grid formats");
     // Factors that are not above 0 count as 1.
     const GridStoring storing{.ambientFactor = options.gridAmbientScale > 0 ? double(options.gridAmbientScale) : 1};
-    WriteGridFiles(folder, StoreGridFormats(bsp, formats, storing, jobs, log), written, log);
+    AddGridFiles(folder, StoreGridFormats(bsp, formats, storing, jobs, log), written, log);
 }
 
-void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, FileSet &written,
-                    Log &log) {
+void AddGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, FileSet &written, Log &log) {
     const auto isRaw = [](const GridFile &file) { return file.name == kRawGridFile; };
     const std::filesystem::path raw = folder / kRawGridFile;
     if (std::ranges::none_of(files, isRaw) && std::filesystem::exists(raw))
@@ -132,7 +131,7 @@ void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridF
         written.AddFolder(folder);
         const std::filesystem::path path = folder / file.name;
         written.AddFile(path, file.bytes);
-        log.Print("Wrote {} ({} bytes)\n", path.string(), file.bytes.size());
+        written.AddLine(log, fmt::format("Wrote {} ({} bytes)\n", path.string(), file.bytes.size()));
     }
 }
 

@@ -49,8 +49,7 @@ void StoreBakedGrids(const GridFormats &formats, const LightOptions &options, co
 
 /// Writes files of the formats to `folder`, maps/x. Warns of a raw file that is there from an earlier run, if engines
 /// would take it for that of this map.
-void WriteGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, FileSet &written,
-                    Log &log);
+void AddGridFiles(const std::filesystem::path &folder, const std::vector<GridFile> &files, FileSet &written, Log &log);
 
 /// Compares the legacy light grid of a map before and after it is lit. Compilers usually leave light entities out of
 /// the .bsp, so lighting it again without its .map gives less light.

@@ -97,7 +97,7 @@ void AddBsp(const fs::path &path, const Bsp &bsp, const BspFormat &format, FileS
     try {
         const std::vector<std::byte> bytes = WriteBsp(bsp, format);
         files.Add(path).Append(bytes);
-        log.Print("Wrote {} ({} bytes)\n", SizeText(bytes.size()), bytes.size());
+        files.AddLine(log, fmt::format("Wrote {} ({} bytes)\n", SizeText(bytes.size()), bytes.size()));
     } catch (const Error &error) {
         const std::string text = error.what();
         throw Error("{}", text.starts_with(path.string()) ? text : fmt::format("{}: {}", path.string(), text));

@@ -333,7 +333,7 @@ int ConvertGridStage(const StageContext &context, Arguments arguments) {
     RecordCommand(bsp, "-convertgrid", input.string(), file.wordsToRecord);
     guard.CheckUnchanged();
     FileSet written;
-    WriteGridFiles(WithExtension(output, ""), files, written, log);
+    AddGridFiles(WithExtension(output, ""), files, written, log);
     const BotCheck bots(output, log);
     AddBspFile(output, bsp, format, written, log);
     written.Commit();

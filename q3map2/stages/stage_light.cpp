@@ -184,18 +184,18 @@ int LightStage(const StageContext &context, Arguments arguments) {
     if (!lightmap.onlyGrid) {
         FinishForFile(lightmap, inputs.name, result.lightmaps, bsp);
         const auto pages = lightmap.externalFolder.empty() ? folder : std::filesystem::path(lightmap.externalFolder);
-        WritePages(pages, result.lightmaps, written, log);
-        WriteHdrFiles(pages, lightmap, result.lightmaps, written, log);
-        WriteLightmass(pages, inputs.name, result.lightmaps.lightmass, written, log);
-        WriteScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, written, log);
+        AddPages(pages, result.lightmaps, written, log);
+        AddHdrFiles(pages, lightmap, result.lightmaps, written, log);
+        AddLightmass(pages, inputs.name, result.lightmaps.lightmass, written, log);
+        AddScript(ScriptPath(bspPath, *context.options.game), result.lightmaps, written, log);
     }
     if (options.staticPropFiles)
-        WritePropFiles(folder, result.props, written, log);
+        AddPropFiles(folder, result.props, written, log);
     const BotCheck bots(bspPath, log);
-    AddBspFile(bspPath, bsp, format, written, log);
+    const std::uint64_t size = AddBspFile(bspPath, bsp, format, written, log);
     written.Commit();
     bots.Report(BotCheck::SameGeometry, options.fixBotFiles ? BotCheck::FixFiles : BotCheck::OnlyWarn);
-    PrintGridSHSize(bsp, std::filesystem::file_size(bspPath), jobs, log);
+    PrintGridSHSize(bsp, size, jobs, log);
     WarnOfEngineLimits(bspPath, bsp, *context.options.game, log);
     if (lightmap.exportPages && !lightmap.external)
         ExportLightmaps(bsp, lightmap.gamePageSize[0], folder, log);

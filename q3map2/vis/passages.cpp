@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <numeric>
 
 namespace q3 {
 
@@ -111,19 +110,22 @@ Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, std::uint64
                    const JobPool &jobs, Log &log)
     : Passages(map) {
     const std::size_t count = map.NumPortals();
+    std::atomic<std::uint64_t> bytes = sizeof(SparseBits) * std::uint64_t(start_.back()); // before any row is made
+    if (bytes >= limit)
+        return;
     rows_ = SparseBitTable(start_.back(), jobs.Threads());
     const bool isPart = units.IsFirstPart();
     const std::vector<std::uint8_t> own = isPart ? OwnPortals(map, units) : std::vector<std::uint8_t>(count, 1);
     std::vector<std::vector<BitWord>> scratch(std::size_t(jobs.Threads()));
-    std::atomic<std::uint64_t> bytes = 0;
     const auto make = [&](std::size_t p, int worker) {
         const auto after = map.PortalsAfter(p);
         std::vector<BitWord> &dense = scratch[std::size_t(worker)];
-        dense.resize(map.Words() * after.size());
+        const std::size_t stride = units.HasStore() ? map.Words() : 0; // the store has all rows of a portal together
+        dense.resize(units.HasStore() ? map.Words() * after.size() : map.Words());
         const bool known = units.FindPassages(p, dense);
         for (std::size_t next = 0; next < after.size(); ++next) {
             const auto t = std::size_t(after[next]);
-            const std::span<BitWord> row(dense.data() + next * map.Words(), map.Words());
+            const std::span<BitWord> row(dense.data() + next * stride, map.Words());
             // A part did not know yet what symmetry has cleared.
             if (known) {
                 Intersect(mightSee[p], row);
@@ -132,13 +134,13 @@ Passages::Passages(const VisMap &map, const MightSeeTable &mightSee, std::uint64
                 SeenThrough(map, mightSee, p, t, row);
             }
             rows_.Set(start_[p] + next, row, worker);
-            bytes += rows_[start_[p] + next].Bytes();
+            bytes += rows_[start_[p] + next].Bytes() - sizeof(SparseBits);
         }
         if (isPart && !known)
             units.KeepPassages(p, dense);
     };
     Progress progress(log, std::int64_t(count));
-    for (; made_ < count && bytes <= limit; made_ = std::min(count, made_ + kPassageChunk))
+    for (; made_ < count && bytes < limit; made_ = std::min(count, made_ + kPassageChunk))
         jobs.For(
             std::int64_t(std::min(count - made_, kPassageChunk)),
             [&](std::int64_t index, int worker) {

@@ -13,9 +13,9 @@ class VisUnits;
 /// For each pair of successive portals of a chain: the portals that may be seen through both.
 class Passages {
   public:
-    /// limit: bytes of memory. Rows that would exceed it are left out, so that more counts as seen; which ones does not
-    /// depend on the number of threads.
-    /// units: as in FloodMightSee.
+    /// limit: bytes of memory. Once the rows take that much, those of later portals are left out, so that more counts
+    /// as seen; the rows of up to 256 portals may exceed it. Which ones are made does not depend on the number of
+    /// threads. units: as in FloodMightSee.
     Passages(const VisMap &map, const MightSeeTable &mightSee, std::uint64_t limit, const VisUnits &units,
              const JobPool &jobs, Log &log);
     /// From rows that were computed before: by portal, those of VisMap::PortalsAfter. `made`: the portals with rows.
@@ -26,8 +26,8 @@ class Passages {
         return first < made_ ? &rows_[start_[first] + next] : nullptr;
     }
     const SparseBitTable &Rows() const { return rows_; }
-    /// Number of portals whose rows are there: the first ones.
-    std::size_t Made() const { return made_; }
+    /// Number of portals whose rows are made: the first ones.
+    std::size_t NumMade() const { return made_; }
     /// Number of rows of all portals, those left out included.
     static std::size_t NumRows(const VisMap &map);
     std::uint64_t Bytes() const { return rows_.Bytes(); }

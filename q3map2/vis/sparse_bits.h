@@ -17,11 +17,12 @@
 namespace q3 {
 
 /// Most blocks of a row, and the number of words that have a bit for each.
-inline constexpr std::size_t kMaxBlocks = 128, kBlockSetWords = kMaxBlocks / kBitsPerWord;
-/// Words of a block of a row of that many words.
+inline constexpr std::size_t kMaxBlocks = 256, kBlockSetWords = kMaxBlocks / kBitsPerWord;
+/// Words of a block of a row of that many words. Fewer words take less memory, and more time, since blocks are looked
+/// up.
 inline std::size_t BlockWordsOf(std::size_t words) {
-    constexpr std::size_t kFewest = 4;
-    return std::max(kFewest, (words + kMaxBlocks - 1) / kMaxBlocks);
+    constexpr std::size_t kLongRow = 384;
+    return std::max<std::size_t>(words <= kLongRow ? 4 : 2, (words + kMaxBlocks - 1) / kMaxBlocks);
 }
 
 /// A set of blocks of a row.
@@ -56,7 +57,7 @@ class BlockSet {
     }
 
   private:
-    /// Number of bits. The base processor has no instruction that counts them; most sets have theirs in few bytes.
+    /// Number of set bits. Plain x86-64 has no instruction for this. The loop ends after the highest byte with a bit.
     static std::size_t CountOf(BitWord set) {
         static constexpr auto kCounts = [] {
             std::array<std::uint8_t, 256> counts{};
@@ -115,15 +116,15 @@ class SparseBits {
     /// The set of blocks that are stored.
     const BlockSet &Blocks() const { return blocks_; }
     /// The words of a block that is stored.
-    BitWord *operator[](std::size_t block) { return words_ + blockWords_ * blocks_.CountBelow(block); }
     const BitWord *operator[](std::size_t block) const { return words_ + blockWords_ * blocks_.CountBelow(block); }
     /// Null for words of blocks that are not stored, which are 0.
-    BitWord *Find(std::size_t word) {
+    const BitWord *Find(std::size_t word) const {
         const std::size_t block = word / blockWords_;
         return blocks_.Has(block) ? &(*this)[block][word % blockWords_] : nullptr;
     }
+    BitWord *Find(std::size_t word) { return const_cast<BitWord *>(std::as_const(*this).Find(word)); }
     BitWord Word(std::size_t word) const {
-        const BitWord *const found = const_cast<SparseBits *>(this)->Find(word);
+        const BitWord *const found = Find(word);
         return found ? *found : 0;
     }
     bool Test(std::size_t bit) const { return (Word(bit / kBitsPerWord) >> bit % kBitsPerWord & 1) != 0; }
@@ -135,9 +136,9 @@ class SparseBits {
     /// Bytes in memory, this object included.
     std::size_t Bytes() const { return sizeof(*this) + sizeof(BitWord) * NumWords(); }
 
-    /// Calls visit(index, word) for each word that is stored, in ascending order; `word` may be changed.
+    /// Calls visit(index, word) for each word that is stored, in ascending order.
     template <typename Visit> void ForEachWord(Visit &&visit) const {
-        BitWord *next = words_;
+        const BitWord *next = words_;
         blocks_.ForEach([&](std::size_t block) {
             for (std::size_t i = 0; i < blockWords_; ++i)
                 visit(blockWords_ * block + i, *next++);
@@ -146,11 +147,11 @@ class SparseBits {
     /// Clears the bits that a dense row of the same length does not have, and sets that row to those that were cleared.
     void Restrict(std::span<BitWord> dense) {
         std::size_t next = 0;
-        ForEachWord([&](std::size_t i, BitWord &word) {
+        BitWord *stored = words_;
+        ForEachWord([&](std::size_t i, BitWord word) {
             std::fill(&dense[next], &dense[i], BitWord(0));
-            const BitWord kept = word & dense[i];
-            dense[i] = word & ~kept;
-            word = kept;
+            *stored = word & dense[i];
+            dense[i] = word & ~*stored++;
             next = i + 1;
         });
         std::fill(dense.begin() + std::ptrdiff_t(next), dense.end(), BitWord(0));
@@ -175,7 +176,7 @@ class SparseBitTable {
     void Set(std::size_t row, std::span<const BitWord> dense, int worker = 0) {
         rows_[row] = SparseBits(dense, pools_[std::size_t(worker)]);
     }
-    std::size_t Rows() const { return rows_.size(); }
+    std::size_t NumRows() const { return rows_.size(); }
     SparseBits &operator[](std::size_t row) { return rows_[row]; }
     const SparseBits &operator[](std::size_t row) const { return rows_[row]; }
     bool Test(std::size_t row, std::size_t bit) const { return rows_[row].Test(bit); }

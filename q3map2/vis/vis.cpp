@@ -95,11 +95,12 @@ std::vector<SettingGroup<VisStageOptions>> VisSettings() {
             .values = "MB",
             .initial = "4096",
             .range = {.low = 1, .high = 1000000},
-            .help = "Bounds the memory of the tables of portals, in megabytes",
+            .help = "Bounds the memory of passages, in megabytes",
             .details =
-                "Passages that would not fit are left out. The stage then takes longer and hides less, and warns. "
-                "The rows of the portals themselves are always kept, so the stage may take more if the number "
-                "is small. A map of 961 rooms and 32,000 portals takes 900 MB in all.",
+                "The rows of the portals count towards it, but are always kept, so the stage may take more if the "
+                "number is small. Once that much memory is taken, the passages of the other portals are left out. The "
+                "stage then takes longer and hides less, and warns. A map of 961 rooms and 32,253 portals takes "
+                "900 MB in all.",
             .since = "0.2.0",
             .example = "1024"},
            VisField(&VisOptions::memory)},
@@ -165,12 +166,12 @@ std::optional<Passages> MakePassages(const VisMap &map, const VisOptions &option
     const std::uint64_t limit = std::uint64_t(options.memory) * kMegabyte, tables = 2 * mightSee.Bytes();
     Passages passages(map, mightSee, limit - std::min(limit, tables), units, jobs, log);
     log.Print("{:7} MB required passage memory\n", passages.Bytes() / kMegabyte);
-    if (passages.Made() < count)
+    if (passages.NumMade() < count && !units.IsFirstPart())
         log.Warn(
             "too many passages",
-            "passages of {} of {} portals would take more than {} MB (-vismemory), and are left out: vis takes longer "
-            "and hides less; -merge makes fewer portals",
-            count - passages.Made(), count, options.memory);
+            "passages of {} of {} portals are left out, since all would take more than {} MB (-vismemory): vis takes "
+            "longer and hides less; -merge makes fewer portals",
+            count - passages.NumMade(), count, options.memory);
     if (!options.plain && !units.IsFirstPart())
         passages.TightenMightSee(map, mightSee, jobs);
     return passages;

@@ -197,7 +197,8 @@ VisMap::VisMap(const PortalGraph &graph, bool widestFirst) {
 }
 
 void VisMap::SetColumns() {
-    // By the axis of its normal: of each pair of a portal and its twin the one that faces the positive side.
+    // By axis: the portals whose normals are closest to it. Of a portal and its twin, only the one that faces the
+    // positive side.
     std::array<std::vector<std::size_t>, 3> facing;
     for (std::size_t p = 0; p < NumPortals(); p += 2) {
         const Vec3f n = portals_[p].plane.normal;

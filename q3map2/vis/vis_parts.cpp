@@ -23,7 +23,7 @@ class WordList {
         writer.PutAll(places_);
         writer.PutAll(words_);
     }
-    /// row: zero. Bits of columns without a portal do not fit.
+    /// `row` must be zero. False: damaged, or a bit is set where no portal has its column.
     static bool Get(UnitReader &reader, const VisMap &map, std::span<BitWord> row) {
         std::vector<std::uint32_t> places;
         std::vector<BitWord> words;
@@ -42,7 +42,7 @@ class WordList {
     }
     static bool GetRows(UnitReader &reader, const VisMap &map, SparseBitTable &rows) {
         std::vector<BitWord> dense(map.Words());
-        for (std::size_t row = 0; row < rows.Rows(); ++row) {
+        for (std::size_t row = 0; row < rows.NumRows(); ++row) {
             std::ranges::fill(dense, BitWord(0));
             if (!Get(reader, map, dense))
                 return false;
@@ -117,11 +117,11 @@ bool VisUnits::FindPassages(std::size_t portal, std::span<BitWord> rows) const {
 
 void VisUnits::KeepState(const MightSeeTable &mightSee, const Passages *passages) const {
     UnitWriter seen, through;
-    for (std::size_t p = 0; p < mightSee.Rows(); ++p)
+    for (std::size_t p = 0; p < mightSee.NumRows(); ++p)
         WordList(mightSee[p]).Put(seen);
     through.Put(std::uint8_t(passages != nullptr));
-    through.Put(std::uint64_t(passages ? passages->Made() : 0));
-    for (std::size_t row = 0; passages && row < passages->Rows().Rows(); ++row)
+    through.Put(std::uint64_t(passages ? passages->NumMade() : 0));
+    for (std::size_t row = 0; passages && row < passages->Rows().NumRows(); ++row)
         WordList(passages->Rows()[row]).Put(through);
     units_->Clear();
     units_->Keep(KeyOfState("might see"), seen.Take());
@@ -140,7 +140,7 @@ bool VisUnits::FindState(MightSeeTable &mightSee, std::optional<Passages> &passa
     std::uint64_t made = 0;
     throughReader.Get(hasPassages);
     throughReader.Get(made);
-    SparseBitTable rows(hasPassages != 0 ? Passages::NumRows(*map_) : 0);
+    SparseBitTable rows(made != 0 ? Passages::NumRows(*map_) : 0);
     if (!throughReader.Fits() || made > map_->NumPortals() || !WordList::GetRows(throughReader, *map_, rows))
         return false;
     if (hasPassages != 0)

@@ -31,6 +31,7 @@ class VisUnits {
     /// units: null, or of the purpose Parts; map: needed by the latter.
     explicit VisUnits(UnitStore *units, const VisMap *map = nullptr) : units_(units), map_(map) {}
 
+    bool HasStore() const { return units_ != nullptr; }
     /// Whether this process computes part of the first round, or of a later one.
     bool IsFirstPart() const { return units_ && units_->IsPartOfFirstRound(); }
     bool IsFlowPart() const { return units_ && units_->IsPart() && !IsFirstPart(); }
@@ -42,7 +43,7 @@ class VisUnits {
     int FlowRoundsBefore() const { return units_ ? std::max(0, units_->roundsBefore - 1) : 0; }
 
     void Keep(Row kind, std::size_t portal, std::span<const BitWord> words) const;
-    /// False: it is not there, and words are as before.
+    /// False: it is not there or damaged, and `words` are undefined.
     bool Find(Row kind, std::size_t portal, std::span<BitWord> words) const;
     /// The passages of a portal, dense rows one after another. A part keeps them as if both of their ends saw all that
     /// the flood gives.

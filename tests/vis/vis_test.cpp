@@ -22,6 +22,7 @@ std::vector<VisOptions> AllModes() {
         {.noPassage = true},
         {.passageOnly = true},
         {.noSort = true},
+        {.memory = 0},
         {.merge = true},
         {.mergePortals = true},
         {.merge = true, .keepHints = true},

@@ -67,8 +67,8 @@ class Unpacker {
             std::error_code error;
             fs::remove(folder_ / file, error);
             if (error)
-                throw Error("{}: cannot remove this file of an earlier map: {}", (folder_ / file).string(),
-                            error.message());
+                log_.Warn("file of an earlier map", "{}: cannot be removed, and -json -pack would read it: {}",
+                          (folder_ / file).string(), error.message());
         }
     }
 

@@ -33,8 +33,8 @@ constexpr std::string_view FormName(MapForm form) {
 
 /// The shader name, in quotes if readers would otherwise take only a part of it, or none of it: a comment.
 std::string NameToken(std::string_view name) {
-    constexpr std::string_view kOtherStarts = "/#";
-    const bool needsQuotes = name.empty() || kOtherStarts.find(name.front()) != kOtherStarts.npos ||
+    constexpr std::string_view kCommentStarts = "/#";
+    const bool needsQuotes = name.empty() || kCommentStarts.find(name.front()) != kCommentStarts.npos ||
                              std::ranges::any_of(name, [](char c) { return IsBlank(c) || c == ';'; });
     return needsQuotes ? QuotedToken(name) : std::string(name);
 }

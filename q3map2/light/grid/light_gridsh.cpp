@@ -111,7 +111,8 @@ GridLayout SetupGridSH(const Bsp &bsp, const Float3 &legacySize, const LightOpti
     if (size != asked)
         log.Warn(
             "SH grid size",
-            "an SH grid with cells of {} {} {} exceeds 1.75 GiB, what it can have of a .bsp of 2 GiB; {} {} {} is used",
+            "an SH grid with cells of {} {} {} would exceed 1.75 GiB, its part of the 2 GiB of a .bsp; {} {} {} is "
+            "used",
             asked[0], asked[1], asked[2], size[0], size[1], size[2]);
     log.Print("SH grid cells of {} {} {}\n", size[0], size[1], size[2]);
     log.Count(layout.Count(), "SH grid points");

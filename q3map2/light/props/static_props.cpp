@@ -2,6 +2,7 @@
 #include "q3map2/light/props/static_props.h"
 
 #include "common/error.h"
+#include "common/platform/process_copy.h"
 #include "common/text/text.h"
 #include "libs/math/winding.h"
 #include "q3map2/bspfile/map_keys.h"
@@ -85,6 +86,8 @@ const PropModel *PropModels::Get(std::string_view name, int frame, std::string &
         try {
             entry.model = Read(path, frame);
         } catch (const std::bad_alloc &) {
+            throw;
+        } catch (const ProcessCopyError &) { // not a fault of the file
             throw;
         } catch (const std::exception &error) {
             entry.problem = error.what();

@@ -70,11 +70,11 @@ inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context,
 /// rtcNewDevice: "isa=avx2" imitates an older processor; each value has its own device. Errors: Error or
 /// std::bad_alloc.
 RTCDevice SharedDevice();
-/// An empty scene, watertight and built for fast tracing. Errors: std::bad_alloc.
+/// An empty scene, watertight and built for fast tracing. Errors: Error or std::bad_alloc.
 ScenePtr NewScene(RTCDevice device);
 /// Builds a scene of the device. Errors: of this thread's earlier calls too, std::bad_alloc or Error.
 void CommitScene(RTCDevice device, RTCScene scene);
-/// Triangles of three corners each, xyz one after the other, committed. Errors: std::bad_alloc.
+/// Triangles of three corners each, xyz one after the other, committed. Errors: Error or std::bad_alloc.
 GeometryPtr NewTriangles(RTCDevice device, std::span<const float> corners);
 
 /// Sets `rays` to the live rays, from `nearest` to `distance` along unit directions. Lanes that are not live may hold

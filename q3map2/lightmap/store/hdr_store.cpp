@@ -39,12 +39,12 @@ class PageLightWriter {
             page.light.resize(in_.lightmap.hdr ? page.Texels() : 0);
         in_.jobs.For(std::int64_t(layers_.layers.size()), [&](std::int64_t i, int) {
             if (const LightmapLayer &layer = layers_.layers[std::size_t(i)]; layer.twin < 0 && layer.page >= 0)
-                Write(layer);
+                Add(layer);
         });
     }
 
   private:
-    void Write(const LightmapLayer &layer) {
+    void Add(const LightmapLayer &layer) {
         LightmapPage &page = pages_[std::size_t(layer.page)];
         const float scale = ToneMapper::FactorOf(layer.brightness, tone_) / 255;
         const Vec3f least = layer.slot == 0 ? in_.world.minLight : Vec3f{};
@@ -188,8 +188,8 @@ void ImportVertexLight(const std::filesystem::path &path, float fullLight, Bsp &
 
 } // namespace
 
-void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName,
-                    FileSet &written, Log &log) {
+void AddHdrExport(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName,
+                  FileSet &written, Log &log) {
     Bsp light; // a copy: HdrParts returns mutable spans
     light.lightmapsE5bgr9 = bsp.lightmapsE5bgr9;
     light.rnm = bsp.rnm;
@@ -204,7 +204,7 @@ void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folde
         written.AddFile(folder / kVertexLightFile, EncodeVertexLight(vertices, format.fullVertexLight));
     }
     if (!parts.empty())
-        log.Print("Wrote {} to {}\n", Counted(parts.size(), "HDR lightmaps"), folder.string());
+        written.AddLine(log, fmt::format("Wrote {} to {}\n", Counted(parts.size(), "HDR lightmaps"), folder.string()));
 }
 
 void ImportHdrLight(Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName, Log &log) {
@@ -284,54 +284,54 @@ class HdrFileWriter {
     void WritePage(const LightmapPage &page) {
         const bool wanted = page.needsImage || options_.hdrFiles != HdrFiles::None;
         if (wanted && !page.light.empty())
-            WriteHdr(page, PageImageName(page.file), page.light);
+            AddHdr(page, PageImageName(page.file), page.light);
         if (!wanted || !page.HasBasis())
             return;
         for (std::size_t i = 0; i < page.basis.size(); ++i)
             if (!page.light.empty())
-                WriteHdr(page, BasisImageName(page.file, i), page.basis[i]);
+                AddHdr(page, BasisImageName(page.file, i), page.basis[i]);
         if (!options_.ldr || !page.needsImage)
             return;
         const auto bytes = BasisBytes(page, options_.rnmRescaled);
         for (std::size_t i = 0; i < bytes.size(); ++i)
-            Write(BasisImageName(page.file, i) + ".tga",
-                  EncodeTga(bytes[i], page.width, page.height, 3, TgaRows::TopFirst));
+            Add(BasisImageName(page.file, i) + ".tga",
+                EncodeTga(bytes[i], page.width, page.height, 3, TgaRows::TopFirst));
     }
 
-    void WriteVertices(const std::vector<Vec3f> &light) {
+    void AddVertices(const std::vector<Vec3f> &light) {
         if (options_.hdrFiles != HdrFiles::None && format_.fullVertexLight > 0)
-            Write(std::string(kVertexLightFile), EncodeVertexLight(light, format_.fullVertexLight));
+            Add(std::string(kVertexLightFile), EncodeVertexLight(light, format_.fullVertexLight));
     }
 
     void Report() const {
-        if (!written_.empty())
-            log_.Print("Wrote {} of HDR light and basis maps to {}\n", Counted(written_.size(), "files"),
-                       folder_.string());
+        if (!names_.empty())
+            files_.AddLine(log_, fmt::format("Wrote {} of HDR light and basis maps to {}\n",
+                                             Counted(names_.size(), "files"), folder_.string()));
     }
 
     /// Warns of files of an earlier run that engines would load with the new map.
     void WarnOfOldFiles() const {
         for (const std::string_view name : {std::string_view("lm_0000.hdr"), kVertexLightFile}) {
             std::error_code ignored;
-            if (!written_.contains(std::string(name)) && std::filesystem::exists(folder_ / name, ignored))
+            if (!names_.contains(std::string(name)) && std::filesystem::exists(folder_ / name, ignored))
                 log_.Warn("old HDR light", "{}: left by an earlier run; engines may load it with this map",
                           (folder_ / name).string());
         }
     }
 
   private:
-    void WriteHdr(const LightmapPage &page, const std::string &name, const std::vector<Vec3f> &light) {
+    void AddHdr(const LightmapPage &page, const std::string &name, const std::vector<Vec3f> &light) {
         if (options_.hdrFiles == HdrFiles::Ioquake3 &&
             (page.width != kIoquake3PageSide || page.height != kIoquake3PageSide))
             return log_.Warn("HDR page size", "{}: ioquake3 loads HDR pages of {} x {} only, not of {} x {}", name,
                              kIoquake3PageSide, kIoquake3PageSide, page.width, page.height);
-        Write(fmt::format("{}.{}", name, format_.extension), format_.encode({page.width, page.height, light}));
+        Add(fmt::format("{}.{}", name, format_.extension), format_.encode({page.width, page.height, light}));
     }
 
-    void Write(const std::string &name, const std::vector<std::byte> &bytes) {
-        if (written_.empty())
+    void Add(const std::string &name, const std::vector<std::byte> &bytes) {
+        if (names_.empty())
             files_.AddFolder(folder_);
-        written_.insert(name);
+        names_.insert(name);
         files_.AddFile(folder_ / name, bytes);
     }
 
@@ -340,7 +340,7 @@ class HdrFileWriter {
     const PageFormat format_;
     FileSet &files_;
     Log &log_;
-    std::set<std::string> written_; ///< names
+    std::set<std::string> names_; ///< of the files that were added
 };
 
 } // namespace
@@ -369,12 +369,12 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
     bsp.rnm = std::move(rnm);
 }
 
-void WriteHdrFiles(const std::filesystem::path &folder, const LightmapOptions &options, const StoredLightmaps &stored,
-                   FileSet &written, Log &log) {
+void AddHdrFiles(const std::filesystem::path &folder, const LightmapOptions &options, const StoredLightmaps &stored,
+                 FileSet &written, Log &log) {
     HdrFileWriter writer(folder, options, written, log);
     for (const LightmapPage &page : stored.pages)
         writer.WritePage(page);
-    writer.WriteVertices(stored.vertexLight);
+    writer.AddVertices(stored.vertexLight);
     writer.Report();
     writer.WarnOfOldFiles();
 }

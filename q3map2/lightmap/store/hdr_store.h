@@ -24,8 +24,8 @@ Vec3f VertexLightOf(const SurfaceInputs &in, const ShaderInfo &shader, const Vec
 /// rend2 and ioquake3 are the files that these engines load: lm_NNNN.hdr, and VERTEX_E5BGR9 as vertlight.raw. `side`:
 /// texels on a side of a page. The folder must exist. Errors: Error for files that cannot be written, and if the HDR
 /// texels are no multiple of side * side.
-void ExportHdrLight(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName,
-                    FileSet &written, Log &log);
+void AddHdrExport(const Bsp &bsp, int side, const std::filesystem::path &folder, const std::string &formatName,
+                  FileSet &written, Log &log);
 /// Reads such images back; if formatName is empty, the first of exr, pfm, hdr and exp32 that exists for a page. Pages
 /// without an image stay as they are, and so do those whose image has another size, with a warning. Errors: Error for
 /// files that cannot be read, and if the HDR texels are no multiple of side * side.
@@ -38,7 +38,7 @@ void StoreHdrLight(const LightmapOptions &options, const StoredLightmaps &stored
 /// With -hdrfiles, writes HDR pages as FOLDER/lm_NNNN.hdr, .exr or .pfm, their basis maps as lm_NNNN_b1 to _b3, and
 /// for rend2 and ioquake3 vertlight.raw. Pages outside the .bsp are written without -hdrfiles too, as Radiance, and
 /// their 8-bit basis maps as TGA. Warns of HDR files of an earlier run. Errors: Error for files that cannot be written.
-void WriteHdrFiles(const std::filesystem::path &folder, const LightmapOptions &options, const StoredLightmaps &stored,
-                   FileSet &written, Log &log);
+void AddHdrFiles(const std::filesystem::path &folder, const LightmapOptions &options, const StoredLightmaps &stored,
+                 FileSet &written, Log &log);
 
 } // namespace q3

@@ -125,7 +125,7 @@ std::size_t PageBytes(int side) {
 
 } // namespace
 
-void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stored, FileSet &written, Log &log) {
+void AddPages(const std::filesystem::path &folder, const StoredLightmaps &stored, FileSet &written, Log &log) {
     int next = 0;
     long long count = 0;
     for (const LightmapPage &page : stored.pages) {
@@ -144,7 +144,7 @@ void WritePages(const std::filesystem::path &folder, const StoredLightmaps &stor
     }
     if (count == 0)
         return;
-    log.Print("Wrote {} to {}\n", Counted(count, "lightmaps"), folder.string());
+    written.AddLine(log, fmt::format("Wrote {} to {}\n", Counted(count, "lightmaps"), folder.string()));
     std::error_code ignored;
     for (; std::filesystem::exists(PageFile(folder, next), ignored); ++next)
         written.AddRemoval(PageFile(folder, next));
@@ -155,7 +155,7 @@ std::filesystem::path ScriptPath(const std::filesystem::path &bspPath, const Gam
     return bspPath.parent_path().parent_path() / game.shaderDir / name;
 }
 
-void WriteScript(const std::filesystem::path &script, const StoredLightmaps &stored, FileSet &written, Log &log) {
+void AddScript(const std::filesystem::path &script, const StoredLightmaps &stored, FileSet &written, Log &log) {
     if (stored.scripts.empty())
         return written.AddRemoval(script);
     std::string text = "// Made by the light stage for this map, and replaced when it is lit again.\n";
@@ -163,7 +163,7 @@ void WriteScript(const std::filesystem::path &script, const StoredLightmaps &sto
         text += fmt::format("\n{}\n{}{}", one.shader, one.text, one.text.ends_with('\n') ? "" : "\n");
     written.AddFolder(script.parent_path());
     written.AddText(script, text);
-    log.Print("Wrote {} to {}\n", Counted(stored.scripts.size(), "shaders"), script.string());
+    written.AddLine(log, fmt::format("Wrote {} to {}\n", Counted(stored.scripts.size(), "shaders"), script.string()));
 }
 
 void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &folder, Log &log,
@@ -179,8 +179,8 @@ void ExportLightmaps(const Bsp &bsp, int side, const std::filesystem::path &fold
         written.AddFile(ExportedFile(folder, i), EncodeTga(std::span(bsp.lightmaps).subspan(i * bytes, bytes), side,
                                                            side, 3, TgaRows::BottomFirst));
     if (pages > 0)
-        log.Print("Wrote {} to {}\n", Counted(pages, "lightmaps"), folder.string());
-    ExportHdrLight(bsp, side, folder, options.hdrFormat, written, log);
+        written.AddLine(log, fmt::format("Wrote {} to {}\n", Counted(pages, "lightmaps"), folder.string()));
+    AddHdrExport(bsp, side, folder, options.hdrFormat, written, log);
     written.Commit();
 }
 

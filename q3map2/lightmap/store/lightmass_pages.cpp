@@ -162,8 +162,8 @@ void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, cons
                 [&](std::int64_t i, int) { out.places[std::size_t(i)] = encoder.Encode(*withSH[std::size_t(i)]); });
 }
 
-void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &stored,
-                    FileSet &written, Log &log) {
+void AddLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &stored,
+                  FileSet &written, Log &log) {
     if (std::error_code ignored; stored.pages.empty()) {
         if (std::filesystem::exists(folder / kDescription, ignored))
             log.Warn("old directional light", "{}: left by an earlier run; this map was lit without -lightmass",
@@ -192,7 +192,8 @@ void WriteLightmass(const std::filesystem::path &folder, std::string_view mapNam
                        {"pages", pages},
                        {"lightmaps", places}};
     written.AddText(folder / kDescription, json.dump(1) + "\n");
-    log.Print("Wrote {} and {} to {}\n", Counted(count, "images"), kDescription, folder.string());
+    written.AddLine(log,
+                    fmt::format("Wrote {} and {} to {}\n", Counted(count, "images"), kDescription, folder.string()));
 }
 
 } // namespace q3

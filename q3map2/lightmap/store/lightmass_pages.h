@@ -46,7 +46,7 @@ void EncodeLightmass(const SurfaceInputs &in, const SurfaceLight &surfaces, cons
 /// Writes the images as FOLDER/lm_NNNN_WHAT.tga, NNNN the number of the page, and lightmass.json, which names them and
 /// holds their byte ranges. mapName: the images are maps/MAPNAME/... for the game. Errors: Error, for files that cannot
 /// be written.
-void WriteLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &pages,
-                    FileSet &written, Log &log);
+void AddLightmass(const std::filesystem::path &folder, std::string_view mapName, const LightmassPages &pages,
+                  FileSet &written, Log &log);
 
 } // namespace q3

@@ -74,8 +74,8 @@ std::vector<std::byte> EncodeVhv(const PropVertexLight &light) {
     return file;
 }
 
-void WritePropFiles(const std::filesystem::path &folder, const std::vector<PropVertexLight> &light, FileSet &written,
-                    Log &log) {
+void AddPropFiles(const std::filesystem::path &folder, const std::vector<PropVertexLight> &light, FileSet &written,
+                  Log &log) {
     if (light.empty())
         return;
     written.AddFolder(folder);
@@ -90,7 +90,7 @@ void WritePropFiles(const std::filesystem::path &folder, const std::vector<PropV
                 }
     }
     written.AddFile(folder / kPropLightFile, raw);
-    log.Print("Wrote {} files of prop light to {}\n", light.size() + 1, folder.string());
+    written.AddLine(log, fmt::format("Wrote {} files of prop light to {}\n", light.size() + 1, folder.string()));
 }
 
 // ---- Light at the vertices of static props ----

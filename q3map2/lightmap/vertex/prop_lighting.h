@@ -44,7 +44,7 @@ std::vector<std::byte> EncodeVhv(const PropVertexLight &light);
 
 /// Writes FOLDER/sp_N.vhv for prop N of the lump, from 0, and FOLDER/proplight.raw: three little-endian floats for each
 /// color of the lump, unit scale. Errors: Error for files that cannot be written.
-void WritePropFiles(const std::filesystem::path &folder, const std::vector<PropVertexLight> &light, FileSet &written,
-                    Log &log);
+void AddPropFiles(const std::filesystem::path &folder, const std::vector<PropVertexLight> &light, FileSet &written,
+                  Log &log);
 
 } // namespace q3

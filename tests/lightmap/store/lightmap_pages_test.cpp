@@ -46,7 +46,7 @@ TEST(Pages, ImagesShowThePageAndOlderOnesGo) {
         game.Write(stale, "old");
     StoredLightmaps stored;
     stored.pages = {Page(0, 64, 16, true), Page(2, 32, 32, true)};
-    Write([&](FileSet &files) { WritePages(game / "room", stored, files, log.log); });
+    Write([&](FileSet &files) { AddPages(game / "room", stored, files, log.log); });
     for (const LightmapPage &page : stored.pages) {
         int width = 0, height = 0;
         EXPECT_EQ(ReadPage(game / fmt::format("room/lm_{:04}.tga", page.file), width, height), page.colors);
@@ -65,9 +65,9 @@ TEST(Pages, PagesOfTheFileAreNoImages) {
     game.Write("room/lm_0000.tga", "mine");
     StoredLightmaps stored;
     stored.pages = {Page(0, 128, 128, false, false)};
-    Write([&](FileSet &files) { WritePages(game / "room", stored, files, log.log); });
+    Write([&](FileSet &files) { AddPages(game / "room", stored, files, log.log); });
     EXPECT_EQ(game.ReadBack("room/lm_0000.tga"), "mine");
-    Write([&](FileSet &files) { WritePages(game / "other", stored, files, log.log); });
+    Write([&](FileSet &files) { AddPages(game / "other", stored, files, log.log); });
     EXPECT_FALSE(std::filesystem::exists(game / "other"));
 }
 
@@ -78,13 +78,13 @@ TEST(Pages, ScriptIsBesideTheMapAndGoesWhenNotNeeded) {
     EXPECT_EQ(path, game / "scripts/q3map2_room.shader");
     StoredLightmaps stored;
     stored.scripts = {{"room/A", "{\n\tcull none\n}\n"}, {"room/B", "{\n}"}};
-    Write([&](FileSet &files) { WriteScript(path, stored, files, log.log); });
+    Write([&](FileSet &files) { AddScript(path, stored, files, log.log); });
     const std::string text = game.ReadBack("scripts/q3map2_room.shader");
     EXPECT_TRUE(text.starts_with("//"));
     EXPECT_THAT(text, testing::HasSubstr("\nroom/A\n{\n\tcull none\n}\n\nroom/B\n{\n}\n"));
-    Write([&](FileSet &files) { WriteScript(path, {}, files, log.log); });
+    Write([&](FileSet &files) { AddScript(path, {}, files, log.log); });
     EXPECT_FALSE(std::filesystem::exists(path));
-    Write([&](FileSet &files) { WriteScript(path, {}, files, log.log); });
+    Write([&](FileSet &files) { AddScript(path, {}, files, log.log); });
 }
 
 Bsp WithPages(std::size_t bytes) {

@@ -41,8 +41,8 @@ class CompareTest : public StoreTest {
         std::filesystem::create_directories(path.parent_path());
         WriteBspFile(path, bsp, {}, log);
         FileSet written;
-        WritePages(folder / ("maps/" + name), stored, written, log);
-        WriteScript(ScriptPath(path, *FindGame("quake3")), stored, written, log);
+        AddPages(folder / ("maps/" + name), stored, written, log);
+        AddScript(ScriptPath(path, *FindGame("quake3")), stored, written, log);
         written.Commit();
         bsp = std::move(unlit);
         return LitMap::Load(path, 128, log);

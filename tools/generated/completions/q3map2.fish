@@ -111,7 +111,7 @@ complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o nopass
 complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o passageOnly -d 'Computes passages without portal flow, which takes less time and is less exact'
 complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o nosort -d 'Processes portals in the order of the file instead of the cheapest first'
 complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o flowrounds -x -d 'Follows the portals in N rounds of the same size'
-complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o vismemory -x -d 'Bounds the memory of the tables of portals, in megabytes'
+complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o vismemory -x -d 'Bounds the memory of passages, in megabytes'
 complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o plain -d 'Computes visibility as NetRadiant'\''s q3map2 does, one portal after the other on one thread'
 complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o v -d 'Prints how many clusters see how many others, if it is given a second time'
 complete -c q3map2 -n 'string match -q -- "* -vis *" (commandline)" "' -o part -x -d 'Computes only part I of N, and writes its results to the file of -partfile'
