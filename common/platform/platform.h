@@ -80,8 +80,8 @@ bool SyncFile(std::FILE *file);
 /// Renames a closed file over another, atomically. False: failed, errno says why.
 bool RenameOver(const std::filesystem::path &from, const std::filesystem::path &to);
 
-/// Appends the paths of what is in the folder, in any order. Returns why that failed. std::filesystem's iterators end
-/// the program when memory runs out.
+/// Appends the paths of what is in the folder, in any order. Returns why that failed. std::filesystem's iterators, which
+/// Windows uses, end the program when memory runs out.
 std::error_code ListFolder(const std::filesystem::path &folder, std::vector<std::filesystem::path> &entries);
 
 /// The sending end of a TCP connection. Only WaitUntilReady blocks.

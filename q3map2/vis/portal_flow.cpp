@@ -178,9 +178,10 @@ class ChainSearch {
         link.MakeSeparators(base_->plane.normal, portal.plane.normal);
         link.unseenBlocks.ForEach([&](std::size_t block) {
             for (std::size_t i = blockWords_ * block; i < blockWords_ * (block + 1); ++i)
-                for (BitWord word = link.mightSee[i] & ~seen_[i]; word != 0; word &= word - 1)
-                    if (link.Hides(map_.Portal(map_.PortalAt(kBitsPerWord * i + std::size_t(std::countr_zero(word))))))
-                        link.mightSee[i] &= ~(word & -word);
+                ForEachBitOf(link.mightSee[i] & ~seen_[i], [&](std::size_t bit) {
+                    if (link.Hides(map_.Portal(map_.PortalAt(kBitsPerWord * i + bit))))
+                        ClearBit(&link.mightSee[i], bit);
+                });
         });
         FindUnseen(link, link.unseenBlocks);
         return !link.unseenBlocks.IsEmpty();
@@ -329,13 +330,14 @@ class FlowRun {
         // A worker clears bits in the rows of the twins of some columns, for all portals.
         jobs_.For(std::int64_t(map_.Words()), [&](std::int64_t index, int) {
             const auto word = std::size_t(index);
-            for (std::size_t slot = 0; slot < portals.size(); ++slot)
-                for (BitWord cleared = map_.Portal(portalOf(slot)).hasTwin ? found_.Row(slot)[word] : 0; cleared != 0;
-                     cleared &= cleared - 1) {
-                    const std::size_t q = map_.PortalAt(kBitsPerWord * word + std::size_t(std::countr_zero(cleared)));
+            for (std::size_t slot = 0; slot < portals.size(); ++slot) {
+                const BitWord cleared = map_.Portal(portalOf(slot)).hasTwin ? found_.Row(slot)[word] : 0;
+                ForEachBitOf(cleared, [&](std::size_t bit) {
+                    const std::size_t q = map_.PortalAt(kBitsPerWord * word + bit);
                     if (map_.Portal(q).hasTwin)
                         mightSee_[q ^ 1].Clear(map_.Column(portalOf(slot) ^ 1));
-                }
+                });
+            }
         });
         for (const int p : portals)
             if (map_.Portal(std::size_t(p)).hasTwin)

@@ -91,7 +91,7 @@ void ForgetFuzzer() {
     if (getenv("Q3FUZZ_SHOW") == nullptr)
         dup2(open("/dev/null", O_WRONLY), 2);
 }
-const int kIsForgotten = pthread_atfork(nullptr, nullptr, ForgetFuzzer);
+const int kAtForkStatus = pthread_atfork(nullptr, nullptr, ForgetFuzzer);
 
 } // namespace
 } // namespace q3::fuzz

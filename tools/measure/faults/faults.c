@@ -11,8 +11,9 @@
  *                 renames PATH.saved over it, before the call)
  *   FAULT_CLOCK   seconds by which each call puts the time of day further back
  *   FAULT_SERVER  "FROM TO OUTPUT": the program waits before main. For each byte that arrives at the descriptor FROM it
- *                 starts a child, which takes kind, number and action from the file and prints into the file OUTPUT,
- * and writes the child's id and its wait status to the descriptor TO. Saves the time of loading libraries.
+ *                 starts a child, which takes kind, number and action from the file and prints into the file OUTPUT.
+ *                 Then it writes the child's id and its wait status to the descriptor TO. This saves the time of loading
+ *                 libraries.
  *
  * Calls before main are not counted: a program without memory for its libraries does not start. Functions of the C
  * library call each other without the dynamic linker, so each function that the program or a library uses is here. */

@@ -110,9 +110,9 @@ def restore(folder, state, now=None):
 class Scratch:
     """A folder in which one stage runs again and again."""
 
-    def __init__(self, folder, tools, stage, threads=2, variables=None):
-        self.folder, self.tools, self.stage, self.threads = Path(folder), tools, STAGES[stage], threads
-        self.variables = variables or {}
+    def __init__(self, folder, tools, stage):
+        self.folder, self.tools, self.stage = Path(folder), tools, STAGES[stage]
+        self.variables = {}  # more of the environment
         self.record, self.output = (self.folder.with_name(self.folder.name + end) for end in (".record", ".output"))
         self.record.write_bytes(bytes(REQUEST.size + COUNTS.size))
         self.make()
@@ -149,7 +149,7 @@ class Scratch:
 
     def command(self, words):
         words = [re.sub(r"^([MN])\.", lambda found: MAPS + found[1].lower() + ".", word) for word in words.split()]
-        return [self.tools.program, "-threads", str(self.threads), "-fs_basepath", "base", *words]
+        return [self.tools.program, "-threads", "2", "-fs_basepath", "base", *words]
 
     def must_run(self, words):
         run = subprocess.run(self.command(words), cwd=self.folder, env=self.environment({}), capture_output=True,
@@ -177,15 +177,13 @@ class Scratch:
             return None
         return struct.unpack("<i", os.read(self.results, 4))[0]
 
-    def run(self, kind=None, at=0, action="fail", while_it_runs=None):
-        """Runs the stage. kind: a name or "any"; while_it_runs: called with the id of the process."""
+    def run(self, kind=None, at=0, action="fail"):
+        """Runs the stage. kind: a name or "any"."""
         with open(self.record, "r+b") as file, mmap.mmap(file.fileno(), REQUEST.size + COUNTS.size) as shared:
             wanted = ANY if kind == "any" else KINDS.index(kind) if kind else -1
             shared[:] = REQUEST.pack(wanted, at, ERRORS.get(kind, errno.EIO), action.encode()) + bytes(COUNTS.size)
             os.write(self.requests, b"x")
             process = self.wait_for(SECONDS)
-            if while_it_runs:
-                while_it_runs(process)
             status = self.wait_for(SECONDS)
             if status is None:
                 os.kill(process, signal.SIGKILL)
