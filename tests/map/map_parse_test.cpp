@@ -163,7 +163,8 @@ TEST_F(MapTest, ReadsOnAfterAMissingBrace) {
     EXPECT_EQ(Warnings("missing brace"), 1);
     Map opened = Read(WorldText(kBox) + "\"classname\" \"light\"\n}\n" + light);
     ASSERT_EQ(opened.entities.size(), 2u) << "one light has no opening brace";
-    EXPECT_THAT(out.text, AllOf(HasSubstr("maps/test.map"), HasSubstr("entity 1")));
+    EXPECT_EQ(Warnings("text between entities"), 1);
+    EXPECT_THAT(out.text, HasSubstr("expected '{' of entity 1, found 'classname'; skipped to the next '{'"));
 }
 
 TEST_F(MapTest, TerrainIsLeftOut) {
@@ -208,6 +209,15 @@ TEST_F(MapTest, OriginBrushMovesTheEntity) {
         EXPECT_EQ(p.x, 32);
     EXPECT_EQ(entity.patches.at(0).verts[0].xyz, (Vec3f{-32, -32, -32}));
     EXPECT_EQ(entity.patches.at(0).lodBounds.mins, (Vec3f{-32, -32, -32}));
+}
+
+TEST_F(MapTest, OfTwoOriginBrushesTheLastCounts) {
+    const std::string brushes =
+        BoxText({0, 0, 0}, {32, 32, 32}, "origin") + BoxText({64, 0, 0}, {96, 32, 32}, "origin");
+    Map map = Read(WorldText("") + EntityText("func_rotating", kBox + brushes));
+    EXPECT_EQ(map.entities.at(1).brushOrigin, (Vec3f{80, 16, 16}));
+    EXPECT_EQ(map.entities.at(1).brushes.at(0).bounds.mins, (Vec3f{-80, -16, -16}));
+    EXPECT_THAT(out.text, testing::ContainsRegex("Entity 1, Brush 2: maps/test.map:[0-9]+: a second origin brush"));
 }
 
 TEST_F(MapTest, OriginBrushOfAGroupMovesNothing) {

@@ -492,6 +492,40 @@ TEST(Md3ModelTest, SurfacesWithTheSameVerticesAreRefused) {
     EXPECT_THROW(ReadMd3(file, "models/a.md3", 0), Error);
 }
 
+TEST(Md3ModelTest, DamageIsNamed) {
+    TestMesh mesh;
+    mesh.AddPlate({-30, -10, 50}, {10, 50, 70});
+    constexpr std::size_t kVersion = 4, kSurfaces = 84, kSurface = 164; // bytes from the start of the file
+    constexpr std::size_t kFrames = 72, kVerts = 80, kTriangleOffset = 88, kVertOffset = 100,
+                          kEnd = 104; // of a surface
+    const std::vector<std::byte> whole = Md3Of({mesh});
+    std::int32_t triangles = 0;
+    std::memcpy(&triangles, whole.data() + kSurface + kTriangleOffset, sizeof triangles);
+    const auto faultOf = [&whole](std::size_t at, std::int32_t value, int frame = 0) -> std::string {
+        std::vector<std::byte> file = whole;
+        std::memcpy(file.data() + at, &value, sizeof value);
+        try {
+            ReadMd3(file, "models/a.md3", frame);
+        } catch (const Error &error) {
+            return error.what();
+        }
+        return "no error";
+    };
+    EXPECT_EQ(faultOf(kVersion, 15), "no error");
+    EXPECT_EQ(faultOf(kVersion, 14), "version 14, expected an MD3 model of version 15");
+    EXPECT_EQ(faultOf(kVersion, 15, 1), "there is no frame 1: the model has 1");
+    EXPECT_EQ(faultOf(kSurface + kFrames, 0), "there is no frame 0: the model has 0");
+    EXPECT_EQ(faultOf(kSurfaces, 0), "no triangles");
+    EXPECT_EQ(faultOf(kSurface + std::size_t(triangles), 1000),
+              fmt::format("a triangle names vertex 1000 of {}", mesh.verts.size()));
+    EXPECT_EQ(faultOf(kSurface + std::size_t(triangles), -1),
+              fmt::format("a triangle names vertex -1 of {}", mesh.verts.size()));
+    EXPECT_EQ(faultOf(kSurface + kEnd, 0), "surface 0 ends 0 bytes after its start");
+    for (const std::size_t field : {kVerts, kTriangleOffset, kVertOffset})
+        for (const std::int32_t value : {-1000, 1 << 24})
+            EXPECT_THAT(faultOf(kSurface + field, value), HasSubstr("are not inside the")) << field << " " << value;
+}
+
 TEST_F(StaticPropTest, ModelsMayHaveMoreVerticesThanASurfaceOfTheMap) {
     AddModel("big", {Sheet(-200, 200, 300, 20)});
     Compile(Prop("big") + Lamp({0, 0, 200}, 100));

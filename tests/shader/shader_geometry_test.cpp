@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Directives that shape surfaces, and sizes of images.
+#include "common/error.h"
 #include "tests/support/library_fixture.h"
 
 #include <gmock/gmock.h>
@@ -8,6 +9,7 @@ namespace q3 {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 using ShaderGeometry = test::LibraryTest;
 
@@ -136,6 +138,28 @@ TEST_F(ShaderGeometry, CustomParmsComeAfterTheGames) {
     const ShaderInfo &info = LoadShader("surfaceparm glue\nsurfaceparm stick\nsurfaceparm slick");
     EXPECT_EQ(info.contentFlags, 0x401u);
     EXPECT_EQ(info.surfaceFlags, 0x1000002u);
+}
+
+TEST_F(ShaderGeometry, ADamagedFileOfCustomParmsIsAnErrorWithItsLine) {
+    options.customInfoParms = true;
+    const auto errorOf = [this](const std::string &text) -> std::string {
+        folder.Write("scripts/custinfoparms.txt", text);
+        try {
+            Load();
+        } catch (const Error &error) {
+            return error.what();
+        }
+        return "no error";
+    };
+    EXPECT_THAT(errorOf("{\n}\nglue 0x400\n"),
+                HasSubstr("custinfoparms.txt:3: expected two lists in braces, content flags and surface flags"));
+    EXPECT_THAT(errorOf("{\n}\n"), HasSubstr("expected two lists in braces"));
+    EXPECT_THAT(errorOf("{\nglue\n}\n{\n}\n"),
+                HasSubstr("custinfoparms.txt:3: expected a hexadecimal number after glue"));
+    std::string many = "{\n}\n{\n";
+    for (int i = 0; i < 257; ++i)
+        many += fmt::format("parm{} 0x1\n", i);
+    EXPECT_THAT(errorOf(many + "}\n"), HasSubstr("custinfoparms.txt:260: more than 256 parms"));
 }
 
 } // namespace

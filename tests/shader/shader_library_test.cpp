@@ -69,6 +69,17 @@ TEST_F(ScriptDiscovery, MissingScriptIsAWarningOfOneKind) {
     EXPECT_EQ(Warnings("shader script not found"), 2);
 }
 
+TEST_F(ScriptDiscovery, OfADamagedListTheNamesBeforeTheDamageCount) {
+    folder.Write("scripts/shaderlist.txt", "here\n" + std::string(2000, 'x') + "\ngone\n");
+    folder.Write("scripts/here.shader", Entry("a", "slick"));
+    folder.Write("scripts/unlisted.shader", Entry("b", "slick"));
+    Load();
+    EXPECT_TRUE(Get("a").defined);
+    EXPECT_FALSE(Get("b").defined);
+    EXPECT_EQ(Warnings("damaged shader list"), 1);
+    EXPECT_THAT(out.text, HasSubstr("shaderlist.txt:2: a token of 2000 bytes"));
+}
+
 TEST_F(ScriptDiscovery, NothingAtAllIsFine) {
     Load();
     EXPECT_EQ(library->DefinedCount(), 0u);

@@ -234,6 +234,32 @@ TEST_F(Vfs, DamagedEntryIsAWarningAndTheNextOccurrenceCounts) {
     EXPECT_THAT(out.text, HasSubstr("b.pk3 :: a.txt"));
 }
 
+TEST_F(Vfs, AnEncryptedEntryIsNamedAsSuch) {
+    folder.WriteArchive("a.pk3", {{"a.txt", "secret"}});
+    std::string bytes = folder.ReadBack("a.pk3");
+    bytes[bytes.find("PK\x01\x02") + 8] |= 1; // flags of the central record
+    folder.Write("a.pk3", bytes);
+    vfs.Mount(folder.Root(), "pk3");
+    EXPECT_EQ(Read("a.txt"), "(absent)");
+    EXPECT_THAT(out.text, HasSubstr("a.pk3 :: a.txt: the entry is encrypted, expected plain data"));
+}
+
+TEST_F(Vfs, WhatTheSystemCannotLookAtIsAWarningAndTheRestCounts) {
+    folder.WriteArchive("game/a.pk3", {{"a.txt", "archive"}, {"scripts/a.shader", ""}});
+    std::error_code failed;
+    for (const char *circle : {"a.txt", "scripts", "b.pk3"})
+        std::filesystem::create_symlink(circle, folder / fmt::format("game/{}", circle), failed);
+    if (failed)
+        GTEST_SKIP() << "no symbolic links here";
+    vfs.Mount(folder / "game", "pk3");
+    EXPECT_EQ(Read("a.txt"), "archive");
+    EXPECT_THAT(vfs.List("scripts", ".shader"), ElementsAre("a.shader"));
+    EXPECT_GE(out.log.WarningCount("unreadable game file"), 1);
+    EXPECT_GE(out.log.WarningCount("unreadable game folder"), 1);
+    EXPECT_EQ(out.log.WarningCount("unreadable archive"), 1);
+    EXPECT_THAT(out.text, HasSubstr("b.pk3"));
+}
+
 TEST_F(Vfs, FileThatIsNoArchiveIsAWarning) {
     folder.Write("a.pk3", "this is no archive");
     folder.Write("b.pk3", "");

@@ -307,6 +307,13 @@ TEST(Webp, LosslessAndLossy) {
     EXPECT_THAT(FaultOf(DecodeWebp, Bytes(100)), HasSubstr("WebP: the header"));
 }
 
+TEST(Webp, AnAnimationIsNamedAsSuch) {
+    // The header VP8X of 16 x 16 texels with the flag of animations, and their parameters.
+    const Bytes file = {'R', 'I', 'F', 'F', 36, 0,  0, 0, 'W', 'E', 'B', 'P', 'V', 'P', '8', 'X', 10, 0, 0, 0, 2, 0,
+                        0,   0,   15,  0,   0,  15, 0, 0, 'A', 'N', 'I', 'M', 6,   0,   0,   0,   0,  0, 0, 0, 0, 0};
+    EXPECT_THAT(FaultOf(DecodeWebp, file), HasSubstr("WebP with an animation, expected a single image"));
+}
+
 TEST(Webp, SmallFilesOfManyTexelsAreRefused) {
     Bytes file = kLosslessWebp;
     file[21] = 0xFF, file[22] = 0xCF, file[23] = 0xFF, file[24] |= 0x0F; // 4096 x 16384: 14 bits each, less 1

@@ -145,6 +145,11 @@ TEST_F(ModelTest, SkinsReplaceShadersAndLeaveOutTheOthers) {
     EXPECT_THAT(Place({{"skin", "none"}}), SizeIs(0));
 }
 
+TEST_F(ModelTest, AMissingSkinIsAWarningAndTheModelKeepsItsShaders) {
+    EXPECT_EQ(Place({{"skin", "blue"}})[0].shader->name, "models/t/foo");
+    EXPECT_THAT(out.text, HasSubstr("Entity 1: the skin file models/t/m_blue.skin cannot be read"));
+}
+
 TEST_F(ModelTest, ARemapWithoutMatchNamesTheShadersOfTheSkin) {
     folder.Write("models/t/m_red.skin", "replace models/t/foo.tga textures/red.tga\n");
     Place({{"skin", "red"}, {"_remap", "foo;textures/a"}});
