@@ -89,6 +89,8 @@ def vanishes(stage, tools, folder, seed):
     scratch = runs.Scratch(Path(tempfile.mkdtemp(dir=folder)) / "s", tools, stage)
     choose = random.Random(f"{seed} {stage} vanishes")
     for name in [*inputs_of(scratch), "base/baseq3/scripts/demo.shader", "base/baseq3/pak0.pk3"]:
+        if (scratch.folder / name).exists():
+            scratch.also_right((scratch.folder / name).unlink)
         for point in sorted(choose.sample(range(1, scratch.clean.counts[runs.ANY]), 40)):
             result = scratch.run("any", point, f"remove:{scratch.folder / name}")
             now = runs.state_of(scratch.folder)
@@ -104,6 +106,7 @@ def saved(stage, tools, folder, seed):
     choose = random.Random(f"{seed} {stage} saved")
     name = inputs_of(scratch)[0]
     other = scratch.old[name] + b"\n"  # which changes neither a map source nor the lumps of a .bsp
+    scratch.also_right(lambda: (scratch.folder / name).write_bytes(other))
     for point in sorted(choose.sample(range(1, scratch.clean.counts[runs.ANY]), 60)):
         (scratch.folder / (name + ".saved")).write_bytes(other)
         result = scratch.run("any", point, f"save:{scratch.folder / name}")
@@ -131,6 +134,7 @@ def clock_back(stage, tools, folder, _seed):
 def two_runs(stage, tools, folder, _seed):
     """Two runs on one map at the same time."""
     scratch = runs.Scratch(Path(tempfile.mkdtemp(dir=folder)) / "s", tools, stage)
+    scratch.also_right(lambda: scratch.must_run(scratch.stage.words))  # the second run reads what the first has written
     for _ in range(10):
         outputs = [tempfile.TemporaryFile() for _ in range(2)]
         both = [subprocess.Popen(scratch.command(scratch.stage.words), cwd=scratch.folder, env=scratch.environment({}),
