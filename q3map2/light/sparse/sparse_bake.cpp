@@ -12,6 +12,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace q3 {
 
@@ -114,7 +115,7 @@ class SparseGridBuilder {
     RefinementStop Refine(const LatticeTracer &tracer, GridStats &work);
     float FindPrice() const;
     SparseGridSH GridAtPrice(float price, SparseStats &result);
-    SparseGridSH GridOf(const PrunedTree &pruned, SparseStats &result) const;
+    SparseGridSH GridOf(PrunedTree pruned, SparseStats &result) const;
     void MeasureNearLights(const SparseGridSH &grid, SparseStats &result) const;
 
     const BspSpace &space_;
@@ -253,17 +254,18 @@ SparseGridSH SparseGridBuilder::GridAtPrice(float price, SparseStats &result) {
         const bool isCoarsest = price > kMaxPrice;
         if (double(pruned.stats.leafs) * bytesPerLeaf > maxBytes_ && !isCoarsest)
             continue;
-        SparseGridSH grid = GridOf(pruned, result);
+        SparseGridSH grid = GridOf(std::exchange(pruned, {Octree(lattice_), {}}), result);
         if (double(result.bytes) <= maxBytes_ || isCoarsest)
             return grid;
-        bytesPerLeaf = double(result.bytes) / double(pruned.stats.leafs);
+        bytesPerLeaf = double(result.bytes) / double(result.leafs);
         if (!goal_.budget)
             result.stop = RefinementStop::ByteLimit;
     }
 }
 
 /// The grid of a pruned tree, with its size and errors in `result`.
-SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &result) const {
+SparseGridSH SparseGridBuilder::GridOf(PrunedTree pruned, SparseStats &result) const {
+    pruned.tree.DropUnused();
     const CornerWeights corners(pruned.tree, points_, {}, jobs_);
     const std::vector<SHFloats> values =
         FitCorners(pruned.tree, points_, corners, lattice_, space_, nearLights_, jobs_);
