@@ -3,7 +3,6 @@
 
 #include "common/parallel.h"
 #include "q3map2/light/grid/gridsh_fit.h"
-#include "q3map2/light/sparse/least_squares.h"
 
 #include <algorithm>
 #include <bit>
@@ -208,12 +207,18 @@ void LimitChange(const SHFloats &before, SHFloats &value) {
         value[k] = before[k] + (value[k] - before[k]) * (maxChange / change);
 }
 
-/// What FitCorners fits.
-class FitInputs {
+/// The light of a sample. Points are numbered first, then near lights.
+const SHFloats &LightOfSample(std::size_t number, const LatticePoints &points,
+                              std::span<const NearLightSample> nearLights) {
+    return number < points.Size() ? points[number].value : nearLights[number - points.Size()].light;
+}
+
+/// Finds what SampleCorners adds.
+class CornerSampler {
   public:
-    FitInputs(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
-              std::span<const NearLightSample> nearLights, const SparseLattice &lattice, const BspSpace &space,
-              const JobPool &jobs)
+    CornerSampler(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
+                  std::span<const NearLightSample> nearLights, const SparseLattice &lattice, const BspSpace &space,
+                  const JobPool &jobs)
         : tree_(tree), points_(points), corners_(corners), nearLights_(nearLights), withoutSolid_(tree.Size()) {
         const std::vector<std::size_t> leafs = tree.OpenLeafs();
         ForAll(jobs, leafs.size(), kJobSize, [&](std::size_t i) {
@@ -224,9 +229,6 @@ class FitInputs {
     }
     /// Number of samples that there may be: the points, then the near lights.
     std::size_t Count() const { return points_.Size() + nearLights_.size(); }
-    const SHFloats &LightOf(std::size_t number) const {
-        return number < points_.Size() ? points_[number].value : nearLights_[number - points_.Size()].light;
-    }
     void Add(std::size_t number, SampleBlock &samples) const {
         if (number < points_.Size())
             AddPoint(number, samples);
@@ -236,8 +238,10 @@ class FitInputs {
 
   private:
     void AddSample(std::size_t number, const std::vector<CornerTerm> &terms, SampleBlock &samples) const {
-        samples.Add(std::uint32_t(number), FitWeight(1, std::max(0.0f, MeanLight(LightOf(number))), FittedPoints::All),
-                    terms);
+        samples.Add(
+            std::uint32_t(number),
+            FitWeight(1, std::max(0.0f, MeanLight(LightOfSample(number, points_, nearLights_))), FittedPoints::All),
+            terms);
     }
     /// Adds a point if it is in the open, and stored or away from solids.
     void AddPoint(std::size_t number, SampleBlock &samples) const {
@@ -270,26 +274,32 @@ class FitInputs {
 
 } // namespace
 
-std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
-                                 const SparseLattice &lattice, const BspSpace &space,
-                                 std::span<const NearLightSample> nearLights, const JobPool &jobs) {
-    const FitInputs inputs(tree, points, corners, nearLights, lattice, space, jobs);
-    std::vector<SampleBlock> samples((inputs.Count() + kJobSize - 1) / kJobSize);
-    jobs.For(std::int64_t(samples.size()), [&](std::int64_t job, int) {
-        SampleBlock &ofJob = samples[std::size_t(job)];
+CornerSamples SampleCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
+                            const SparseLattice &lattice, const BspSpace &space,
+                            std::span<const NearLightSample> nearLights, const JobPool &jobs) {
+    const CornerSampler sampler(tree, points, corners, nearLights, lattice, space, jobs);
+    CornerSamples samples{corners.Stored(), std::vector<SampleBlock>((sampler.Count() + kJobSize - 1) / kJobSize)};
+    jobs.For(std::int64_t(samples.blocks.size()), [&](std::int64_t job, int) {
+        SampleBlock &block = samples.blocks[std::size_t(job)];
         const std::size_t first = std::size_t(job) * kJobSize;
-        for (std::size_t i = first; i < std::min(inputs.Count(), first + kJobSize); ++i)
-            inputs.Add(i, ofJob);
-        ofJob.ShrinkToFit();
+        for (std::size_t i = first; i < std::min(sampler.Count(), first + kJobSize); ++i)
+            sampler.Add(i, block);
+        block.ShrinkToFit();
     });
-    const std::vector<std::uint32_t> &stored = corners.Stored();
-    LeastSquares system(stored.size(), std::move(samples), jobs);
+    return samples;
+}
+
+std::vector<SHFloats> FitCorners(CornerSamples samples, const LatticePoints &points,
+                                 std::span<const NearLightSample> nearLights, const JobPool &jobs) {
+    const std::vector<std::uint32_t> &stored = samples.stored;
+    LeastSquares system(stored.size(), std::move(samples.blocks), jobs);
     std::vector<SHFloats> values = VectorInParallel<SHFloats>(stored.size(), jobs);
     ForAll(jobs, values.size(), kJobSize, [&](std::size_t i) {
         values[i] = points[stored[i]].value;
         system.SetPull(i, kRegularization * system.WeightOf(i));
     });
-    system.Solve([&](std::uint32_t number) { return inputs.LightOf(number); }, values, kIterations, jobs);
+    const auto lightOf = [&](std::uint32_t number) { return LightOfSample(number, points, nearLights); };
+    system.Solve(lightOf, values, kIterations, jobs);
     ForAll(jobs, values.size(), kJobSize, [&](std::size_t i) { LimitChange(points[stored[i]].value, values[i]); });
     return values;
 }

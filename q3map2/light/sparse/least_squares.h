@@ -141,7 +141,7 @@ class LeastSquares {
   private:
     static constexpr std::size_t kUnknownsOfJob = 2048;
     /// Products with A are in memory for so many samples at a time, or a block more.
-    static constexpr std::size_t kSamplesOfPart = 65536;
+    static constexpr std::size_t kSamplesOfPart = 32768;
     /// Not initialized: the workers that fill it get its memory from the system, too.
     template <typename Value> using Vector = std::unique_ptr<Value[]>;
     template <typename Value> static Vector<Value> MakeVector(std::size_t size) {

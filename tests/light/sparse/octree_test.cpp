@@ -211,9 +211,10 @@ TEST(LatticePoints, AllThatAreAddedAreFoundByTheirNumbers) {
     EXPECT_EQ(points.Size(), numbers.size());
     for (const auto &[p, number] : numbers)
         EXPECT_EQ(points.Find(p), number);
-    for (int i = 0; i < 1000; i++)
-        if (const LatticePoint p = randomPoint(); !numbers.contains(p))
-            EXPECT_EQ(points.Find(p), LatticePoints::kUnknown);
+    for (int i = 0; i < 1000; i++) {
+        const LatticePoint p = randomPoint();
+        EXPECT_EQ(points.Find(p) == LatticePoints::kUnknown, !numbers.contains(p));
+    }
 }
 
 /// A root of eight cells, the first of which is cut once more.
@@ -291,7 +292,7 @@ TEST(FitCorners, KeepsALinearField) {
                 point.value = fieldAt(point.at);
             }
     CornerWeights corners(tree, light);
-    const std::vector<SHFloats> values = FitCorners(tree, light, corners, lattice, space);
+    const std::vector<SHFloats> values = FitCorners(SampleCorners(tree, light, corners, lattice, space), light);
     ASSERT_EQ(values.size(), corners.Stored().size());
     ASSERT_GT(values.size(), 50u);
     for (std::size_t i = 0; i < values.size(); i++)
@@ -315,7 +316,7 @@ TEST(FitCorners, HalvesTheErrorOfACurvedField) {
                 point.value.fill(0.5f + float(x * x) / 1024); // interpolation errs to one side
             }
     CornerWeights corners(tree, light);
-    const std::vector<SHFloats> values = FitCorners(tree, light, corners, lattice, space);
+    const std::vector<SHFloats> values = FitCorners(SampleCorners(tree, light, corners, lattice, space), light);
     double fitted = 0, plain = 0;
     for (std::size_t i = 0; i < light.Size(); i++) {
         const LatticeSample &point = light[i];
@@ -358,7 +359,7 @@ TEST(SparseTree, ReadersGetWhatTheCornersSay) {
         std::vector<SHFloats> values;
         for (const std::uint32_t number : corners.Stored())
             values.push_back(light[number].value);
-        const SparseView view(PackSparseGrid(MakeSparseTree(tree, light, corners, lattice, values)));
+        const SparseView view(PackSparseGrid(MakeSparseTree(StoreTree(tree, light, corners), lattice, values)));
         const auto cornerValue = [&](const OctreeCell &leaf, const LatticePoint &p) {
             Coefficients sum{};
             for (const CornerTerm &term : corners.TermsIn(leaf, p))
