@@ -36,17 +36,6 @@ template <typename T> void ReserveInParallel(std::size_t count, const JobPool &j
     });
 }
 
-/// Makes room for at least `count` values in all. A vector that grows again and again takes half as much more each
-/// time.
-template <typename T> void GrowInParallel(std::size_t count, const JobPool &jobs, std::vector<T> &values) {
-    if (count <= values.capacity())
-        return;
-    std::vector<T> larger;
-    ReserveInParallel(std::max(count, values.size() + values.size() / 2), jobs, larger);
-    larger.insert(larger.end(), values.begin(), values.end());
-    values = std::move(larger);
-}
-
 /// A vector of `count` values T().
 template <typename T> std::vector<T> VectorInParallel(std::size_t count, const JobPool &jobs) {
     std::vector<T> values;
@@ -54,6 +43,37 @@ template <typename T> std::vector<T> VectorInParallel(std::size_t count, const J
     values.resize(count);
     return values;
 }
+
+/// A vector in chunks of equal size: it grows without copies, its values stay where they are, and memory for less than
+/// a chunk of them is not used.
+template <typename T> class ChunkedVector {
+  public:
+    std::size_t Size() const { return size_; }
+    T &operator[](std::size_t i) { return chunks_[i / kChunk][i % kChunk]; }
+    const T &operator[](std::size_t i) const { return chunks_[i / kChunk][i % kChunk]; }
+    /// Gets memory for `count` values in all; each worker that of some chunks, which also clears it.
+    void Reserve(std::size_t count, const JobPool &jobs) {
+        const std::size_t before = chunks_.size(), needed = (count + kChunk - 1) / kChunk;
+        chunks_.resize(std::max(before, needed));
+        ForAll(jobs, chunks_.size() - before, 1, [&](std::size_t i) { chunks_[before + i].resize(kChunk); });
+    }
+    /// Appends values T() until there are `count`.
+    void Grow(std::size_t count, const JobPool &jobs) {
+        Reserve(count, jobs);
+        size_ = std::max(size_, count);
+    }
+    void Add(const T &value) {
+        if (size_ == chunks_.size() * kChunk)
+            chunks_.emplace_back(kChunk);
+        (*this)[size_++] = value;
+    }
+
+  private:
+    /// About 128 KiB.
+    static constexpr std::size_t kChunk = std::bit_floor((std::size_t(128) << 10) / sizeof(T));
+    std::vector<std::vector<T>> chunks_; ///< each of kChunk values, T() from number size_ on
+    std::size_t size_ = 0;
+};
 
 /// The length of the part of `a` that is among the first `count` values when `a` and `b`, both sorted, are merged.
 template <typename T, typename Less>

@@ -204,8 +204,7 @@ bspSparseGridHeader_t HeaderOf(const SparseGridSH &grid) {
     bspSparseGridHeader_t head;
     head.nodes = std::uint32_t(grid.nodes.size());
     head.points = std::uint32_t(grid.points.size());
-    head.bytes = std::uint32_t(sizeof head + sizeof(SparseGridNode) * grid.nodes.size() +
-                               sizeof(SparseGridPoint) * grid.points.size());
+    head.bytes = std::uint32_t(SparseGridBytes(grid.nodes.size(), grid.points.size()));
     head.mins = grid.mins;
     head.cell = grid.cell;
     head.roots = grid.roots;

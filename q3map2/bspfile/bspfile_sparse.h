@@ -88,6 +88,10 @@ bspGridPointSH_t DequantizePoint(const SparseGridPoint &point, std::uint8_t scal
 /// The values of all points. Errors: none for a grid that CheckSparseGrid accepts.
 std::vector<bspGridPointSH_t> DequantizePoints(const SparseGridSH &grid);
 
+/// Size of the lump of a grid with so many nodes and points, bytes.
+constexpr std::size_t SparseGridBytes(std::size_t nodes, std::size_t points) {
+    return sizeof(bspSparseGridHeader_t) + nodes * sizeof(SparseGridNode) + points * sizeof(SparseGridPoint);
+}
 /// The bytes of the lump. Errors: those of CheckSparseGrid.
 std::vector<std::byte> EncodeSparseGrid(const SparseGridSH &grid);
 /// Errors: a bad head, a length that does not fit it, those of CheckSparseGrid.

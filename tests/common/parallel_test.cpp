@@ -36,12 +36,18 @@ TEST(Parallel, SortedValuesDoNotDependOnTheNumberOfWorkers) {
 
 TEST(Parallel, AVectorThatGrowsKeepsItsValues) {
     const JobPool jobs(2);
-    std::vector<int> values = VectorInParallel<int>(3, jobs);
-    EXPECT_EQ(values, std::vector<int>(3));
-    values = {1, 2, 3};
-    GrowInParallel(1000, jobs, values);
-    EXPECT_GE(values.capacity(), 1000u);
-    EXPECT_EQ(values, (std::vector<int>{1, 2, 3}));
+    EXPECT_EQ(VectorInParallel<int>(3, jobs), std::vector<int>(3));
+    ChunkedVector<int> values;
+    for (int i = 0; i < 100'000; ++i)
+        values.Add(i);
+    const int *const first = &values[0];
+    values.Grow(1'000'000, jobs);
+    EXPECT_EQ(first, &values[0]);
+    ASSERT_EQ(values.Size(), 1'000'000u);
+    const ChunkedVector<int> copy = values;
+    values[99'999] = 0;
+    for (std::size_t i = 0; i < copy.Size(); ++i)
+        ASSERT_EQ(copy[i], i < 100'000 ? int(i) : 0);
 }
 
 } // namespace

@@ -347,7 +347,8 @@ void NamedFit::FitShares() {
             slots_[slot] = here->share;
             pulls[slot] = kSharePull * here->Squared() * volumes_[i] * FitWeightOf(CornerAt(i)->light);
         }
-    std::vector<SampleBlock<float>> samples(1);
+    std::vector<SampleBlock> samples(1);
+    std::vector<float> values; // by number of a sample
     std::vector<BlendedLight> lights;
     std::vector<UnknownTerm> terms;
     for (const Sample &sample : samples_) {
@@ -366,16 +367,17 @@ void NamedFit::FitShares() {
                     sum[slot] += term.weight * here->Squared() * here->share;
                     weightSum[slot] += term.weight * here->Squared();
                 }
-            samples.front().Add(here->share * named, weight * here->Squared(), terms);
+            samples.front().Add(std::uint32_t(values.size()), weight * here->Squared(), terms);
+            values.push_back(here->share * named);
         }
     }
-    LeastSquares<float> system(slots_.size(), std::move(samples), jobs_);
+    LeastSquares system(slots_.size(), std::move(samples), jobs_);
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
         if (!pulls[slot])
             slots_[slot] = weightSum[slot] > 0 ? sum[slot] / weightSum[slot] : 0;
         system.SetPull(slot, pulls[slot] ? *pulls[slot] : kUnknownPull * system.WeightOf(slot));
     }
-    system.Solve(slots_, kShareSteps);
+    system.Solve([&](std::uint32_t number) { return values[number]; }, slots_, kShareSteps);
     for (float &share : slots_) // the rest is fitted to shares as they are stored
         share = std::round(std::clamp(share, 0.0f, 1.0f) * 255) / 255;
 }
@@ -410,7 +412,7 @@ void NamedFit::TakeOutNamedLights() {
 /// Replaces rest_, the traced values, by the least-squares fit to the samples. factors: of the weights, by sample.
 void NamedFit::SolveRest(std::span<const float> factors) {
     const std::size_t count = names_.size();
-    std::vector<SampleBlock<SHFloats>> samples(1);
+    std::vector<SampleBlock> samples(1);
     std::vector<SHFloats> sum(count); // weighted, of the samples around a corner; for corners in solids
     std::vector<UnknownTerm> terms;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -420,16 +422,16 @@ void NamedFit::SolveRest(std::span<const float> factors) {
             terms.push_back({term.stored, term.weight});
             AddScaled(weight * term.weight, restOfSamples_[i], sum[term.stored]);
         }
-        samples.front().Add(restOfSamples_[i], weight, terms);
+        samples.front().Add(std::uint32_t(i), weight, terms);
     }
-    LeastSquares<SHFloats> system(count, std::move(samples), jobs_);
+    LeastSquares system(count, std::move(samples), jobs_);
     for (std::size_t i = 0; i < count; ++i) {
         const float weight = system.WeightOf(i);
         if (!CornerAt(i) && weight > 0)
             AddScaled(1 / weight, sum[i], rest_[i]);
         system.SetPull(i, (CornerAt(i) ? kRestPull : kUnknownPull) * weight);
     }
-    system.Solve(rest_, kRestSteps);
+    system.Solve([&](std::uint32_t number) { return restOfSamples_[number]; }, rest_, kRestSteps);
 }
 
 /// Sets the factors of leaks (kLeakFactor). False if there are none.

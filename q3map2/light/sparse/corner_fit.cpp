@@ -3,7 +3,6 @@
 
 #include "common/parallel.h"
 #include "q3map2/light/grid/gridsh_fit.h"
-#include "q3map2/light/sparse/least_squares.h"
 
 #include <algorithm>
 #include <bit>
@@ -208,19 +207,19 @@ void LimitChange(const SHFloats &before, SHFloats &value) {
         value[k] = before[k] + (value[k] - before[k]) * (maxChange / change);
 }
 
-/// Samples of the fit, made by one job.
-using FitSamples = SampleBlock<SHFloats>;
-
-void AddSample(const SHFloats &light, const std::vector<CornerTerm> &terms, FitSamples &samples) {
-    samples.Add(light, FitWeight(1, std::max(0.0f, MeanLight(light)), FittedPoints::All), terms);
+/// The light of a sample. Points are numbered first, then near lights.
+const SHFloats &LightOfSample(std::size_t number, const LatticePoints &points,
+                              std::span<const NearLightSample> nearLights) {
+    return number < points.Size() ? points[number].value : nearLights[number - points.Size()].light;
 }
 
-/// What FitCorners fits.
-class FitInputs {
+/// Finds what SampleCorners adds.
+class CornerSampler {
   public:
-    FitInputs(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
-              const SparseLattice &lattice, const BspSpace &space, const JobPool &jobs)
-        : tree_(tree), points_(points), corners_(corners), withoutSolid_(tree.Size()) {
+    CornerSampler(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
+                  std::span<const NearLightSample> nearLights, const SparseLattice &lattice, const BspSpace &space,
+                  const JobPool &jobs)
+        : tree_(tree), points_(points), corners_(corners), nearLights_(nearLights), withoutSolid_(tree.Size()) {
         const std::vector<std::size_t> leafs = tree.OpenLeafs();
         ForAll(jobs, leafs.size(), kJobSize, [&](std::size_t i) {
             const OctreeCell &leaf = tree[leafs[i]];
@@ -228,9 +227,25 @@ class FitInputs {
                 !space.AnySolid(lattice.PositionOf(leaf.origin), lattice.PositionOf(leaf.Corner(7)));
         });
     }
-    /// Adds point number i if it is in the open, and stored or away from solids.
-    void AddPoint(std::size_t i, FitSamples &samples) const {
-        const LatticeSample &point = points_[i];
+    /// Number of samples that there may be: the points, then the near lights.
+    std::size_t Count() const { return points_.Size() + nearLights_.size(); }
+    void Add(std::size_t number, SampleBlock &samples) const {
+        if (number < points_.Size())
+            AddPoint(number, samples);
+        else
+            AddNearLight(number, samples);
+    }
+
+  private:
+    void AddSample(std::size_t number, const std::vector<CornerTerm> &terms, SampleBlock &samples) const {
+        samples.Add(
+            std::uint32_t(number),
+            FitWeight(1, std::max(0.0f, MeanLight(LightOfSample(number, points_, nearLights_))), FittedPoints::All),
+            terms);
+    }
+    /// Adds a point if it is in the open, and stored or away from solids.
+    void AddPoint(std::size_t number, SampleBlock &samples) const {
+        const LatticeSample &point = points_[number];
         if (!point.traced)
             return;
         std::size_t inside = Octree::kNone;
@@ -240,44 +255,51 @@ class FitInputs {
                 inside = leaf; // any of the leafs that touch the point will do: light is continuous
                 nearSolid = nearSolid || withoutSolid_[leaf] == 0;
             }
-        if (inside != Octree::kNone && (corners_.IsStored(std::uint32_t(i)) || !nearSolid))
-            AddSample(point.value, corners_.TermsIn(tree_[inside], point.at), samples);
+        if (inside != Octree::kNone && (corners_.IsStored(std::uint32_t(number)) || !nearSolid))
+            AddSample(number, corners_.TermsIn(tree_[inside], point.at), samples);
     }
-    void AddNearLight(const NearLightSample &sample, FitSamples &samples) const {
+    void AddNearLight(std::size_t number, SampleBlock &samples) const {
+        const NearLightSample &sample = nearLights_[number - points_.Size()];
         const std::size_t leaf = tree_.LeafAt(CellAt(sample.at));
         if (leaf != Octree::kNone && tree_[leaf].openFraction > 0 && withoutSolid_[leaf] != 0)
-            AddSample(sample.light, corners_.TermsIn(tree_[leaf], sample.at), samples);
+            AddSample(number, corners_.TermsIn(tree_[leaf], sample.at), samples);
     }
 
-  private:
     const Octree &tree_;
     const LatticePoints &points_;
     const CornerWeights &corners_;
+    std::span<const NearLightSample> nearLights_;
     std::vector<std::uint8_t> withoutSolid_; ///< by leaf: 1 or 0
 };
 
 } // namespace
 
-std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
-                                 const SparseLattice &lattice, const BspSpace &space,
-                                 std::span<const NearLightSample> nearLights, const JobPool &jobs) {
-    const FitInputs inputs(tree, points, corners, lattice, space, jobs);
-    const std::size_t count = points.Size() + nearLights.size();
-    std::vector<FitSamples> samples((count + kJobSize - 1) / kJobSize); // by job
-    ForAll(jobs, count, kJobSize, [&](std::size_t i) {
-        if (i < points.Size())
-            inputs.AddPoint(i, samples[i / kJobSize]);
-        else
-            inputs.AddNearLight(nearLights[i - points.Size()], samples[i / kJobSize]);
+CornerSamples SampleCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
+                            const SparseLattice &lattice, const BspSpace &space,
+                            std::span<const NearLightSample> nearLights, const JobPool &jobs) {
+    const CornerSampler sampler(tree, points, corners, nearLights, lattice, space, jobs);
+    CornerSamples samples{corners.Stored(), std::vector<SampleBlock>((sampler.Count() + kJobSize - 1) / kJobSize)};
+    jobs.For(std::int64_t(samples.blocks.size()), [&](std::int64_t job, int) {
+        SampleBlock &block = samples.blocks[std::size_t(job)];
+        const std::size_t first = std::size_t(job) * kJobSize;
+        for (std::size_t i = first; i < std::min(sampler.Count(), first + kJobSize); ++i)
+            sampler.Add(i, block);
+        block.ShrinkToFit();
     });
-    const std::vector<std::uint32_t> &stored = corners.Stored();
-    LeastSquares<SHFloats> system(stored.size(), std::move(samples), jobs);
+    return samples;
+}
+
+std::vector<SHFloats> FitCorners(CornerSamples samples, const LatticePoints &points,
+                                 std::span<const NearLightSample> nearLights, const JobPool &jobs) {
+    const std::vector<std::uint32_t> &stored = samples.stored;
+    LeastSquares system(stored.size(), std::move(samples.blocks), jobs);
     std::vector<SHFloats> values = VectorInParallel<SHFloats>(stored.size(), jobs);
     ForAll(jobs, values.size(), kJobSize, [&](std::size_t i) {
         values[i] = points[stored[i]].value;
         system.SetPull(i, kRegularization * system.WeightOf(i));
     });
-    system.Solve(values, kIterations, jobs);
+    const auto lightOf = [&](std::uint32_t number) { return LightOfSample(number, points, nearLights); };
+    system.Solve(lightOf, values, kIterations, jobs);
     ForAll(jobs, values.size(), kJobSize, [&](std::size_t i) { LimitChange(points[stored[i]].value, values[i]); });
     return values;
 }

@@ -3,6 +3,7 @@
 
 #include "q3map2/light/scene/light_space.h"
 #include "q3map2/light/sparse/lattice.h"
+#include "q3map2/light/sparse/least_squares.h"
 #include "q3map2/light/sparse/octree.h"
 
 #include <span>
@@ -73,12 +74,21 @@ class CornerWeights {
 /// Number of corners that CornerWeights stores without rules.
 std::size_t CountStoredCorners(const Octree &tree, const LatticePoints &points, const JobPool &jobs);
 
-/// Least-squares values of the stored corners, in the order of corners.Stored(). Minimizes the sum over all points s of
-/// `points` in the open, and over `nearLights`, of w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull
-/// towards its own light, by conjugate gradients. w: FitWeight. Points of cells that touch solids count only where they
-/// are stored corners, so that no light is fitted through a wall.
-std::vector<SHFloats> FitCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
-                                 const SparseLattice &lattice, const BspSpace &space,
+/// What stored corners are fitted to.
+struct CornerSamples {
+    std::vector<std::uint32_t> stored; ///< CornerWeights::Stored
+    std::vector<SampleBlock> blocks;   ///< the light at points and near lights, numbered in this order
+};
+/// All points of `points` in the open, and `nearLights`. Points of cells that touch solids count only where they are
+/// stored corners, so that no light is fitted through a wall.
+CornerSamples SampleCorners(const Octree &tree, const LatticePoints &points, const CornerWeights &corners,
+                            const SparseLattice &lattice, const BspSpace &space,
+                            std::span<const NearLightSample> nearLights = {}, const JobPool &jobs = JobPool(1));
+
+/// Least-squares values of the stored corners, in their order. Minimizes the sum over the samples s of
+/// w(s) |interpolated(s) - light(s)|^2, plus for each corner a pull towards its own light, by conjugate gradients.
+/// w: FitWeight. points, nearLights: those of the samples.
+std::vector<SHFloats> FitCorners(CornerSamples samples, const LatticePoints &points,
                                  std::span<const NearLightSample> nearLights = {}, const JobPool &jobs = JobPool(1));
 
 } // namespace q3

@@ -92,10 +92,6 @@ LatticePoints::LatticePoints(const SparseLattice &lattice) {
     uniform_.assign(count, kUnknown);
 }
 
-void LatticePoints::Reserve(std::size_t points, const JobPool &jobs) {
-    GrowInParallel(points, jobs, points_);
-}
-
 std::size_t LatticePoints::UniformPlace(const LatticePoint &at) const {
     std::size_t place = 0;
     for (std::size_t axis = 3; axis-- > 0;) {
@@ -108,7 +104,7 @@ std::size_t LatticePoints::UniformPlace(const LatticePoint &at) const {
 }
 
 void LatticePoints::MakeUniform(std::size_t count, const JobPool &jobs) {
-    points_ = VectorInParallel<LatticeSample>(count, jobs);
+    points_.Grow(count, jobs);
     const std::int32_t width = uniformSize_[0], height = uniformSize_[1];
     jobs.For(std::int64_t(height) * uniformSize_[2], [&](std::int64_t row, int) {
         const auto y = std::int32_t(row % height), z = std::int32_t(row / height);
@@ -119,12 +115,16 @@ void LatticePoints::MakeUniform(std::size_t count, const JobPool &jobs) {
     });
 }
 
-std::size_t LatticePoints::SlotOf(std::uint64_t key) const {
+std::uint32_t LatticePoints::HashOf(const LatticePoint &at) {
+    return std::uint32_t(HashIndex(KeyOf(at)));
+}
+
+void LatticePoints::Insert(const Slot &inserted) {
     const std::size_t mask = slots_.size() - 1;
-    std::size_t slot = std::size_t(HashIndex(key)) & mask;
-    while (slots_[slot].number != kUnknown && slots_[slot].key != key)
+    std::size_t slot = inserted.hash & mask;
+    while (slots_[slot].number != kUnknown)
         slot = (slot + 1) & mask;
-    return slot;
+    slots_[slot] = inserted;
 }
 
 void LatticePoints::GrowIfFull() {
@@ -132,31 +132,37 @@ void LatticePoints::GrowIfFull() {
     if (hashed_ * 2 < slots_.size())
         return;
     const std::vector<Slot> old = std::exchange(slots_, {});
-    slots_.assign(std::max(kMinSlots, old.size() * 4), Slot{});
+    slots_.assign(std::max(kMinSlots, old.size() * 2), Slot{});
     for (const Slot &slot : old)
         if (slot.number != kUnknown)
-            slots_[SlotOf(slot.key)] = slot;
+            Insert(slot);
 }
 
 std::uint32_t LatticePoints::Find(const LatticePoint &at) const {
     if (const std::size_t place = UniformPlace(at); place != kNoPlace)
         return uniform_[place];
-    return slots_.empty() ? kUnknown : slots_[SlotOf(KeyOf(at))].number;
+    if (slots_.empty())
+        return kUnknown;
+    const std::uint32_t hash = HashOf(at);
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t slot = hash & mask;
+    while (slots_[slot].number != kUnknown && (slots_[slot].hash != hash || points_[slots_[slot].number].at != at))
+        slot = (slot + 1) & mask;
+    return slots_[slot].number;
 }
 
 std::uint32_t LatticePoints::Add(const LatticePoint &at) {
     const std::uint32_t known = Find(at);
     if (known != kUnknown)
         return known;
-    const auto number = std::uint32_t(points_.size());
-    points_.push_back({.at = at});
+    const auto number = std::uint32_t(points_.Size());
+    points_.Add({.at = at});
     if (const std::size_t place = UniformPlace(at); place != kNoPlace) {
         uniform_[place] = number;
         return number;
     }
     GrowIfFull();
-    const std::uint64_t key = KeyOf(at);
-    slots_[SlotOf(key)] = {key, number};
+    Insert({HashOf(at), number});
     ++hashed_;
     return number;
 }

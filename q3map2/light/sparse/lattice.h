@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The lattice of the sparse SH grid: positions of its points, and the light that is known there.
 #pragma once
 
+#include "common/parallel.h"
 #include "libs/math/morton.h"
 #include "libs/math/vec.h"
 #include "q3map2/bspfile/bsp.h"
@@ -83,7 +84,7 @@ class LatticePoints {
     static constexpr std::uint32_t kUnknown = std::uint32_t(-1);
     explicit LatticePoints(const SparseLattice &lattice);
     /// Gets memory for at least that many points.
-    void Reserve(std::size_t points, const JobPool &jobs);
+    void Reserve(std::size_t points, const JobPool &jobs) { points_.Reserve(points, jobs); }
     /// Adds points of the uniform grid's lattice, without light, to an empty set. forEach(use) calls use(point) for
     /// each of them, in the order of their numbers; a point may occur more than once.
     template <typename ForEach> void AddUniform(const ForEach &forEach, const JobPool &jobs) {
@@ -102,7 +103,7 @@ class LatticePoints {
     const LatticeSample &At(const LatticePoint &at) const { return points_[Find(at)]; }
     LatticeSample &operator[](std::size_t number) { return points_[number]; }
     const LatticeSample &operator[](std::size_t number) const { return points_[number]; }
-    std::size_t Size() const { return points_.size(); }
+    std::size_t Size() const { return points_.Size(); }
 
   private:
     static constexpr std::size_t kNoPlace = std::size_t(-1);
@@ -110,16 +111,18 @@ class LatticePoints {
     std::size_t UniformPlace(const LatticePoint &at) const;
     /// Makes the samples of the points that have numbers in uniform_, which are 0 to count - 1.
     void MakeUniform(std::size_t count, const JobPool &jobs);
+    /// Of the hash table. It says which point may be meant; whether it is shows the point itself.
     struct Slot {
-        std::uint64_t key = 0;
+        std::uint32_t hash = 0;
         std::uint32_t number = kUnknown;
     };
-    /// The slot with that key, else the free one in which to put it.
-    std::size_t SlotOf(std::uint64_t key) const;
+    static std::uint32_t HashOf(const LatticePoint &at);
+    /// Puts a number that is not in the table into it.
+    void Insert(const Slot &inserted);
     /// Enlarges the hash table once half of it is in use.
     void GrowIfFull();
 
-    std::vector<LatticeSample> points_;
+    ChunkedVector<LatticeSample> points_;
     Int3 uniformLevel_{};                ///< log2 of the distance of points of the uniform grid, by axis
     Int3 uniformSize_{};                 ///< of uniform_, by axis
     std::vector<std::uint32_t> uniform_; ///< numbers of points of the uniform grid's lattice, as an array: most are

@@ -37,28 +37,33 @@ inline float DotOfValues(float a, float b) {
     return a * b;
 }
 
-/// Samples in a row, each a combination of unknowns with its value. Several of them make up the samples of a
-/// LeastSquares, so that workers can fill them at the same time.
-template <typename Value> class SampleBlock {
+/// Samples in a row, each a combination of unknowns with a number, by which LeastSquares::Solve asks for its value.
+/// Several of them make up the samples of a LeastSquares, so that workers can fill them at the same time.
+class SampleBlock {
   public:
     /// terms: structures of an unknown and its weight.
-    template <typename Terms> void Add(const Value &value, float weight, const Terms &terms) {
-        samples_.push_back({value, weight, std::uint32_t(terms.size())});
+    template <typename Terms> void Add(std::uint32_t number, float weight, const Terms &terms) {
+        samples_.push_back({number, weight, std::uint32_t(terms.size())});
         for (const auto &[unknown, termWeight] : terms)
             terms_.push_back({unknown, termWeight});
     }
+    /// Gives back memory that is left over when all samples are added.
+    void ShrinkToFit() {
+        samples_.shrink_to_fit();
+        terms_.shrink_to_fit();
+    }
     std::size_t Size() const { return samples_.size(); }
     std::size_t TermCount() const { return terms_.size(); }
-    /// Calls use(i, value, weight, terms) for each sample i.
+    /// Calls use(i, number, weight, terms) for each sample i.
     template <typename Use> void ForEach(const Use &use) const {
         const UnknownTerm *terms = terms_.data();
         for (std::size_t i = 0; i < samples_.size(); terms += samples_[i++].termCount)
-            use(i, samples_[i].value, samples_[i].weight, std::span(terms, samples_[i].termCount));
+            use(i, samples_[i].number, samples_[i].weight, std::span(terms, samples_[i].termCount));
     }
 
   private:
     struct Sample {
-        Value value;
+        std::uint32_t number;
         float weight;
         std::uint32_t termCount;
     };
@@ -74,15 +79,18 @@ template <typename Value> class SampleBlock {
 /// (A^T W A + R) x = A^T W value + R x0, with W = diag(w) and R = diag(pull). Matrix-free: products with A and A^T W
 /// are sums over the terms of a sample, and of an unknown in the order of samples, so any number of workers rounds
 /// alike.
-template <typename Value> class LeastSquares {
+class LeastSquares {
   public:
     /// blocks: all samples, in order.
-    LeastSquares(std::size_t unknowns, std::vector<SampleBlock<Value>> blocks, const JobPool &jobs)
+    LeastSquares(std::size_t unknowns, std::vector<SampleBlock> blocks, const JobPool &jobs)
         : blocks_(std::move(blocks)), pull_(unknowns), diagonal_(unknowns), weights_(unknowns) {
-        std::size_t terms = 0;
-        for (const SampleBlock<Value> &block : blocks_) {
-            firstSamples_.push_back(std::uint32_t(samples_));
-            samples_ += block.Size(), terms += block.TermCount();
+        std::size_t samples = 0, terms = 0;
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+            if (parts_.empty() || samples - parts_.back().firstSample >= kSamplesOfPart)
+                parts_.push_back({b, b, samples, samples});
+            firstSamples_.push_back(std::uint32_t(samples));
+            samples += blocks_[b].Size(), terms += blocks_[b].TermCount();
+            parts_.back().endBlock = b + 1, parts_.back().endSample = samples;
         }
         MakeColumns(terms, jobs);
     }
@@ -90,39 +98,39 @@ template <typename Value> class LeastSquares {
     float WeightOf(std::size_t unknown) const { return weights_[unknown]; }
     void SetPull(std::size_t unknown, float pull) { pull_[unknown] = pull; }
 
-    /// Conjugate gradients with Jacobi's preconditioner M, at most `steps` of them. x: x0, replaced by the result. As
-    /// usual r is the residual, z = M^-1 r, rho = r . z, alpha the step length, and beta the factor of the last
-    /// direction in the next one.
-    void Solve(std::vector<Value> &x, int steps, const JobPool &jobs = JobPool(1)) const {
-        const auto makeVector = [](std::size_t size) { return std::make_unique_for_overwrite<Value[]>(size); };
-        const Vector differences = makeVector(samples_), r = makeVector(x.size()), z = makeVector(x.size());
-        const Vector direction = makeVector(x.size()), product = makeVector(x.size());
-        ForSamples(jobs, [&](std::size_t s, const Value &value, float, std::span<const UnknownTerm> terms) {
-            differences[s] = value;
-            AddScaledValue(-1, Combined(terms, x.data()), differences[s]);
-        });
+    /// Conjugate gradients with Jacobi's preconditioner M, at most `steps` of them. valueOf(number): the value of the
+    /// samples of that number. x: x0, replaced by the result. As usual r is the residual, z = M^-1 r, rho = r . z,
+    /// alpha the step length, and beta the factor of the last direction in the next one.
+    template <typename Value, typename ValueOf>
+    void Solve(const ValueOf &valueOf, std::vector<Value> &x, int steps, const JobPool &jobs = JobPool(1)) const {
+        const Vector<Value> r = MakeVector<Value>(x.size()), direction = MakeVector<Value>(x.size()),
+                            product = MakeVector<Value>(x.size());
         // A^T W (value - A x) for x = x0, where the pull is 0; and z.
-        ForAll(jobs, x.size(), kPart, [&](std::size_t i) {
-            r[i] = {};
-            AddColumn(i, differences, r[i]);
-            direction[i] = z[i] = Preconditioned(i, r[i]);
-        });
-        double rho = Dot(r, z, jobs);
+        ForAll(jobs, x.size(), kUnknownsOfJob, [&](std::size_t i) { r[i] = {}; });
+        const auto difference = [&](std::uint32_t number, std::span<const UnknownTerm> terms) {
+            Value value = valueOf(number);
+            AddScaledValue(-1, Combined(terms, x.data()), value);
+            return value;
+        };
+        AddColumns(difference, r, jobs);
+        ForAll(jobs, x.size(), kUnknownsOfJob, [&](std::size_t i) { direction[i] = Preconditioned(i, r[i]); });
+        const auto productOfZ = [&](std::size_t i) { return DotOfValues(r[i], Preconditioned(i, r[i])); };
+        double rho = SumInOrder(productOfZ, jobs);
         for (int step = 0; step < steps && rho > 0; ++step) {
-            Apply(direction, differences, product, jobs);
-            const double curvature = Dot(direction, product, jobs);
+            Apply(direction, product, jobs);
+            const double curvature =
+                SumInOrder([&](std::size_t i) { return DotOfValues(direction[i], product[i]); }, jobs);
             if (!(curvature > 0))
                 return;
             const auto alpha = float(rho / curvature);
-            ForAll(jobs, x.size(), kPart, [&](std::size_t i) {
+            ForAll(jobs, x.size(), kUnknownsOfJob, [&](std::size_t i) {
                 AddScaledValue(alpha, direction[i], x[i]);
                 AddScaledValue(-alpha, product[i], r[i]);
-                z[i] = Preconditioned(i, r[i]);
             });
-            const double nextRho = Dot(r, z, jobs);
+            const double nextRho = SumInOrder(productOfZ, jobs);
             const auto beta = float(nextRho / rho);
-            ForAll(jobs, x.size(), kPart, [&](std::size_t i) {
-                Value next = z[i];
+            ForAll(jobs, x.size(), kUnknownsOfJob, [&](std::size_t i) {
+                Value next = Preconditioned(i, r[i]);
                 AddScaledValue(beta, direction[i], next);
                 direction[i] = next;
             });
@@ -131,25 +139,30 @@ template <typename Value> class LeastSquares {
     }
 
   private:
-    static constexpr std::size_t kPart = 2048; ///< unknowns of one job
+    static constexpr std::size_t kUnknownsOfJob = 2048;
+    /// Products with A are in memory for so many samples at a time, or a block more.
+    static constexpr std::size_t kSamplesOfPart = 32768;
     /// Not initialized: the workers that fill it get its memory from the system, too.
-    using Vector = std::unique_ptr<Value[]>;
+    template <typename Value> using Vector = std::unique_ptr<Value[]>;
+    template <typename Value> static Vector<Value> MakeVector(std::size_t size) {
+        return std::make_unique_for_overwrite<Value[]>(size);
+    }
     /// A sample in which an unknown has a term, and w(s) a(s, unknown).
     struct Entry {
         std::uint32_t sample;
         float weight;
     };
+    /// Blocks in a row.
+    struct Part {
+        std::size_t firstBlock, endBlock, firstSample, endSample;
+    };
 
-    /// Calls use(s, value, weight, terms) for the samples s of a block.
+    /// Calls use(s, number, weight, terms) for the samples s of a block.
     template <typename Use> void ForSamplesOf(std::size_t block, const Use &use) const {
         blocks_[block].ForEach(
-            [&](std::size_t i, const Value &value, float weight, std::span<const UnknownTerm> terms) {
-                use(firstSamples_[block] + i, value, weight, terms);
+            [&](std::size_t i, std::uint32_t number, float weight, std::span<const UnknownTerm> terms) {
+                use(firstSamples_[block] + i, number, weight, terms);
             });
-    }
-    /// The same for all samples, on all workers.
-    template <typename Use> void ForSamples(const JobPool &jobs, const Use &use) const {
-        jobs.For(std::int64_t(blocks_.size()), [&](std::int64_t block, int) { ForSamplesOf(std::size_t(block), use); });
     }
     /// Sets the columns, and the sums over each. A counting sort of all terms by unknown: several groups of blocks are
     /// counted and sorted at the same time.
@@ -164,7 +177,7 @@ template <typename Value> class LeastSquares {
                 places[group].resize(pull_.size());
                 for (std::size_t b = blocks_.size() * group / groups; b < blocks_.size() * (group + 1) / groups; ++b)
                     ForSamplesOf(
-                        b, [&](std::size_t s, const Value &, float weight, std::span<const UnknownTerm> ofSample) {
+                        b, [&](std::size_t s, std::uint32_t, float weight, std::span<const UnknownTerm> ofSample) {
                             for (const UnknownTerm &term : ofSample)
                                 use(places[group][term.unknown], s, weight, term.weight);
                         });
@@ -184,7 +197,7 @@ template <typename Value> class LeastSquares {
             factors[place] = factor;
             entries_[place++] = {std::uint32_t(s), weight * factor};
         });
-        ForAll(jobs, pull_.size(), kPart, [&](std::size_t i) {
+        ForAll(jobs, pull_.size(), kUnknownsOfJob, [&](std::size_t i) {
             for (std::uint32_t e = BeginOf(i); e < ends_[i]; ++e) {
                 weights_[i] += entries_[e].weight;
                 diagonal_[i] += entries_[e].weight * factors[e];
@@ -192,49 +205,67 @@ template <typename Value> class LeastSquares {
         });
     }
     /// Sum of terms: (A x)(s) for those of a sample s.
-    static Value Combined(std::span<const UnknownTerm> terms, const Value *x) {
+    template <typename Value> static Value Combined(std::span<const UnknownTerm> terms, const Value *x) {
         Value sum{};
         for (const UnknownTerm &term : terms)
             AddScaledValue(term.weight, x[term.unknown], sum);
         return sum;
     }
     std::uint32_t BeginOf(std::size_t unknown) const { return unknown > 0 ? ends_[unknown - 1] : 0; }
-    /// to += (A^T W ofSamples)(unknown).
-    void AddColumn(std::size_t unknown, const Vector &ofSamples, Value &to) const {
-        for (std::uint32_t e = BeginOf(unknown); e < ends_[unknown]; ++e)
-            AddScaledValue(entries_[e].weight, ofSamples[entries_[e].sample], to);
+    /// to += A^T W y. ofSample(number, terms): y(s) for the sample with these.
+    template <typename Value, typename OfSample>
+    void AddColumns(const OfSample &ofSample, const Vector<Value> &to, const JobPool &jobs) const {
+        std::size_t largest = 0;
+        for (const Part &part : parts_)
+            largest = std::max(largest, part.endSample - part.firstSample);
+        const Vector<Value> ofPart = MakeVector<Value>(largest);
+        std::vector<std::uint32_t> next(pull_.size()); // by unknown: its first entry that is not added yet
+        ForAll(jobs, next.size(), kUnknownsOfJob, [&](std::size_t i) { next[i] = BeginOf(i); });
+        for (const Part &part : parts_) {
+            jobs.For(std::int64_t(part.endBlock - part.firstBlock), [&](std::int64_t b, int) {
+                ForSamplesOf(part.firstBlock + std::size_t(b),
+                             [&](std::size_t s, std::uint32_t number, float, std::span<const UnknownTerm> terms) {
+                                 ofPart[s - part.firstSample] = ofSample(number, terms);
+                             });
+            });
+            ForAll(jobs, next.size(), kUnknownsOfJob, [&](std::size_t i) {
+                std::uint32_t e = next[i];
+                for (; e < ends_[i] && entries_[e].sample < part.endSample; ++e)
+                    AddScaledValue(entries_[e].weight, ofPart[entries_[e].sample - part.firstSample], to[i]);
+                next[i] = e;
+            });
+        }
     }
-    /// product = (A^T W A + R) x. `ofSamples`: scratch memory.
-    void Apply(const Vector &x, const Vector &ofSamples, const Vector &product, const JobPool &jobs) const {
-        ForSamples(jobs, [&](std::size_t s, const Value &, float, std::span<const UnknownTerm> terms) {
-            ofSamples[s] = Combined(terms, x.get());
-        });
-        ForAll(jobs, pull_.size(), kPart, [&](std::size_t i) {
+    /// product = (A^T W A + R) x.
+    template <typename Value>
+    void Apply(const Vector<Value> &x, const Vector<Value> &product, const JobPool &jobs) const {
+        ForAll(jobs, pull_.size(), kUnknownsOfJob, [&](std::size_t i) {
             product[i] = {};
             AddScaledValue(pull_[i], x[i], product[i]);
-            AddColumn(i, ofSamples, product[i]);
         });
+        AddColumns([&](std::uint32_t, std::span<const UnknownTerm> terms) { return Combined(terms, x.get()); }, product,
+                   jobs);
     }
-    /// The sum is made in order.
-    double Dot(const Vector &a, const Vector &b, const JobPool &jobs) const {
-        std::vector<float> products(pull_.size());
-        ForAll(jobs, products.size(), kPart, [&](std::size_t i) { products[i] = DotOfValues(a[i], b[i]); });
+    /// Sum of termOf(i) over the unknowns i, made in order.
+    template <typename TermOf> double SumInOrder(const TermOf &termOf, const JobPool &jobs) const {
+        std::vector<float> terms(pull_.size());
+        ForAll(jobs, terms.size(), kUnknownsOfJob, [&](std::size_t i) { terms[i] = termOf(i); });
         double sum = 0;
-        for (const float product : products)
-            sum += double(product);
+        for (const float term : terms)
+            sum += double(term);
         return sum;
     }
     /// M^-1 r, M the diagonal of A^T W A + R, for one unknown.
-    Value Preconditioned(std::size_t unknown, const Value &r) const {
+    template <typename Value> Value Preconditioned(std::size_t unknown, const Value &r) const {
         Value z{};
         if (const float diagonal = diagonal_[unknown] + pull_[unknown]; diagonal > 0)
             AddScaledValue(1 / diagonal, r, z);
         return z;
     }
 
-    std::vector<SampleBlock<Value>> blocks_;
+    std::vector<SampleBlock> blocks_;
     std::vector<std::uint32_t> firstSamples_; ///< by block: number of its first sample
-    std::size_t samples_ = 0;                 ///< number of all samples
+    std::vector<Part> parts_;                 ///< of all blocks
     std::vector<float> pull_;                 ///< by unknown
     std::vector<float> diagonal_;             ///< of A^T W A
     std::vector<float> weights_;              ///< WeightOf, by unknown

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace q3 {
 
@@ -15,15 +16,26 @@ Octree::Octree(const SparseLattice &lattice) : roots_(lattice.Roots()), levels_(
     for (std::int32_t z = 0; z < roots_[2]; ++z)
         for (std::int32_t y = 0; y < roots_[1]; ++y)
             for (std::int32_t x = 0; x < roots_[0]; ++x)
-                cells_.push_back({.origin = {x * edge, y * edge, z * edge}, .level = levels_});
-    rootCount_ = cells_.size();
+                cells_.Add({.origin = {x * edge, y * edge, z * edge}, .level = levels_});
+    rootCount_ = cells_.Size();
 }
 
 void Octree::CopyFrom(const Octree &other, const JobPool &jobs) {
     constexpr std::size_t kCopiedCells = 16384;
-    GrowInParallel(other.Size(), jobs, cells_);
-    cells_.resize(other.Size());
+    cells_.Grow(other.Size(), jobs);
     ForAll(jobs, Size(), kCopiedCells, [&](std::size_t i) { cells_[i] = other.cells_[i]; });
+}
+
+void Octree::DropUnused() {
+    const ChunkedVector<OctreeCell> all = std::exchange(cells_, {});
+    for (std::size_t root = 0; root < rootCount_; ++root)
+        cells_.Add(all[root]);
+    for (std::size_t i = 0; i < Size(); ++i)
+        if (const std::size_t child = cells_[i].child; child != 0) {
+            cells_[i].child = std::uint32_t(Size());
+            for (std::size_t c = 0; c < 8; ++c)
+                cells_.Add(all[child + c]);
+        }
 }
 
 void Octree::MakeChildren(std::size_t leaf, std::size_t child) {
@@ -35,16 +47,16 @@ void Octree::MakeChildren(std::size_t leaf, std::size_t child) {
 }
 
 void Octree::Split(std::size_t leaf) {
-    const std::size_t child = cells_.size();
-    cells_.resize(child + 8);
+    const std::size_t child = cells_.Size();
+    for (std::size_t c = 0; c < 8; ++c)
+        cells_.Add({});
     MakeChildren(leaf, child);
 }
 
 void Octree::Split(std::span<const std::size_t> leafs, const JobPool &jobs) {
     constexpr std::size_t kLeafsOfJob = 256;
-    const std::size_t firstChild = cells_.size();
-    GrowInParallel(firstChild + 8 * leafs.size(), jobs, cells_);
-    cells_.resize(firstChild + 8 * leafs.size());
+    const std::size_t firstChild = cells_.Size();
+    cells_.Grow(firstChild + 8 * leafs.size(), jobs);
     ForAll(jobs, leafs.size(), kLeafsOfJob, [&](std::size_t i) { MakeChildren(leafs[i], firstChild + 8 * i); });
 }
 

@@ -1,6 +1,7 @@
 // GPL-2.0-or-later. The octree of the sparse SH grid while it is built, and its optimal pruning.
 #pragma once
 
+#include "common/parallel.h"
 #include "q3map2/light/sparse/lattice.h"
 
 #include <cmath>
@@ -48,14 +49,17 @@ inline LatticePoint CellAt(const Vec3f &at) {
     return {std::int32_t(std::floor(at.x)), std::int32_t(std::floor(at.y)), std::int32_t(std::floor(at.z))};
 }
 
-/// A box of root cubes, each divided into an octree. Cells are named by their index, which never changes.
+/// A box of root cubes, each divided into an octree. Cells are named by their index, which only
+/// DropUnused changes.
 class Octree {
   public:
     static constexpr std::size_t kNone = std::size_t(-1);
     explicit Octree(const SparseLattice &lattice);
-    /// Becomes a copy of an octree over the same lattice, which all workers make.
+    /// Becomes a copy of an octree over the same lattice that has no fewer cells, which all workers make.
     void CopyFrom(const Octree &other, const JobPool &jobs);
-    /// Gives a leaf eight children, which inherit its openFraction. References to cells become invalid.
+    /// Frees the cells below leafs, which PruneOctree leaves there. The others get new indexes.
+    void DropUnused();
+    /// Gives a leaf eight children, which inherit its openFraction.
     void Split(std::size_t leaf);
     /// The same for several leafs, in order.
     void Split(std::span<const std::size_t> leafs, const JobPool &jobs);
@@ -70,7 +74,7 @@ class Octree {
     std::vector<std::size_t> OpenLeafs() const;
     OctreeCell &operator[](std::size_t i) { return cells_[i]; }
     const OctreeCell &operator[](std::size_t i) const { return cells_[i]; }
-    std::size_t Size() const { return cells_.size(); }
+    std::size_t Size() const { return cells_.Size(); }
     std::size_t RootCount() const { return rootCount_; }
 
   private:
@@ -80,7 +84,7 @@ class Octree {
     Int3 roots_;
     int levels_;
     std::size_t rootCount_;
-    std::vector<OctreeCell> cells_; ///< the roots first, x fastest; parents before their children
+    ChunkedVector<OctreeCell> cells_; ///< the roots first, x fastest; parents before their children
 };
 
 /// Size and expected error of an octree that PruneOctree has pruned.

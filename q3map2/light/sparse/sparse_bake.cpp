@@ -12,6 +12,8 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 namespace q3 {
 
@@ -57,8 +59,9 @@ constexpr double kTargetSlack = 1.02;
 /// The expected error may be this many targets: where light changes little, it is above the measured one.
 constexpr double kExpectedSlack = 1.3;
 
-/// Limit of the error near lights that keeps no node from being pruned.
+/// Limit of the error near lights that keeps no node from being pruned, and of bytes that every lump keeps.
 constexpr float kAnyError = std::numeric_limits<float>::infinity();
+constexpr double kAnySize = std::numeric_limits<double>::infinity();
 /// Receivers of one job.
 constexpr std::size_t kReceiversOfJob = 256;
 
@@ -114,7 +117,13 @@ class SparseGridBuilder {
     RefinementStop Refine(const LatticeTracer &tracer, GridStats &work);
     float FindPrice() const;
     SparseGridSH GridAtPrice(float price, SparseStats &result);
-    SparseGridSH GridOf(const PrunedTree &pruned, SparseStats &result) const;
+    /// A grid whose values are not fitted yet.
+    struct UnfittedGrid {
+        StoredTree tree;
+        CornerSamples samples;
+    };
+    std::optional<UnfittedGrid> Unfitted(PrunedTree pruned, double maxBytes, SparseStats &result) const;
+    SparseGridSH Fitted(UnfittedGrid unfitted, SparseStats &result) const;
     void MeasureNearLights(const SparseGridSH &grid, SparseStats &result) const;
 
     const BspSpace &space_;
@@ -253,34 +262,43 @@ SparseGridSH SparseGridBuilder::GridAtPrice(float price, SparseStats &result) {
         const bool isCoarsest = price > kMaxPrice;
         if (double(pruned.stats.leafs) * bytesPerLeaf > maxBytes_ && !isCoarsest)
             continue;
-        SparseGridSH grid = GridOf(pruned, result);
-        if (double(result.bytes) <= maxBytes_ || isCoarsest)
-            return grid;
-        bytesPerLeaf = double(result.bytes) / double(pruned.stats.leafs);
+        if (std::optional<UnfittedGrid> grid =
+                Unfitted(std::exchange(pruned, {Octree(lattice_), {}}), isCoarsest ? kAnySize : maxBytes_, result))
+            return Fitted(*std::move(grid), result);
+        bytesPerLeaf = double(result.bytes) / double(result.leafs);
         if (!goal_.budget)
             result.stop = RefinementStop::ByteLimit;
     }
 }
 
-/// The grid of a pruned tree, with its size and errors in `result`.
-SparseGridSH SparseGridBuilder::GridOf(const PrunedTree &pruned, SparseStats &result) const {
+/// The grid of a pruned tree, with its size and expected error in `result`; none if its lump exceeds `maxBytes`. What
+/// only this needs of the tree is freed before the fit, which takes the most memory of all.
+std::optional<SparseGridBuilder::UnfittedGrid> SparseGridBuilder::Unfitted(PrunedTree pruned, double maxBytes,
+                                                                           SparseStats &result) const {
+    pruned.tree.DropUnused();
     const CornerWeights corners(pruned.tree, points_, {}, jobs_);
-    const std::vector<SHFloats> values =
-        FitCorners(pruned.tree, points_, corners, lattice_, space_, nearLights_, jobs_);
-    SparseGridTree tree = MakeSparseTree(pruned.tree, points_, corners, lattice_, values, jobs_);
-    DeringStats dering;
+    StoredTree stored = StoreTree(pruned.tree, points_, corners, jobs_);
+    result.leafs = pruned.stats.leafs;
+    result.storedPoints = stored.order.size();
+    result.bytes = SparseGridBytes(stored.nodes.size(), stored.order.size());
+    result.expectedError = pruned.stats.error;
+    if (double(result.bytes) > maxBytes)
+        return {};
+    return UnfittedGrid{std::move(stored),
+                        SampleCorners(pruned.tree, points_, corners, lattice_, space_, nearLights_, jobs_)};
+}
+
+/// The grid with its values, and what deringing did to them in `result`.
+SparseGridSH SparseGridBuilder::Fitted(UnfittedGrid unfitted, SparseStats &result) const {
+    const std::vector<SHFloats> values = FitCorners(std::move(unfitted.samples), points_, nearLights_, jobs_);
+    SparseGridTree tree = MakeSparseTree(std::move(unfitted.tree), lattice_, values, jobs_);
+    result.dering = {};
     for (bspGridPointSH_t &value : tree.values) {
         value = ToStored(std::bit_cast<SHFloats>(value), radiance_);
         if (dering_)
-            dering.Add(DeringPoint(value, radiance_));
+            result.dering.Add(DeringPoint(value, radiance_));
     }
-    SparseGridSH grid = PackSparseGrid(tree);
-    result.leafs = pruned.stats.leafs;
-    result.storedPoints = grid.points.size();
-    result.bytes = EncodeSparseGrid(grid).size();
-    result.expectedError = pruned.stats.error;
-    result.dering = dering;
-    return grid;
+    return PackSparseGrid(tree);
 }
 
 /// Sets the error of the finished grid at positions near lights.

@@ -150,9 +150,8 @@ StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeigh
     return TreeWriter(std::move(tree), points, corners, jobs).Write(jobs);
 }
 
-SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
-                              const SparseLattice &lattice, const std::vector<SHFloats> &values, const JobPool &jobs) {
-    StoredTree stored = StoreTree(std::move(tree), points, corners, jobs);
+SparseGridTree MakeSparseTree(StoredTree stored, const SparseLattice &lattice, const std::vector<SHFloats> &values,
+                              const JobPool &jobs) {
     SparseGridTree file;
     file.nodes = std::move(stored.nodes);
     file.values = VectorInParallel<bspGridPointSH_t>(stored.order.size(), jobs);

@@ -17,10 +17,8 @@ struct StoredTree {
 /// stored or hanging corner of a leaf is the lower corner of a cell.
 StoredTree StoreTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
                      const JobPool &jobs = JobPool(1));
-/// The nodes and values that the file has. values: of the stored corners, in the order of
-/// corners.Stored().
-SparseGridTree MakeSparseTree(Octree tree, const LatticePoints &points, const CornerWeights &corners,
-                              const SparseLattice &lattice, const std::vector<SHFloats> &values,
+/// The nodes and values that the file has. values: of the stored corners, in the order of corners.Stored().
+SparseGridTree MakeSparseTree(StoredTree stored, const SparseLattice &lattice, const std::vector<SHFloats> &values,
                               const JobPool &jobs = JobPool(1));
 
 } // namespace q3

@@ -1,8 +1,8 @@
 // GPL-2.0-or-later. Parts of the bake of the sparse SH grid: lattice, pruning, hanging corners, fit, tree of the file.
 #include "q3map2/light/options/light_options.h"
 #include "q3map2/light/sparse/corner_fit.h"
-#include "q3map2/light/sparse/sparse_tree.h"
 #include "q3map2/light/sparse/octree.h"
+#include "q3map2/light/sparse/sparse_tree.h"
 #include "tests/support/sparse_view.h"
 
 #include <bit>
@@ -174,6 +174,49 @@ TEST(PruneOctree, CellsThatLampsNeedAreNotJoined) {
     }
 }
 
+TEST(PruneOctree, CellsBelowItsLeafsCanBeDropped) {
+    std::mt19937 random(6);
+    std::uniform_real_distribution<float> unit;
+    Octree tree = RandomOctree(SmallLattice(), random, 0.6, 0.2);
+    for (std::size_t i = 0; i < tree.Size(); i++)
+        tree[i].error = unit(random);
+    PruneOctree(tree, 30);
+    const auto leafsOf = [](const Octree &of) {
+        std::vector<std::pair<LatticePoint, int>> leafs;
+        for (const std::size_t leaf : of.OpenLeafs())
+            leafs.emplace_back(of[leaf].origin, of[leaf].level);
+        return leafs;
+    };
+    Octree smaller = tree;
+    smaller.DropUnused();
+    EXPECT_LT(smaller.Size(), tree.Size());
+    EXPECT_GT(smaller.Size(), 9u);
+    EXPECT_EQ(leafsOf(smaller), leafsOf(tree));
+    for (std::int32_t at = 0; at < 16; at++)
+        EXPECT_EQ(smaller[smaller.LeafAt({at, 3, 9})].origin, tree[tree.LeafAt({at, 3, 9})].origin) << at;
+}
+
+TEST(LatticePoints, AllThatAreAddedAreFoundByTheirNumbers) {
+    const SparseLattice lattice = SparseLattice::Cubic(HeaderOf({}, {32, 32, 64}, {50, 50, 20}));
+    std::mt19937 random(4);
+    std::uniform_int_distribution<std::int32_t> coordinate(0, 300);
+    LatticePoints points(lattice);
+    std::map<LatticePoint, std::uint32_t> numbers;
+    const auto randomPoint = [&] { return LatticePoint{coordinate(random), coordinate(random), coordinate(random)}; };
+    for (int i = 0; i < 50'000; i++) {
+        const LatticePoint p = randomPoint();
+        const auto number = numbers.emplace(p, std::uint32_t(numbers.size())).first->second;
+        EXPECT_EQ(points.Add(p), number);
+    }
+    EXPECT_EQ(points.Size(), numbers.size());
+    for (const auto &[p, number] : numbers)
+        EXPECT_EQ(points.Find(p), number);
+    for (int i = 0; i < 1000; i++) {
+        const LatticePoint p = randomPoint();
+        EXPECT_EQ(points.Find(p) == LatticePoints::kUnknown, !numbers.contains(p));
+    }
+}
+
 /// A root of eight cells, the first of which is cut once more.
 struct CutRoot {
     CutRoot() {
@@ -249,7 +292,7 @@ TEST(FitCorners, KeepsALinearField) {
                 point.value = fieldAt(point.at);
             }
     CornerWeights corners(tree, light);
-    const std::vector<SHFloats> values = FitCorners(tree, light, corners, lattice, space);
+    const std::vector<SHFloats> values = FitCorners(SampleCorners(tree, light, corners, lattice, space), light);
     ASSERT_EQ(values.size(), corners.Stored().size());
     ASSERT_GT(values.size(), 50u);
     for (std::size_t i = 0; i < values.size(); i++)
@@ -273,7 +316,7 @@ TEST(FitCorners, HalvesTheErrorOfACurvedField) {
                 point.value.fill(0.5f + float(x * x) / 1024); // interpolation errs to one side
             }
     CornerWeights corners(tree, light);
-    const std::vector<SHFloats> values = FitCorners(tree, light, corners, lattice, space);
+    const std::vector<SHFloats> values = FitCorners(SampleCorners(tree, light, corners, lattice, space), light);
     double fitted = 0, plain = 0;
     for (std::size_t i = 0; i < light.Size(); i++) {
         const LatticeSample &point = light[i];
@@ -316,7 +359,7 @@ TEST(SparseTree, ReadersGetWhatTheCornersSay) {
         std::vector<SHFloats> values;
         for (const std::uint32_t number : corners.Stored())
             values.push_back(light[number].value);
-        const SparseView view(PackSparseGrid(MakeSparseTree(tree, light, corners, lattice, values)));
+        const SparseView view(PackSparseGrid(MakeSparseTree(StoreTree(tree, light, corners), lattice, values)));
         const auto cornerValue = [&](const OctreeCell &leaf, const LatticePoint &p) {
             Coefficients sum{};
             for (const CornerTerm &term : corners.TermsIn(leaf, p))
