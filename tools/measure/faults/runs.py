@@ -212,7 +212,7 @@ class Scratch:
     def judge(self, result, kind, dies=False):
         """(outcome, lost files, files left over, other findings) of a run that has just ended; restores the folder."""
         now = state_of(self.folder)
-        lost, left, other = [], [], []
+        lost, left, other, named = [], [], [], []
         may_stay = dies or kind == "remove"
         # A cache that was not written makes the next run slower, and nothing else.
         is_new = all(name.startswith("cache/") or not self.differs(name, now) for name in self.new)
@@ -225,7 +225,9 @@ class Scratch:
                 continue
             if changes_each_time(name) or incomplete and PACKAGE.search(name):
                 continue
-            if old == "missing" and new == "missing":
+            if old == "missing" and new == "missing" and is_named_old(name, result, is_now, self.old):
+                named.append(UNFINISHED.sub("", name))
+            elif old == "missing" and new == "missing":
                 # Nothing can be done about an unfinished file that the system refuses to remove.
                 if not name.startswith("cache/") and not (may_stay and UNFINISHED.search(name)):
                     left.append(name)
@@ -233,7 +235,7 @@ class Scratch:
                 lost.append(name)
         changed = [name for name in self.new if self.old.get(name, "missing") != self.new[name]
                    and self.new[name] is not None and not is_record(name)]
-        done = [name for name in changed if now.get(name, "missing") == self.new[name]]
+        done = [name for name in changed if name not in named and now.get(name, "missing") == self.new[name]]
         gone = [name for name in self.old if name not in self.new and name not in now]
         only_records = all(is_record(name) or not self.differs(name, now) for name in self.new)
         if result.status != 0 and not dies and (done or gone) and not only_records and not incomplete:
@@ -270,6 +272,12 @@ class Scratch:
         else:
             other.append(f"status {result.status}")
         return "crash"
+
+
+def is_named_old(name, result, contents, old):
+    """Whether an unfinished file has the old contents of a file that could not be put back, and the error names it."""
+    return f"/{name}" in result.text and "cannot be put back" in result.text and \
+        contents == old.get(UNFINISHED.sub("", name))
 
 
 def is_incomplete_package(result):
