@@ -18,11 +18,10 @@ namespace q3 {
 
 /// Most blocks of a row, and the number of words that have a bit for each.
 inline constexpr std::size_t kMaxBlocks = 256, kBlockSetWords = kMaxBlocks / kBitsPerWord;
-/// Words of a block of a row of that many words. Fewer words take less memory, and more time, since blocks are looked
-/// up.
+/// Words of a block of a row of that many words. Smaller blocks take less memory, and more time to be looked up.
 inline std::size_t BlockWordsOf(std::size_t words) {
-    constexpr std::size_t kLongRow = 384;
-    return std::max<std::size_t>(words <= kLongRow ? 4 : 2, (words + kMaxBlocks - 1) / kMaxBlocks);
+    constexpr std::size_t kFewest = 4;
+    return std::max(kFewest, (words + kMaxBlocks - 1) / kMaxBlocks);
 }
 
 /// A set of blocks of a row.
