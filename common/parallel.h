@@ -51,7 +51,7 @@ template <typename T> class ChunkedVector {
     std::size_t Size() const { return size_; }
     T &operator[](std::size_t i) { return chunks_[i / kChunk][i % kChunk]; }
     const T &operator[](std::size_t i) const { return chunks_[i / kChunk][i % kChunk]; }
-    /// Gets memory for `count` values in all; each worker that of some chunks, which also clears it.
+    /// Allocates and clears the chunks of `count` values in all, on all workers.
     void Reserve(std::size_t count, const JobPool &jobs) {
         const std::size_t before = chunks_.size(), needed = (count + kChunk - 1) / kChunk;
         chunks_.resize(std::max(before, needed));

@@ -72,8 +72,8 @@ std::string PlainName(std::string_view name);
 /// PlainName; a name that could lead out of the game folders, or that holds control bytes, becomes empty.
 std::string SafeName(std::string_view name);
 
-/// An archive in memory. The same entries in the same order give the same bytes: every entry
-/// has the date 1980-01-01, the first that zip knows.
+/// An archive in memory. The same entries in the same order give the same bytes: every entry has the date 1980-01-01,
+/// the first that zip knows.
 class ArchiveWriter {
   public:
     /// zlib's levels: -1 its own choice, 0 stored as it is, 1 fast to 9 small.

@@ -336,7 +336,7 @@ bool IsLightFile(const fs::path &file) {
 
 } // namespace
 
-void PackagePlan::Add(std::string name, fs::path disk) {
+void PackagePlan::Add(std::string_view name, fs::path disk) {
     if (names_.Add(name, ""))
         files_.push_back({NameInPackage(name), std::move(disk)});
 }

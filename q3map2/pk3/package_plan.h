@@ -41,7 +41,7 @@ struct PackageEntry {
 /// Files in the order in which they are packed, each once.
 class PackagePlan {
   public:
-    void Add(std::string name, std::filesystem::path disk = {});
+    void Add(std::string_view name, std::filesystem::path disk = {});
     const std::vector<PackageEntry> &Files() const { return files_; }
 
     std::vector<std::string> missing;                  ///< required: name and who wants it

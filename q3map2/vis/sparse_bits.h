@@ -17,7 +17,7 @@
 namespace q3 {
 
 /// Most blocks of a row, and the number of words that have a bit for each.
-inline constexpr std::size_t kMaxBlocks = 256, kBlockSetWords = kMaxBlocks / kBitsPerWord;
+inline constexpr std::size_t kMaxBlocks = 128, kBlockSetWords = kMaxBlocks / kBitsPerWord;
 /// Words of a block of a row of that many words. Smaller blocks take less memory, and more time to be looked up.
 inline std::size_t BlockWordsOf(std::size_t words) {
     constexpr std::size_t kFewest = 4;

@@ -100,7 +100,7 @@ std::vector<SettingGroup<VisStageOptions>> VisSettings() {
                 "The rows of the portals count towards it, but are always kept, so the stage may take more if the "
                 "number is small. Once that much memory is taken, the passages of the other portals are left out. The "
                 "stage then takes longer and hides less, and warns. A map of 961 rooms and 32,253 portals takes "
-                "1.0 GB in all.",
+                "1.15 GB in all.",
             .since = "0.2.0",
             .example = "1024"},
            VisField(&VisOptions::memory)},

@@ -31,6 +31,7 @@ class VisUnits {
     /// units: null, or of the purpose Parts; map: needed by the latter.
     explicit VisUnits(UnitStore *units, const VisMap *map = nullptr) : units_(units), map_(map) {}
 
+    /// Whether results are kept or looked for at all.
     bool HasStore() const { return units_ != nullptr; }
     /// Whether this process computes part of the first round, or of a later one.
     bool IsFirstPart() const { return units_ && units_->IsPartOfFirstRound(); }

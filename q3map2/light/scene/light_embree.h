@@ -65,10 +65,10 @@ inline void Occluded16(const int *valid, RTCScene scene, EmbreeContext &context,
 }
 #endif
 
-/// The device of all scenes, made on first use. It lives until the process ends, since Embree allocates memory to
-/// release a device, and ends the process if there is none. The environment variable Q3MAP2_EMBREE adds settings, see
-/// rtcNewDevice: "isa=avx2" imitates an older processor; each value has its own device. Errors: Error or
-/// std::bad_alloc.
+/// The device of all scenes, made on first use. It lives until the process ends, since Embree allocates memory and
+/// starts a thread when a device is released, and ends the process where it cannot. The environment variable
+/// Q3MAP2_EMBREE adds settings, see rtcNewDevice: "isa=avx2" imitates an older processor; each value has its own
+/// device. Errors: Error or std::bad_alloc.
 RTCDevice SharedDevice();
 /// An empty scene, watertight and built for fast tracing. Errors: Error or std::bad_alloc.
 ScenePtr NewScene(RTCDevice device);

@@ -39,12 +39,12 @@ class PageLightWriter {
             page.light.resize(in_.lightmap.hdr ? page.Texels() : 0);
         in_.jobs.For(std::int64_t(layers_.layers.size()), [&](std::int64_t i, int) {
             if (const LightmapLayer &layer = layers_.layers[std::size_t(i)]; layer.twin < 0 && layer.page >= 0)
-                Add(layer);
+                Write(layer);
         });
     }
 
   private:
-    void Add(const LightmapLayer &layer) {
+    void Write(const LightmapLayer &layer) {
         LightmapPage &page = pages_[std::size_t(layer.page)];
         const float scale = ToneMapper::FactorOf(layer.brightness, tone_) / 255;
         const Vec3f least = layer.slot == 0 ? in_.world.minLight : Vec3f{};
@@ -281,7 +281,7 @@ class HdrFileWriter {
     HdrFileWriter(const std::filesystem::path &folder, const LightmapOptions &options, FileSet &files, Log &log)
         : folder_(folder), options_(options), format_(PageFormatOf(options.hdrFiles)), files_(files), log_(log) {}
 
-    void WritePage(const LightmapPage &page) {
+    void AddPage(const LightmapPage &page) {
         const bool wanted = page.needsImage || options_.hdrFiles != HdrFiles::None;
         if (wanted && !page.light.empty())
             AddHdr(page, PageImageName(page.file), page.light);
@@ -373,7 +373,7 @@ void AddHdrFiles(const std::filesystem::path &folder, const LightmapOptions &opt
                  FileSet &written, Log &log) {
     HdrFileWriter writer(folder, options, written, log);
     for (const LightmapPage &page : stored.pages)
-        writer.WritePage(page);
+        writer.AddPage(page);
     writer.AddVertices(stored.vertexLight);
     writer.Report();
     writer.WarnOfOldFiles();

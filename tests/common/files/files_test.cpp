@@ -179,6 +179,7 @@ TEST(Entries, AreThoseOfTheFolderOrNone) {
     EXPECT_TRUE(IsFile(folder / "a"));
     EXPECT_FALSE(IsFile(folder / "b"));
     EXPECT_FALSE(IsFile(folder / "a/none"));
+    EXPECT_FALSE(IsFile(folder / std::string(1000, 'x'))) << "no file system has such long names";
 }
 
 TEST(Entries, ThatTheSystemCannotLookAtAreErrors) {
