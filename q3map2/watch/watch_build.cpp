@@ -15,8 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kMostMessages = 500;          ///< that the page lists
-constexpr std::chrono::milliseconds kClockStep{20}; ///< that times of files may lag behind the clock
+constexpr std::size_t kMostMessages = 500; ///< that the page lists
 
 bool Exists(const fs::path &file) {
     std::error_code absent;
@@ -78,7 +77,7 @@ std::vector<std::string> WatchBuild::LineOf(std::string_view stage, WatchPass pa
 void WatchBuild::Run(std::string_view stage, WatchPass pass) {
     stages_.push_back({.name = stage, .pass = pass});
     begun_ = Clock::now();
-    begunOnDisk_ = fs::file_time_type::clock::now() - kClockStep;
+    unfinishedBefore_ = UnfinishedFiles();
     try {
         process_ = std::make_unique<StageProcess>(
             settings_.program, LineOf(stage, pass),
@@ -195,7 +194,8 @@ void WatchBuild::Next() {
     }
 }
 
-void WatchBuild::RemoveUnfinished() const {
+std::set<fs::path> WatchBuild::UnfinishedFiles() const {
+    std::set<fs::path> unfinished;
     const MapFiles &files = settings_.files;
     const fs::path pages = WithExtension(files.bsp, ""); // the folder of external lightmaps
     for (const fs::path &folder : {files.bsp.parent_path(), pages}) {
@@ -206,10 +206,19 @@ void WatchBuild::RemoveUnfinished() const {
                 folder == pages ? target.starts_with("lm_") || target.starts_with("lightmap_")
                                 : std::ranges::any_of(std::array{files.bsp, files.srf, files.prt, files.lin},
                                                       [&](const fs::path &file) { return file.filename() == target; });
-            std::error_code ignored;
-            if (isOurs && fs::last_write_time(at->path(), ignored) >= begunOnDisk_)
-                fs::remove(at->path(), ignored);
+            if (isOurs)
+                unfinished.insert(at->path());
         }
+    }
+    return unfinished;
+}
+
+void WatchBuild::RemoveUnfinished() const {
+    // Their times say nothing: a link to an old file has the time of that file.
+    for (const fs::path &file : UnfinishedFiles()) {
+        std::error_code ignored;
+        if (!unfinishedBefore_.contains(file))
+            fs::remove(file, ignored);
     }
 }
 

@@ -14,6 +14,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -83,6 +84,7 @@ class WatchBuild {
     std::optional<Vec3f> PlaceOf(const LogMark &mark);
     void OnEnd(const StageEnd &end);
     void Next();
+    std::set<std::filesystem::path> UnfinishedFiles() const;
     void RemoveUnfinished() const;
 
     Settings settings_;
@@ -95,7 +97,7 @@ class WatchBuild {
     std::vector<std::array<float, 3>> leak_;
     std::optional<SourcePlaces> places_; ///< of the source that is being built; read when the first mark arrives
     Clock::time_point begun_;            ///< the stage that runs
-    std::filesystem::file_time_type begunOnDisk_;
+    std::set<std::filesystem::path> unfinishedBefore_; ///< files that the stage that runs found
 };
 
 } // namespace q3

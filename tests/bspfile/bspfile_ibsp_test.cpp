@@ -233,6 +233,9 @@ TEST(Layout, ForceTurnsMismatchesIntoWarnings) {
     EXPECT_THAT(ErrorOf([&] { Read(version); }),
                 HasSubstr("the file is a map of Quake II (IBSP 38); expected a .bsp of Quake III"));
     EXPECT_THAT(lenient(version), HasSubstr("38"));
+    Bytes source = good;
+    SetInt(source, 0, 0x400CCCCD), SetInt(source, 4, 'R' | 'M' << 8 | 'F' << 16); // version 2.2
+    EXPECT_THAT(ErrorOf([&] { Read(source); }), HasSubstr("Worldcraft or Hammer (rmf): export it as .map"));
     Bytes ragged = good;
     SetInt(ragged, 12 + 8 * LUMP_LIGHTGRID, 18 * 8 - 1);
     EXPECT_THAT(ErrorOf([&] { Read(ragged); }), HasSubstr("lump 15 (light grid): length 143"));

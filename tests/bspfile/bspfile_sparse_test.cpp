@@ -134,6 +134,13 @@ TEST(SparseGridLump, BytesInAMapAreThoseOfTheLump) {
     EXPECT_THAT(ErrorOf([&] { ValidateBsp(plain, "x", listener.log); }), HasSubstr("belongs to the sparse SH"));
 }
 
+TEST(SparseGridLump, SamplersRefuseADamagedLump) {
+    EXPECT_EQ(SparseReader(SmallLump()).count, 5u);
+    SparseLump lump = SmallLump();
+    lump.pop_back();
+    EXPECT_THAT(ErrorOf([&] { SparseReader(lump); }), HasSubstr("sparse SH light grid: "));
+}
+
 TEST(SparseGridLump, DamagedMapsNameTheLump) {
     Bsp bsp = SampleBsp();
     bsp.bspx = {{"LIGHTGRID_SH_SPARSE", SmallLump()}};

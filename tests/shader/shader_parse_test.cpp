@@ -114,6 +114,29 @@ TEST_F(ShaderGrammar, EndOfFileClosesTheLastShader) {
     EXPECT_EQ(library->DefinedCount(), 1u);
 }
 
+TEST_F(ShaderGrammar, ANameThatNoMapCanHoldIsAWarning) {
+    LoadScript(std::string(63, 'a') + "\n{\n}\n" + std::string(64, 'b') + "\n{\nsurfaceparm slick\n}\n");
+    EXPECT_EQ(Warnings("long shader name"), 1);
+    EXPECT_THAT(out.text, HasSubstr(std::string(64, 'b') + " is longer than the 63 bytes that a map can hold"));
+    EXPECT_EQ(Get(std::string(64, 'b')).surfaceFlags, kSlick);
+}
+
+TEST_F(ShaderDirectives, ASunWithADevianceNeedsSamples) {
+    const ShaderInfo &shader = LoadShader("q3map_sunExt 1 1 1 100 0 90 5");
+    EXPECT_EQ(Warnings("incomplete shader directive"), 1);
+    EXPECT_THAT(out.text, HasSubstr("shader s: a sun with a deviance but no samples"));
+    ASSERT_EQ(shader.suns.size(), 1u);
+    EXPECT_EQ(shader.suns[0].deviance, 0);
+}
+
+TEST_F(ShaderGrammar, GlobalFlagsAreSurfaceparmsOfTheGame) {
+    options.globalFlags = {"slick"};
+    EXPECT_EQ(LoadShader("surfaceparm dust").surfaceFlags, kSlick | kDust);
+    options.globalFlags = {"glue"};
+    EXPECT_THAT([this] { Load(); },
+                testing::ThrowsMessage<Error>(HasSubstr("-globalflag glue: no surfaceparm of game quake3")));
+}
+
 TEST_F(ShaderGrammar, MissingArgumentSkipsTheDirectiveOnly) {
     const ShaderInfo &shader =
         LoadShader("q3map_surfacelight\nq3map_sun 1 1 1 100\nq3map_lightRGB 1 0 // 0\nsurfaceparm\nsurfaceparm slick");

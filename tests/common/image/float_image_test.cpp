@@ -271,6 +271,36 @@ TEST(ExrTest, AttributesLargerThanTheFileAreRefused) {
     EXPECT_THAT(Failure(DecodeExr, file), HasSubstr("an attribute of 3 bytes, which do not fit its type box2i"));
 }
 
+TEST(ExrTest, AttributesThatDoNotFitTheirTypesAreRefused) {
+    if (IsRefusedWithoutOpenExr())
+        return;
+    const auto with = [](std::string_view type, const std::vector<int> &value) {
+        std::string attribute = "x" + std::string(1, '\0') + std::string(type) + std::string(1, '\0');
+        attribute += char(value.size());
+        attribute.append(3, '\0');
+        for (const int byte : value)
+            attribute += char(byte);
+        std::vector<std::byte> file = EncodeExr(RunsImage(1, 1));
+        const auto bytes = std::as_bytes(std::span(attribute));
+        file.insert(file.begin() + 8, bytes.begin(), bytes.end());
+        return Failure(DecodeExr, file);
+    };
+    // The bytes that are put in move the rows, so even a sound attribute leaves a file that cannot be read.
+    for (const auto &[type, value] :
+         {std::pair<std::string_view, std::vector<int>>{"preview", {1, 0, 0, 0, 1, 0, 0, 0, 10, 20, 30, 255}},
+          {"floatvector", {0, 0, 0x80, 0x3F}},
+          {"stringvector", {2, 0, 0, 0, 'a', 'b', 0, 0, 0, 0}}})
+        EXPECT_THAT(with(type, value), Not(HasSubstr("attribute"))) << type;
+    for (const auto &[type, value] : {std::pair<std::string_view, std::vector<int>>{"preview", {1, 0, 0, 0}},
+                                      {"preview", {2, 0, 0, 0, 1, 0, 0, 0, 10, 20, 30, 255}},
+                                      {"preview", {255, 255, 255, 255, 255, 255, 255, 255}},
+                                      {"floatvector", {0, 0, 0x80}},
+                                      {"stringvector", {2, 0}},
+                                      {"stringvector", {3, 0, 0, 0, 'a', 'b'}},
+                                      {"chlist", {'R', 0}}})
+        EXPECT_THAT(with(type, value), HasSubstr(fmt::format("which do not fit its type {}", type)));
+}
+
 TEST(ExrTest, Malformed) {
     if (IsRefusedWithoutOpenExr())
         return;

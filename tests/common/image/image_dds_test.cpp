@@ -143,6 +143,44 @@ TEST(Dds, TheExtendedHeaderNamesTheSameFormats) {
     EXPECT_THAT(ErrorOf(Dds({.fourCc = "DX10", .dxgi = 10}, Bytes(16))), HasSubstr("DXGI format 10"));
 }
 
+TEST(Dds, EveryNumberOfDxgiIsItsFormat) {
+    struct Family {
+        std::string_view fourCc;
+        Bytes body;
+        std::initializer_list<unsigned> numbers;
+    };
+    const Bytes alpha = {210, 70, 0x88, 0x06, 0, 0, 0, 0};
+    for (const Family &family : {Family{"DXT1", kRedOverBlue, {70, 71, 72}},
+                                 {"DXT3", alpha + kRedOverBlue, {73, 74, 75}},
+                                 {"DXT5", alpha + kRedOverBlue, {76, 77, 78}},
+                                 {"ATI1", alpha, {79, 80}},
+                                 {"ATI2", alpha + alpha, {82, 83}}})
+        for (const unsigned number : family.numbers)
+            EXPECT_EQ(Decode(Dds({.fourCc = "DX10", .dxgi = number}, family.body)).rgba,
+                      Decode(Dds({.fourCc = family.fourCc}, family.body)).rgba)
+                << number;
+    const Bytes white = Bytes{0xC0} + Bytes(7, 0xFF) + Bytes{0x01} + Bytes(7);
+    for (const unsigned number : {97u, 98u, 99u})
+        EXPECT_EQ(Decode(Dds({.fourCc = "DX10", .dxgi = number}, white)).Texel(2, 1), (Texel{255, 255, 255, 255}));
+    struct Masked {
+        unsigned number;
+        Bytes body;
+        Texel texel;
+    };
+    for (const Masked &masked : {Masked{28, {1, 2, 3, 4}, {1, 2, 3, 4}},
+                                 {29, {1, 2, 3, 4}, {1, 2, 3, 4}},
+                                 {61, {77}, {77, 77, 77, 255}},
+                                 {85, {0x00, 0xF8}, {255, 0, 0, 255}},
+                                 {86, {0xE0, 0x83}, {0, 255, 0, 255}},
+                                 {87, {1, 2, 3, 4}, {3, 2, 1, 4}},
+                                 {91, {1, 2, 3, 4}, {3, 2, 1, 4}},
+                                 {88, {1, 2, 3, 4}, {3, 2, 1, 255}},
+                                 {93, {1, 2, 3, 4}, {3, 2, 1, 255}}}) {
+        const DdsHead head{.width = 1, .height = 1, .fourCc = "DX10", .dxgi = masked.number};
+        EXPECT_EQ(Decode(Dds(head, masked.body)).Texel(0, 0), masked.texel) << masked.number;
+    }
+}
+
 TEST(Dds, OneAndTwoChannelsAndBc7) {
     const Bytes channel = {210, 70, 0, 0, 0, 0, 0, 0};
     for (const std::string_view code : {"ATI1", "BC4U"})

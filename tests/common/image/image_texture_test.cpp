@@ -245,6 +245,30 @@ TEST(Ktx, BlocksOfBothVersions) {
     EXPECT_THAT(*KtxSize(FileBytes(Ktx2(300, 7, 0, {}))), ElementsAre(300, 7));
 }
 
+TEST(Ktx, EveryNumberOfVulkanIsItsFormat) {
+    struct Masked {
+        unsigned linear, srgb; ///< equal: there is no sRGB format
+        Bytes body;
+        Rgba texel;
+    };
+    for (const Masked &masked : {Masked{2, 2, {0x4F, 0x08}, {0, 8 * 17, 4 * 17, 255}},
+                                 {4, 4, {0x1F, 0x00}, {0, 0, 255, 255}},
+                                 {6, 6, {0x01, 0xF8}, {255, 0, 0, 255}},
+                                 {9, 15, {7}, {7, 7, 7, 255}},
+                                 {23, 29, {1, 2, 3}, {1, 2, 3, 255}},
+                                 {30, 36, {1, 2, 3}, {3, 2, 1, 255}},
+                                 {37, 43, {1, 2, 3, 4}, {1, 2, 3, 4}},
+                                 {44, 50, {1, 2, 3, 4}, {3, 2, 1, 4}}})
+        for (const unsigned number : {masked.linear, masked.srgb})
+            EXPECT_EQ(DecodeKtx(FileBytes(Ktx2(1, 1, number, masked.body)), "a.ktx").Texel(0, 0), masked.texel)
+                << number;
+    const Bytes block = {0x00, 0xF8, 0x1F, 0x00, 0xE4, 0xE4, 0xE4, 0xE4};
+    for (const auto &[vulkan, openGl] : {std::array{131u, 0x83F0u}, {132u, 0x8C4Cu}, {133u, 0x83F1u}, {134u, 0x8C4Du}})
+        EXPECT_EQ(DecodeKtx(FileBytes(Ktx2(4, 4, vulkan, block)), "a.ktx").rgba,
+                  DecodeKtx(FileBytes(Ktx({4, 4, 0, 0, openGl}, block)), "a.ktx").rgba)
+            << vulkan;
+}
+
 TEST(Ktx, WhatIsNotSupportedIsNamed) {
     EXPECT_THAT(FaultOf(DecodeKtx, Ktx({4, 4, 0x1406, kRgba, 0x8814}, Bytes(256))), HasSubstr("type 1406"));
     EXPECT_THAT(FaultOf(DecodeKtx, Ktx2(4, 4, 109, Bytes(256))), HasSubstr("Vulkan's format 109"));
