@@ -3,6 +3,7 @@
 
 #include "common/log.h"
 #include "q3map2/vis/chain_link.h"
+#include "q3map2/vis/explored_chains.h"
 #include "q3map2/vis/vis_map.h"
 #include "q3map2/vis/vis_parts.h"
 #include "q3map2/vis/vis_winding.h"
@@ -43,6 +44,8 @@ class ChainSearch {
         first.length = 1;
         first.source = base_->winding;
         StartLink(first, base);
+        explored_.Clear();
+        tried_ = 0;
         for (std::size_t depth = 0;;) {
             ChainLink &last = *links_[depth];
             if (last.nextCandidate == last.candidates.size()) {
@@ -55,6 +58,7 @@ class ChainSearch {
             if (!MaySee(last, q))
                 continue;
             ChainLink &next = Link(depth + 1);
+            ++tried_;
             if (settings_.clip ? ExtendClipped(last, candidate, q, next) : Extend(last, candidate, q, next)) {
                 StartLink(next, q);
                 ++depth;
@@ -169,7 +173,11 @@ class ChainSearch {
         if (!continues)
             return false;
         RestrictMightSee(last, candidate, q, next);
-        return settings_.reference || PruneMightSee(next, portal);
+        if (settings_.reference)
+            return true;
+        const bool isCovered =
+            tried_ > settings_.cheapSearch && explored_.Covers(next, *base_, portal, seen_, blockWords_);
+        return !isCovered && PruneMightSee(next, portal);
     }
 
     /// Removes portals not seen yet that are behind a separator of the chain from its mightSee, before any of them is
@@ -241,6 +249,8 @@ class ChainSearch {
     const std::size_t blockWords_; ///< of rows
     const FlowPortal *base_ = nullptr;
     BitWord *seen_ = nullptr;
+    std::int64_t tried_ = 0;                        ///< portals that this search has tried to add
+    ExploredChains explored_;                       ///< of this search
     std::vector<std::unique_ptr<ChainLink>> links_; ///< by depth; kept from portal to portal
 };
 

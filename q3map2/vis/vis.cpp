@@ -215,7 +215,8 @@ std::optional<MightSeeTable> PortalVisibility(const VisMap &map, const VisOption
     const FlowSettings settings{.passages = start.passages ? &*start.passages : nullptr,
                                 .clip = !start.passages || !options.passageOnly,
                                 .reference = options.plain,
-                                .rounds = options.flowRounds};
+                                .rounds = options.flowRounds,
+                                .cheapSearch = options.cheapSearch};
     if (start.passages)
         log.Section(fmt::format("{} ({})", settings.clip ? "PassagePortalFlow" : "PassageFlow", map.NumPortals()));
     const std::vector<int> order = OrderPortals(map, start.mightSee, !options.noSort);

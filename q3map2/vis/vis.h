@@ -45,6 +45,7 @@ struct VisOptions {
     bool noSort = false;       ///< -nosort: portals in the order of the file
     int flowRounds = 0;        ///< -flowrounds: see its help; 0: rounds of a constant number of portals
     int memory = 4096;         ///< -vismemory: megabytes
+    int cheapSearch = 1 << 12; ///< FlowSettings::cheapSearch; not an option of the program
     bool plain = false;        ///< -plain: reference mode, see FlowSettings::reference
     FarPlane farPlane{};
 };

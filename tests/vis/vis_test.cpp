@@ -23,6 +23,7 @@ std::vector<VisOptions> AllModes() {
         {.passageOnly = true},
         {.noSort = true},
         {.memory = 0},
+        {.cheapSearch = 0},
         {.merge = true},
         {.mergePortals = true},
         {.merge = true, .keepHints = true},

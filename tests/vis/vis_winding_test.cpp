@@ -1,4 +1,5 @@
 // GPL-2.0-or-later. Planes between two windings, and the order in which portals are followed.
+#include "q3map2/vis/explored_chains.h"
 #include "q3map2/vis/portal_flow.h"
 #include "q3map2/vis/vis_map.h"
 #include "q3map2/vis/vis_parts.h"
@@ -181,6 +182,58 @@ TEST(VisMapColumns, TwinsAreAtTheSameBits) {
         EXPECT_EQ(map.TwinWord(column / kBitsPerWord), twin / kBitsPerWord);
         EXPECT_EQ(column % kBitsPerWord, twin % kBitsPerWord);
     }
+}
+
+/// A chain from a square of 128 units to one of some size behind it, which may see some portals of the first block.
+struct SquareChain {
+    ChainLink link{8};
+    FlowPortal first, last;
+
+    SquareChain(float x, float radius, BitWord mightSee) {
+        last.column = 5;
+        for (auto *const portal : {&first, &last})
+            portal->plane.normal = {1, 0, 0};
+        constexpr float kTurn[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+        for (int i = 0; i < 4; ++i) {
+            link.sourceBuffers[0].Set(i, {0, 64 * kTurn[i][0], 64 * kTurn[i][1]});
+            link.passBuffers[0].Set(i, {128, x + radius * kTurn[i][0], radius * kTurn[i][1]});
+        }
+        link.source = link.sourceBuffers[0].View(4);
+        link.pass = link.passBuffers[0].View(4);
+        link.mightSee[0] = mightSee;
+        link.blocks.Insert(0);
+        link.unseenBlocks.Insert(0);
+    }
+    bool IsCoveredBy(ExploredChains &chains, BitWord seenBits = 0) const {
+        const std::vector<BitWord> seen{seenBits, 0, 0, 0, 0, 0, 0, 0};
+        return chains.Covers(link, first, last, seen.data(), BlockWordsOf(8));
+    }
+};
+
+TEST(ExploredChains, CoverThoseThatCouldAddNoMore) {
+    ExploredChains chains;
+    EXPECT_FALSE(SquareChain(0, 32, 0b0111).IsCoveredBy(chains)) << "the first one";
+    EXPECT_TRUE(SquareChain(0, 32, 0b0111).IsCoveredBy(chains)) << "the same again";
+    EXPECT_TRUE(SquareChain(16, 16, 0b0101).IsCoveredBy(chains)) << "a smaller window, fewer portals";
+    EXPECT_FALSE(SquareChain(17, 16, 0b0101).IsCoveredBy(chains)) << "beyond the edge";
+    EXPECT_TRUE(SquareChain(17, 16, 0b0101).IsCoveredBy(chains)) << "which was kept then";
+    EXPECT_FALSE(SquareChain(0, 32, 0b1000).IsCoveredBy(chains)) << "another portal";
+    EXPECT_TRUE(SquareChain(0, 32, 0b10111).IsCoveredBy(chains, 0b10000)) << "which is seen already";
+    chains.Clear();
+    EXPECT_FALSE(SquareChain(0, 32, 0b0001).IsCoveredBy(chains));
+}
+
+TEST(ExploredChains, AnotherLastPortalOrALargerFirstOneIsNotCovered) {
+    ExploredChains chains;
+    SquareChain half(0, 32, 1);
+    for (int i = 0; i < 4; ++i)
+        half.link.sourceBuffers[0].z[i] = std::min(0.0f, half.link.sourceBuffers[0].z[i]);
+    EXPECT_FALSE(half.IsCoveredBy(chains));
+    SquareChain other(0, 32, 1);
+    other.last.column = 6;
+    EXPECT_FALSE(other.IsCoveredBy(chains));
+    EXPECT_FALSE(SquareChain(0, 32, 1).IsCoveredBy(chains));
+    EXPECT_TRUE(half.IsCoveredBy(chains));
 }
 
 /// Rows with random words in a third of their blocks against dense rows, for small and for large maps.
