@@ -132,7 +132,7 @@ bool Log::CountWarning(std::string_view kind) {
     return isFirst || verbose_;
 }
 
-void Log::WarnText(std::string_view kind, std::string text) {
+void Log::WarnText(std::string_view kind, const std::string &text) {
     const std::lock_guard lock(mutex_);
     for (LogObserver *observer : observers_)
         observer->OnWarning(kind, text, nullptr);
@@ -140,7 +140,7 @@ void Log::WarnText(std::string_view kind, std::string text) {
         allSinks_(LogLevel::Warning, "WARNING: " + text + "\n");
 }
 
-void Log::WarnAt(std::string_view kind, const LogMark &mark, std::string text) {
+void Log::WarnAt(std::string_view kind, const LogMark &mark, const std::string &text) {
     const std::lock_guard lock(mutex_);
     for (LogObserver *observer : observers_)
         observer->OnWarning(kind, text, &mark);

@@ -111,7 +111,7 @@ class Log {
     /// Writes to the editor (MarkSink) only.
     void Mark(LogLevel level, std::string_view text, const LogMark &mark);
     /// Warn with a mark: an editor gets every warning, other sinks only what Warn prints.
-    void WarnAt(std::string_view kind, const LogMark &mark, std::string text);
+    void WarnAt(std::string_view kind, const LogMark &mark, const std::string &text);
 
   private:
     enum class Printed { Always, IfVerbose };
@@ -119,7 +119,7 @@ class Log {
     void SectionText(std::string_view name, Printed printed);
     void CountText(long long value, std::string_view name, Printed printed);
     bool IsShown(Printed printed) const { return printed == Printed::Always || verbose_; }
-    void WarnText(std::string_view kind, std::string text);
+    void WarnText(std::string_view kind, const std::string &text);
     /// Whether to print one more warning of that kind.
     bool CountWarning(std::string_view kind);
 

@@ -38,6 +38,9 @@ class WindingOutline {
         return true;
     }
 
+    /// In memory, besides this object.
+    std::size_t Bytes() const { return edges_.size() * sizeof(Edge); }
+
   private:
     /// Game units: for rounding, and much less than the kOnEpsilon of clipping.
     static constexpr float kSlack = 0.01f;
@@ -100,6 +103,11 @@ class ExploredChains {
         BlockSet blocks;             ///< those that hold unseen portals
         std::vector<BitWord> unseen; ///< the words of `blocks`: unseen portals that it may see
 
+        /// That it takes in memory.
+        std::size_t Words() const {
+            return unseen.size() + (sizeof(Chain) + source.Bytes() + pass.Bytes()) / sizeof(BitWord);
+        }
+
         /// Whether it may see all unseen portals that a link may see.
         bool HasUnseenOf(const ChainLink &link, const BitWord *seen, std::size_t blockWords) const {
             if ((blocks & link.unseenBlocks) != link.unseenBlocks)
@@ -115,21 +123,22 @@ class ExploredChains {
     };
     struct Chains {
         std::vector<Chain> kept;
-        std::size_t next = 0; ///< the one to replace
+        std::size_t next = 0; ///< the oldest, once there are kMostOfPortal
     };
 
+    /// In the place of the oldest one if there are too many; not at all if it takes too much memory.
     void Keep(Chain added, Chains &chains) {
-        if (chains.kept.size() < kMostOfPortal) {
-            if (words_ + added.unseen.size() > kMostWords)
-                return;
-            words_ += added.unseen.size();
+        const bool isFull = chains.kept.size() == kMostOfPortal;
+        const std::size_t words = words_ + added.Words() - (isFull ? chains.kept[chains.next].Words() : 0);
+        if (words > kMostWords)
+            return;
+        words_ = words;
+        if (!isFull) {
             chains.kept.push_back(std::move(added));
             return;
         }
-        Chain &oldest = chains.kept[chains.next];
+        chains.kept[chains.next] = std::move(added);
         chains.next = (chains.next + 1) % kMostOfPortal;
-        words_ += added.unseen.size() - oldest.unseen.size();
-        oldest = std::move(added);
     }
 
     std::unordered_map<std::uint32_t, Chains> byColumn_; ///< by the column of the last portal
