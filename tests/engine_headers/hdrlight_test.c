@@ -185,6 +185,14 @@ static void TestCut(unsigned char *file) {
         }
 }
 
+/* Each result has words of its own. */
+static void TestMessages(void) {
+    int i;
+    for (i = 0; i <= HDRLIGHT_NO_FIT; i++)
+        CHECK(strcmp(hdrlight_message((hdrlight_result)i), hdrlight_message((hdrlight_result)(i + 1))) != 0);
+    CHECK(strcmp(hdrlight_message((hdrlight_result)(HDRLIGHT_NO_FIT + 1)), "unknown result") == 0);
+}
+
 int main(void) {
     unsigned char *file = (unsigned char *)malloc(kFileBytes); /* sanitizers guard its ends */
     if (file == NULL)
@@ -194,6 +202,7 @@ int main(void) {
     TestColors();
     TestBad(file);
     TestCut(file);
+    TestMessages();
     free(file);
     return CheckResult();
 }

@@ -121,6 +121,14 @@ static void TestBad(unsigned char *file) {
     CHECK(staticprops_message(STATICPROPS_ABSENT)[0] != 0);
 }
 
+/* Each result has words of its own. */
+static void TestMessages(void) {
+    int i;
+    for (i = 0; i <= STATICPROPS_BAD_ORDER; i++)
+        CHECK(strcmp(staticprops_message((staticprops_result)i), staticprops_message((staticprops_result)(i + 1))) != 0);
+    CHECK(strcmp(staticprops_message((staticprops_result)(STATICPROPS_BAD_ORDER + 1)), "unknown result") == 0);
+}
+
 int main(void) {
     unsigned char *file = (unsigned char *)malloc(kFileBytes); /* sanitizers guard its ends */
     if (file == NULL)
@@ -128,6 +136,7 @@ int main(void) {
     TestGood(file);
     TestOtherFormats(file);
     TestBad(file);
+    TestMessages();
     free(file);
     return CheckResult();
 }
