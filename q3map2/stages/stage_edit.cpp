@@ -37,8 +37,8 @@ FileGuard GuardEdit(const std::vector<std::filesystem::path> &sources, std::stri
 }
 
 /// Writes maps/x.bsp as maps/x_END.bsp, with the command in its record.
-void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp bsp, std::vector<std::string> recorded,
-                 const FileGuard &guard, const StageContext &context) {
+void WriteBeside(const std::filesystem::path &source, std::string_view end, Bsp bsp,
+                 const std::vector<std::string> &recorded, const FileGuard &guard, const StageContext &context) {
     const auto path = PathBeside(source, end);
     guard.CheckUnchanged();
     RecordCommand(bsp, context.stage.word, source.string(), recorded);

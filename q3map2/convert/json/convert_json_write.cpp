@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. Streamed JSON files in the layout that map tools exchange.
 #include "q3map2/convert/json/convert_json_write.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 

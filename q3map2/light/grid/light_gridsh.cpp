@@ -2,6 +2,7 @@
 #include "q3map2/light/grid/light_gridsh.h"
 
 #include "common/parallel.h"
+#include "libs/math/morton.h"
 #include "libs/sh/sh.h"
 #include "q3map2/light/grid/gridsh_error.h"
 #include "q3map2/light/grid/gridsh_fill.h"

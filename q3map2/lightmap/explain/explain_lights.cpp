@@ -79,7 +79,10 @@ std::vector<PreparedLight> PrepareLights(const LightSetup &setup, LightPass pass
             prepared.fate = given.type != LightType::Sun && NudgeIntoOpen(origin, setup.space) < 0
                                 ? LightFate::InSolid
                                 : LightFate::OutOfReach;
-        prepared.light = kept.empty() ? given : std::move(kept.front());
+        if (kept.empty())
+            prepared.light = given;
+        else
+            prepared.light = std::move(kept.front());
         prepared.light.lightsGrid = given.lightsGrid, prepared.light.lightsSurfaces = given.lightsSurfaces;
         const auto exclude = [&](LightFate fate) { prepared.isUsed = false, prepared.fate = fate; };
         if (setup.options.sunOnly && given.type != LightType::Sun)
