@@ -175,9 +175,12 @@ class ChainSearch {
         RestrictMightSee(last, candidate, q, next);
         if (settings_.reference)
             return true;
-        const bool isCovered =
-            tried_ > settings_.cheapSearch && explored_.Covers(next, *base_, portal, seen_, blockWords_);
-        return !isCovered && PruneMightSee(next, portal);
+        if (tried_ > settings_.triesBeforeKeeping) {
+            if (explored_.Covers(next, portal, blockWords_))
+                return false;
+            explored_.Keep(next, *base_, portal, blockWords_);
+        }
+        return PruneMightSee(next, portal);
     }
 
     /// Removes portals not seen yet that are behind a separator of the chain from its mightSee, before any of them is

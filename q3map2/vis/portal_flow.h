@@ -19,8 +19,8 @@ struct FlowSettings {
     bool reference = false;
     int rounds = 0; ///< VisOptions::flowRounds
     /// Number of portals that a search tries to add before it keeps the chains that it follows (ExploredChains). Most
-    /// searches end before, and need not.
-    int cheapSearch = 0;
+    /// searches end earlier, and keep none.
+    int triesBeforeKeeping = 0;
 };
 
 /// Replaces the row of every portal, taken in the given order, by the portals that chains from it reach. The

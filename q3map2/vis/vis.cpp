@@ -216,7 +216,7 @@ std::optional<MightSeeTable> PortalVisibility(const VisMap &map, const VisOption
                                 .clip = !start.passages || !options.passageOnly,
                                 .reference = options.plain,
                                 .rounds = options.flowRounds,
-                                .cheapSearch = options.cheapSearch};
+                                .triesBeforeKeeping = options.triesBeforeKeeping};
     if (start.passages)
         log.Section(fmt::format("{} ({})", settings.clip ? "PassagePortalFlow" : "PassageFlow", map.NumPortals()));
     const std::vector<int> order = OrderPortals(map, start.mightSee, !options.noSort);

@@ -36,17 +36,17 @@ FarPlane FarPlaneOf(const Entity &world);
 
 /// What the passes of the vis stage do.
 struct VisOptions {
-    bool fast = false;         ///< -fast: flood only
-    bool merge = false;        ///< -merge, -hint: merge leafs, then portals
-    bool mergePortals = false; ///< -mergeportals
-    bool keepHints = false;    ///< -hint: do not merge leafs across hint portals
-    bool noPassage = false;    ///< -nopassage: portal flow alone
-    bool passageOnly = false;  ///< -passageOnly: passages alone
-    bool noSort = false;       ///< -nosort: portals in the order of the file
-    int flowRounds = 0;        ///< -flowrounds: see its help; 0: rounds of a constant number of portals
-    int memory = 4096;         ///< -vismemory: megabytes
-    int cheapSearch = 1 << 12; ///< FlowSettings::cheapSearch; not an option of the program
-    bool plain = false;        ///< -plain: reference mode, see FlowSettings::reference
+    bool fast = false;                ///< -fast: flood only
+    bool merge = false;               ///< -merge, -hint: merge leafs, then portals
+    bool mergePortals = false;        ///< -mergeportals
+    bool keepHints = false;           ///< -hint: do not merge leafs across hint portals
+    bool noPassage = false;           ///< -nopassage: portal flow alone
+    bool passageOnly = false;         ///< -passageOnly: passages alone
+    bool noSort = false;              ///< -nosort: portals in the order of the file
+    int flowRounds = 0;               ///< -flowrounds: see its help; 0: rounds of a constant number of portals
+    int memory = 4096;                ///< -vismemory: megabytes
+    int triesBeforeKeeping = 1 << 12; ///< as in FlowSettings; not an option of the program
+    bool plain = false;               ///< -plain: reference mode, see FlowSettings::reference
     FarPlane farPlane{};
 };
 

@@ -23,7 +23,7 @@ std::vector<VisOptions> AllModes() {
         {.passageOnly = true},
         {.noSort = true},
         {.memory = 0},
-        {.cheapSearch = 0},
+        {.triesBeforeKeeping = 0},
         {.merge = true},
         {.mergePortals = true},
         {.merge = true, .keepHints = true},

@@ -184,56 +184,88 @@ TEST(VisMapColumns, TwinsAreAtTheSameBits) {
     }
 }
 
-/// A chain from a square of 128 units to one of some size behind it, which may see some portals of the first block.
+/// A chain from a square of 128 units to one of some size behind it, moved along y, which may see some portals of a
+/// block.
 struct SquareChain {
-    ChainLink link{8};
+    static constexpr std::size_t kWords = 8, kBlockWords = 4;
+    ChainLink link{kWords};
     FlowPortal first, last;
 
-    SquareChain(float x, float radius, BitWord mightSee) {
+    SquareChain(float offset, float radius, BitWord mightSee, std::size_t block = 0) {
         last.column = 5;
         for (auto *const portal : {&first, &last})
             portal->plane.normal = {1, 0, 0};
         constexpr float kTurn[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
         for (int i = 0; i < 4; ++i) {
             link.sourceBuffers[0].Set(i, {0, 64 * kTurn[i][0], 64 * kTurn[i][1]});
-            link.passBuffers[0].Set(i, {128, x + radius * kTurn[i][0], radius * kTurn[i][1]});
+            link.passBuffers[0].Set(i, {128, offset + radius * kTurn[i][0], radius * kTurn[i][1]});
         }
         link.source = link.sourceBuffers[0].View(4);
         link.pass = link.passBuffers[0].View(4);
-        link.mightSee[0] = mightSee;
-        link.blocks.Insert(0);
-        link.unseenBlocks.Insert(0);
+        link.mightSee[kBlockWords * block] = mightSee;
+        link.blocks.Insert(block);
     }
-    bool IsCoveredBy(ExploredChains &chains, BitWord seenBits = 0) const {
-        const std::vector<BitWord> seen{seenBits, 0, 0, 0, 0, 0, 0, 0};
-        return chains.Covers(link, first, last, seen.data(), BlockWordsOf(8));
-    }
+    SquareChain(const SquareChain &) = delete;
+    SquareChain &operator=(const SquareChain &) = delete;
+
+    bool IsCoveredBy(const ExploredChains &chains) const { return chains.Covers(link, last, kBlockWords); }
+    void KeepIn(ExploredChains &chains) const { chains.Keep(link, first, last, kBlockWords); }
 };
 
 TEST(ExploredChains, CoverThoseThatCouldAddNoMore) {
     ExploredChains chains;
-    EXPECT_FALSE(SquareChain(0, 32, 0b0111).IsCoveredBy(chains)) << "the first one";
+    EXPECT_FALSE(SquareChain(0, 32, 0b0111).IsCoveredBy(chains)) << "none is kept";
+    SquareChain(0, 32, 0b0111).KeepIn(chains);
     EXPECT_TRUE(SquareChain(0, 32, 0b0111).IsCoveredBy(chains)) << "the same again";
     EXPECT_TRUE(SquareChain(16, 16, 0b0101).IsCoveredBy(chains)) << "a smaller window, fewer portals";
     EXPECT_FALSE(SquareChain(17, 16, 0b0101).IsCoveredBy(chains)) << "beyond the edge";
-    EXPECT_TRUE(SquareChain(17, 16, 0b0101).IsCoveredBy(chains)) << "which was kept then";
-    EXPECT_FALSE(SquareChain(0, 32, 0b1000).IsCoveredBy(chains)) << "another portal";
-    EXPECT_TRUE(SquareChain(0, 32, 0b10111).IsCoveredBy(chains, 0b10000)) << "which is seen already";
+    EXPECT_FALSE(SquareChain(0, 32, 0b1101).IsCoveredBy(chains)) << "another portal";
+    EXPECT_FALSE(SquareChain(0, 32, 0b0001, 1).IsCoveredBy(chains)) << "a portal of another block";
+    SquareChain(17, 16, 0b0100, 1).KeepIn(chains);
+    EXPECT_TRUE(SquareChain(17, 16, 0b0100, 1).IsCoveredBy(chains));
     chains.Clear();
     EXPECT_FALSE(SquareChain(0, 32, 0b0001).IsCoveredBy(chains));
 }
 
 TEST(ExploredChains, AnotherLastPortalOrALargerFirstOneIsNotCovered) {
     ExploredChains chains;
-    SquareChain half(0, 32, 1);
+    SquareChain half(0, 32, 1), whole(0, 32, 1), other(0, 32, 1);
     for (int i = 0; i < 4; ++i)
         half.link.sourceBuffers[0].z[i] = std::min(0.0f, half.link.sourceBuffers[0].z[i]);
-    EXPECT_FALSE(half.IsCoveredBy(chains));
-    SquareChain other(0, 32, 1);
+    half.KeepIn(chains);
     other.last.column = 6;
     EXPECT_FALSE(other.IsCoveredBy(chains));
-    EXPECT_FALSE(SquareChain(0, 32, 1).IsCoveredBy(chains));
+    EXPECT_FALSE(whole.IsCoveredBy(chains));
+    whole.KeepIn(chains);
     EXPECT_TRUE(half.IsCoveredBy(chains));
+    EXPECT_TRUE(whole.IsCoveredBy(chains));
+}
+
+TEST(ExploredChains, TheOldestOfEightIsReplaced) {
+    ExploredChains chains;
+    for (int i = 0; i < 9; ++i)
+        SquareChain(0, 32, BitWord(1) << i).KeepIn(chains);
+    EXPECT_FALSE(SquareChain(0, 32, 1).IsCoveredBy(chains));
+    for (int i = 1; i < 9; ++i)
+        EXPECT_TRUE(SquareChain(0, 32, BitWord(1) << i).IsCoveredBy(chains)) << i;
+}
+
+/// Far from the origin too, and for both directions of their points.
+TEST(WindingOutline, SliversContainThemselvesAndNotTheirNeighbors) {
+    const auto sliver = [](WindingBuffer &buffer, float y, bool reversed) {
+        constexpr float kFar = 60000;
+        const Vec3f points[4] = {{kFar, y, 0}, {kFar, y + 0.25f, 0}, {kFar, y + 0.25f, 64}, {kFar, y, 64}};
+        for (int i = 0; i < 4; ++i)
+            buffer.Set(i, points[reversed ? 3 - i : i]);
+        return buffer.View(4);
+    };
+    for (const bool reversed : {false, true}) {
+        WindingBuffer own, neighbor;
+        const WindingOutline outline(sliver(own, 50000, reversed), {1, 0, 0});
+        EXPECT_TRUE(outline.Contains(sliver(neighbor, 50000, !reversed)));
+        EXPECT_FALSE(outline.Contains(sliver(neighbor, 50000.25f, reversed)));
+        EXPECT_FALSE(outline.Contains(sliver(neighbor, 49999.75f, reversed)));
+    }
 }
 
 /// Rows with random words in a third of their blocks against dense rows, for small and for large maps.
