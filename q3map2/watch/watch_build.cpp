@@ -214,7 +214,7 @@ std::set<fs::path> WatchBuild::UnfinishedFiles() const {
 }
 
 void WatchBuild::RemoveUnfinished() const {
-    // Their times say nothing: a link to an old file has the time of that file.
+    // New ones cannot be told by their time: a hard link to an old file has the time of that file.
     for (const fs::path &file : UnfinishedFiles()) {
         std::error_code ignored;
         if (!unfinishedBefore_.contains(file))

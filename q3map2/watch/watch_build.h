@@ -97,7 +97,7 @@ class WatchBuild {
     std::vector<std::array<float, 3>> leak_;
     std::optional<SourcePlaces> places_; ///< of the source that is being built; read when the first mark arrives
     Clock::time_point begun_;            ///< the stage that runs
-    std::set<std::filesystem::path> unfinishedBefore_; ///< files that the stage that runs found
+    std::set<std::filesystem::path> unfinishedBefore_; ///< that were there when the running stage began
 };
 
 } // namespace q3
