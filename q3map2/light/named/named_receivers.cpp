@@ -5,16 +5,16 @@
 
 namespace q3 {
 
-const LightHere *NamedReceiver::Find(std::uint32_t light) const {
-    const auto found = std::ranges::lower_bound(lights, light, {}, &LightHere::light);
-    return found != lights.end() && found->light == light ? &*found : nullptr;
+const LightHere *NamedReceiver::Find(std::uint32_t number) const {
+    const auto found = std::ranges::lower_bound(lights, number, {}, &LightHere::light);
+    return found != lights.end() && found->light == number ? &*found : nullptr;
 }
 
-std::optional<LightHere> NamedReceiver::At(std::uint32_t light, const LightTable &table) const {
-    if (const LightHere *here = Find(light))
+std::optional<LightHere> NamedReceiver::At(std::uint32_t number, const LightTable &table) const {
+    if (const LightHere *here = Find(number))
         return *here;
-    const LightHere hidden{light, 0, table.RoughVector(light, position)};
-    if (hidden.Squared() < kFaintest * kFaintest || !table.MaySee(light, cluster))
+    const LightHere hidden{number, 0, table.RoughVector(number, position)};
+    if (hidden.Squared() < kFaintest * kFaintest || !table.MaySee(number, cluster))
         return hidden;
     return {};
 }

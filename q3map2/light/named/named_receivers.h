@@ -35,10 +35,10 @@ struct NamedReceiver {
     bool isOnLight = false; ///< as LightCollector::IsOnLight says
 
     /// The entry of a light in `lights`; null if there is none.
-    const LightHere *Find(std::uint32_t light) const;
+    const LightHere *Find(std::uint32_t number) const;
     /// A light at this receiver. Its share is 0 if it was not traced because the PVS hides it or because it is faint
     /// (kFaintest). Nothing if it was not traced for another reason: then its share is unknown.
-    std::optional<LightHere> At(std::uint32_t light, const LightTable &table) const;
+    std::optional<LightHere> At(std::uint32_t number, const LightTable &table) const;
 };
 
 /// Collects the visible shares of the lights at receivers while they are traced. A receiver has the number block *

@@ -37,13 +37,13 @@ constexpr double kStepsToFullLight = 12;
 /// Numbers of a wave below this are written as 0: they are rounding.
 constexpr double kTidyZero = 5e-5;
 
-constexpr std::array kPeriodic = {StyleWave::Sin, StyleWave::Square, StyleWave::Triangle, StyleWave::Sawtooth,
+constexpr std::array kPeriodic = {StyleWave::Sine, StyleWave::Square, StyleWave::Triangle, StyleWave::Sawtooth,
                                   StyleWave::InverseSawtooth};
 
 /// A form at x periods, 0 to 1.
 double FormAt(StyleWave::Form form, double x) {
     switch (form) {
-    case StyleWave::Sin:
+    case StyleWave::Sine:
         return std::sin(2 * std::numbers::pi * x);
     case StyleWave::Square:
         return x < 0.5 ? 1 : -1;
@@ -61,7 +61,7 @@ double FormAt(StyleWave::Form form, double x) {
 /// The integral of a form from 0 to x periods, 0 to 1.
 double IntegralTo(StyleWave::Form form, double x) {
     switch (form) {
-    case StyleWave::Sin:
+    case StyleWave::Sine:
         return (1 - std::cos(2 * std::numbers::pi * x)) / (2 * std::numbers::pi);
     case StyleWave::Square:
         return x < 0.5 ? x : 1 - x;
@@ -87,7 +87,7 @@ double MeanOf(StyleWave::Form form) {
     return form == StyleWave::Sawtooth || form == StyleWave::InverseSawtooth ? 0.5 : 0;
 }
 double VarianceOf(StyleWave::Form form) {
-    return form == StyleWave::Sin        ? 1.0 / 2
+    return form == StyleWave::Sine       ? 1.0 / 2
            : form == StyleWave::Square   ? 1.0
            : form == StyleWave::Triangle ? 1.0 / 3
                                          : 1.0 / 12;

@@ -28,7 +28,7 @@ std::vector<double> BrightnessOf(std::string_view pattern);
 struct StyleWave {
     enum Form {
         Constant, ///< base alone
-        Sin,
+        Sine,
         Square,   ///< 1 for half of the period, then -1
         Triangle, ///< 0, 1, 0, -1
         Sawtooth, ///< rises from 0 to 1

@@ -129,7 +129,7 @@ class LightmapBlur {
   public:
     LightmapBlur(const SurfaceInputs &in, const SurfaceLight &surfaces, const UnblurredLights &light,
                  const SurfaceFinder &finder)
-        : in_(in), surfaces_(surfaces), light_(light), sources_(light.size()), around_(in, surfaces, finder) {}
+        : in_(in), surfaces_(surfaces), light_(light), sources_(light.size()), around_(surfaces, finder) {}
 
     void Run(std::size_t number, RawLightmap &raw) {
         number_ = number, raw_ = &raw;

@@ -82,8 +82,8 @@ enum class CellState : std::uint8_t {
 class LuxelSurroundings {
   public:
     /// Keeps references.
-    LuxelSurroundings(const SurfaceInputs &in, const SurfaceLight &surfaces, const SurfaceFinder &finder)
-        : in_(in), surfaces_(surfaces), finder_(finder) {}
+    LuxelSurroundings(const SurfaceLight &surfaces, const SurfaceFinder &finder)
+        : surfaces_(surfaces), finder_(finder) {}
 
     /// Sets the cells of a lightmap and of `reach` cells around it.
     void Walk(std::size_t lightmap, int reach);
@@ -122,7 +122,6 @@ class LuxelSurroundings {
     void Arrive(const Step &step);
     void FindNextSteps(std::span<const std::size_t> frontier, std::vector<Step> &steps);
 
-    const SurfaceInputs &in_;
     const SurfaceLight &surfaces_;
     const SurfaceFinder &finder_;
     const RawLightmap *raw_ = nullptr;

@@ -79,7 +79,7 @@ struct LuxelExplainer::Spot {
 
 LuxelExplainer::LuxelExplainer(const SurfaceInputs &in, const LightSetup &setup, const MapSource &source,
                                const ObstacleFinder &obstacles)
-    : in_(in), setup_(setup), obstacles_(obstacles), explainer_(setup, source, obstacles),
+    : in_(in), obstacles_(obstacles), explainer_(setup, source, obstacles),
       lights_(PrepareLights(setup, LightPass::Surfaces, in.lightmap.fastPoint)), surfaces_(SetupSurfaceLight(in)) {
     int culled = 0;
     passLights_ = SetupEnvelopes(setup.lights, LightPass::Surfaces, setup.options, setup.space, setup.skySeenFrom,

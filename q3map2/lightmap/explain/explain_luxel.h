@@ -41,7 +41,6 @@ class LuxelExplainer {
     std::optional<Obstacle> WhyNotLit(const Vec3f &from, const Vec3f &wanted) const;
 
     const SurfaceInputs &in_;
-    const LightSetup &setup_;
     const ObstacleFinder &obstacles_;
     LightExplainer explainer_;
     std::vector<PreparedLight> lights_; ///< all, with the reasons of those that the pass leaves out

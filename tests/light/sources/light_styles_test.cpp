@@ -177,7 +177,7 @@ TEST(StyleWave, UpAndDownIsATriangleOrASine) {
     for (int i = 0; i < 40; ++i)
         sine += char('a' + std::lround(12 + 12 * std::sin(2 * std::numbers::pi * (i + 0.5) / 20)));
     const StyleWave wave = FitWave(sine);
-    EXPECT_EQ(wave.form, StyleWave::Sin);
+    EXPECT_EQ(wave.form, StyleWave::Sine);
     EXPECT_NEAR(wave.frequency, 0.5, 1e-6);
     EXPECT_NEAR(wave.amplitude, 1, 0.02);
 }
@@ -194,7 +194,7 @@ TEST(StyleWave, IsTheNearest) {
         const StyleWave best = FitWave(pattern);
         ASSERT_NE(best.form, StyleWave::Noise) << pattern;
         const double least = WaveDifference(best, pattern);
-        for (int form = StyleWave::Sin; form <= StyleWave::InverseSawtooth; ++form)
+        for (int form = StyleWave::Sine; form <= StyleWave::InverseSawtooth; ++form)
             for (int periods = 1; periods <= 2; ++periods)
                 for (int i = 0; i < 8; ++i)
                     for (const double amplitude : {0.3, 0.6, 1.0})
