@@ -37,6 +37,7 @@ class SurfacePasses {
     /// Call last: it moves the results out.
     StoredLightmaps Store(std::string_view mapName, Bsp &bsp);
 
+    const SurfaceInputs &Inputs() const { return in_; }
     const SurfaceLight &Surfaces() const { return surfaces_; }
     const ContributionCounts &Counts() const { return counts_; }
 

@@ -24,10 +24,12 @@ namespace q3 {
 LightInputs ReadLightInputs(const MapFiles &files, Log &log) {
     LightInputs inputs;
     inputs.name = files.bsp.stem().string();
-    if (std::filesystem::exists(files.map)) {
-        log.Print("Loading {}\n", files.map.string());
-        inputs.mapEntities = ParseMapEntities(ReadTextFile(files.map), files.map.string());
-    }
+    const auto recovered = WithExtension(files.bsp, kRecoveredLights);
+    for (const auto &path : {files.map, recovered})
+        if (!inputs.mapEntities && std::filesystem::exists(path)) {
+            log.Print("Loading {}\n", path.string());
+            inputs.mapEntities = ParseMapEntities(ReadTextFile(path), path.string());
+        }
     if (std::filesystem::exists(files.srf)) {
         log.Print("Loading {}\n", files.srf.string());
         inputs.surfaceFile = ReadTextFile(files.srf);
@@ -323,7 +325,8 @@ LightRun TakeLightRun(Arguments &arguments, const Game &game, Log &log) {
 
 void DeclareInputs(const MapFiles &files, const LightOptions &options, FileGuard &guard) {
     guard.Needs(files.bsp);
-    for (const std::filesystem::path &file : {files.map, files.srf, files.rad})
+    for (const std::filesystem::path &file :
+         {files.map, WithExtension(files.bsp, kRecoveredLights), files.srf, files.rad})
         guard.Reads(file);
     for (const std::string &file : options.texLightFiles)
         guard.Reads(file);
@@ -341,7 +344,7 @@ ShaderLibrary ShadersOfMap(const Bsp &bsp, const LightOptions &options, const Vi
 void WithExplainer(const Bsp &bsp, const MapFiles &files, const LightInputs &inputs, const LightRun &run,
                    ShaderLibrary &library, const StageContext &context,
                    const std::function<void(const Explainer &, const JobPool &)> &use) {
-    const std::string mapText = inputs.mapEntities ? ReadTextFile(files.map) : std::string();
+    const std::string mapText = std::filesystem::exists(files.map) ? ReadTextFile(files.map) : std::string();
     const JobPool jobs(context.options.threads);
     use(Explainer(bsp, inputs, mapText, files.map.filename().string(), run.options, run.lightmap, library,
                   *context.options.game, jobs, context.log),

@@ -23,7 +23,10 @@
 
 namespace q3 {
 
-/// The .map and the .srf of a map, if they exist. Errors: Error, for files that cannot be read or
+/// End of the names of files that -recoverlights writes, in place of .bsp.
+inline constexpr std::string_view kRecoveredLights = ".lights.map";
+
+/// The .map and the .srf of a map, if they exist; without a .map, the lights that -recoverlights found. Errors: Error, for files that cannot be read or
 /// parsed.
 LightInputs ReadLightInputs(const MapFiles &files, Log &log);
 

@@ -175,6 +175,13 @@ std::vector<Stage> EditingStages() {
              "The tree, the visibility, the light grids and the bounds of the world are those of x. The light of "
              "static props is that of both maps.",
              MergeStage, [] { return Describe(MergeSettings()); }, nullptr, "maps/mymap.bsp maps/other.bsp"},
+            {"-recoverlights", "-recoverlights [options] maps/x.bsp",
+             "Find the lamps of a lit map whose source is lost",
+             "Finds point lights that explain the lightmaps and the legacy light grid, and writes them as light "
+             "entities to `x.lights.map`. The light stage reads that file if there is no `x.map`. It takes the options "
+             "of `-light`: give those with which the map was lit, such as `-gamma`. It does not replace an "
+             "`x.lights.map` unless `-force` is given. See [Lamps of lit maps](../internals/recover_lights.md).",
+             RecoverStage, nullptr},
             {"-fixaas", "-fixaas maps/x.bsp", "Make the bot files of a map valid again after relighting",
              "A bot file names its map by a checksum of all bytes, so engines refuse it after the map is lit. This "
              "stage writes the new checksum into those of `x.aas`, `x_b0.aas` and `x_b1.aas` that exist. It is correct "

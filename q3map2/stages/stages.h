@@ -14,6 +14,7 @@ std::vector<Stage> Stages();
 // gone already, and returns the exit status.
 int BspStage(const StageContext &context, Arguments arguments);
 int LightStage(const StageContext &context, Arguments arguments);
+int RecoverStage(const StageContext &context, Arguments arguments);
 int VisStage(const StageContext &context, Arguments arguments);
 int ExportStage(const StageContext &context, Arguments arguments);
 int ImportStage(const StageContext &context, Arguments arguments);

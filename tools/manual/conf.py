@@ -37,8 +37,8 @@ PARTS = {
                                 "shader_directives", "glossary", "bsp_format", "json", "report", "game_files"]),
     "For engines": ("engines", ["quick_start", "tone", "textures", "named_lights", "grid_formats", "directional",
                                 "props_and_hdr", "ioquake3", "conformance"]),
-    "Internals": ("internals", ["architecture", "bsp", "vis", "lightmaps", "sh_grid", "sh_math", "scaling", "differences",
-                                "results", "shbench", "windows", "arm64"]),
+    "Internals": ("internals", ["architecture", "bsp", "vis", "lightmaps", "sh_grid", "sh_math", "recover_lights", "scaling",
+                                "differences", "results", "shbench", "windows", "arm64"]),
 }
 ABOUT = ["/README", "/docs/reliability", "/SECURITY", "/CHANGELOG", "/CONTRIBUTING", "/tools/engines/README",
          "/tools/engines/ioquake3/README", "/tools/viewer/README"]

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -20,6 +21,14 @@ float NotNegative(float c) {
     return std::max(c, 0.0f);
 }
 
+/// Luminance of linear RGB by Haeberli, Matrix Operations for Image Processing, 1993.
+float GrayOf(const Vec3f &v) {
+    return 0.3086f * v.x + 0.6094f * v.y + 0.0820f * v.z;
+}
+
+/// Exposure maps all light to less than full; LightOf takes full light as this much below it.
+constexpr float kLeastShare = 1.0f / 512;
+
 } // namespace
 
 Vec3f ToneMapper::Graded(const Vec3f &color) const {
@@ -33,9 +42,26 @@ Vec3f ToneMapper::Graded(const Vec3f &color) const {
         v *= (1 - Exp(-m / tone_.exposure)) * 255 / m;
     if (tone_.saturation == 1)
         return v;
-    // Luminance of linear RGB by Haeberli, Matrix Operations for Image Processing, 1993.
-    const float gray = 0.3086f * v.x + 0.6094f * v.y + 0.0820f * v.z;
+    const float gray = GrayOf(v);
     return Each(v, [&](float c) { return NotNegative(gray * (1 - tone_.saturation) + c * tone_.saturation); });
+}
+
+Vec3f ToneMapper::LightOf(const Vec3f &bytes) const {
+    Vec3f v = bytes;
+    if (tone_.sRgb)
+        v = Each(v, [](float c) { return 255 * LinearFromSrgb(c / 255); });
+    v *= 1 / factor_;
+    if (tone_.saturation != 1) { // the gray of a color stays, up to the rounding of its weights
+        const float gray = GrayOf(v);
+        v = Each(v, [&](float c) { return (c - gray * (1 - tone_.saturation)) / tone_.saturation; });
+    }
+    if (const float m = MaxComponent(v); tone_.exposure != 0 && m > 0)
+        v *= -tone_.exposure * std::log(std::max(kLeastShare, 1 - m / 255)) / m;
+    if (tone_.gamma != 1)
+        v = Each(v, [&](float c) { return 255 * Pow(NotNegative(c) / 255, tone_.gamma); });
+    if (tone_.contrast != 1)
+        v = Each(v, [&](float c) { return (c - 128) / tone_.contrast + 128; });
+    return v * (1 / scale_);
 }
 
 Vec3f ToneMapper::InSrgb(const Vec3f &color) {

@@ -31,6 +31,10 @@ class ToneMapper {
         return {byte(v.x), byte(v.y), byte(v.z)};
     }
 
+    /// The light that is stored as such values, 0 to 255; the inverse of Bytes but for what that cuts off: rounding,
+    /// the limit, and parts that saturation and contrast make negative.
+    Vec3f LightOf(const Vec3f &bytes) const;
+
     /// Factor on graded light: brightness / compensation.
     static float FactorOf(float brightness, const ToneOptions &tone) {
         return (brightness > 0 ? brightness : 1) / tone.compensate;

@@ -8,7 +8,7 @@ _q3map2() {
         -log|-report|-tempname|-bspfile|-srffile|-prtfile|-linfile|-partfile|-join|-shpreview|-lights|-macrotexture|-out|-o|-normals|-exclude) paths=-f ;;
         -cachesize|-threads|-connect|-subdivisions|-maxmapdrawsurfs|-fs_forbiddenpath|-samplesize|-minsamplesize|-mv|-mi|-np|-metaadequatescore|-metagoodscore|-celshader|-ne|-de|-snap|-clipdepth|-flowrounds|-vismemory|-part|-gridscalesh|-gridsh|-shnames|-sherrortarget|-shbudget|-shsamples|-cubesperleaf|-cubetolerance|-scale|-point|-pointscale|-spherical|-sphericalscale|-spot|-spotscale|-area|-areascale|-sky|-skyscale|-gridscale|-gridambientscale|-backsplash|-backsplasharea|-griddirectionality|-gridambientdirectionality|-extradist|-contrast|-gamma|-exposure|-saturation|-compensate|-explain|-super|-supersample|-samplessearchboxsize|-thresh|-samplescale|-rawlightmapsizelimit|-shadeangle|-dirtdepth|-dirtscale|-dirtgain|-bouncetime|-bouncerays|-bouncescale|-bouncecolorratio|-vertexscale|-lightmapsize|-extlmhacksize|-brightness|-approx|-shadowmap|-lightmapsearchblocksize|-lightmapsearchpower|-smooth|-reflectivityscale|-chop|-maxchop|-dispchop|-maxdispchop|-choptexlights|-softsun|-extrasky|-extrapasses|-luxeldensity|-ambient|-maxlight|-dlight|-mpi_pw|-bspoptions|-visoptions|-lightoptions|-draftoptions|-port|-texturesize|-page|-size|-border|-minmax|-samples|-random|-boost|-sharpen|-places|-bumpscale|-rays|-filter|-complevel|-basepak|-spawn_ref) return ;;
         -lightanglehl|-dirtmode|-deluxemode) values="0 1" ;;
-        -help|--help|-h) values="all game keys shader vrad bsp vis light watch convertgrid info json convert export import tonemap exportents minimap analyze shpreview shreport ssbump pk3 repack scale shift mergebsp fixaas editorfiles" ;;
+        -help|--help|-h) values="all game keys shader vrad bsp vis light watch convertgrid info json convert export import tonemap exportents minimap analyze shpreview shreport ssbump pk3 repack scale shift mergebsp recoverlights fixaas editorfiles" ;;
         -format) values="ase obj map map_bp map_220 quake3 quakelive nexuiz xonotic tremulous unvanquished tenebrae wolf et etut ef reaction darkplaces dq prophecy sof2 jk2 ja qfusion" ;;
         -preset) values="draft normal final" ;;
         -hdrformat) values="exr pfm hdr exp32 rend2 ioquake3" ;;
@@ -51,12 +51,13 @@ _q3map2() {
             -scale) options="-tex -spawn_ref " ;;
             -shift) options="" ;;
             -mergebsp) options="-fixnames -world " ;;
+            -recoverlights) options="" ;;
             -fixaas) options="" ;;
             -editorfiles) options="" ;;
         esac
     done
     if [[ -z $paths && $current == -* ]]; then
-        [[ -z $options ]] && options="-bsp -vis -light -watch -convertgrid -info -json -convert -export -import -tonemap -exportents -minimap -analyze -shpreview -shreport -ssbump -pk3 -repack -scale -shift -mergebsp -fixaas -editorfiles -preset -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -debugclip -fakemap -verboseentities -sRGBtex -bspfile -srffile -prtfile -linfile "
+        [[ -z $options ]] && options="-bsp -vis -light -watch -convertgrid -info -json -convert -export -import -tonemap -exportents -minimap -analyze -shpreview -shreport -ssbump -pk3 -repack -scale -shift -mergebsp -recoverlights -fixaas -editorfiles -preset -meta -patchmeta -leaktest -onlyents -keeplights -keepmodels -nodetail -fulldetail -nowater -nohint -nocurves -nofog -nosubdivide -notjunc -samplesize -minsamplesize -mv -mi -np -metaadequatescore -metagoodscore -maxarea -nobrushsnap -flares -noflares -skyfix -celshader -flat -ne -de -snap -deep -altsplit -clipdepth -rename -custinfoparms -noob -globalflag -sRGBcolor -nosRGBcolor -tempname -autocaulk -debugsurfaces -debuginset -debugportals -debugclip -fakemap -verboseentities -sRGBtex -bspfile -srffile -prtfile -linfile "
         mapfile -t COMPREPLY < <(compgen -W "$options -help -version -v -cache -cachesize -threads -force -log -report -connect -subdivisions -maxmapdrawsurfs -game -fs_basepath -fs_game -fs_basegame -fs_home -fs_homebase -fs_homepath -fs_nobasepath -fs_nohomepath -fs_nomagicpath -fs_pakpath -fs_forbiddenpath " -- "$current")
     else
         compopt -o filenames 2>/dev/null

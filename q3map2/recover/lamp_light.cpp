@@ -1,0 +1,85 @@
+// GPL-2.0-or-later. Lamps, and the light that one of them gives to the observed places.
+#include "q3map2/recover/lamp_light.h"
+
+#include "q3map2/light/transfer/light_contribution.h"
+#include "q3map2/light/transfer/light_sample.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace q3 {
+
+namespace {
+
+float MeanTint(const IncidentLight &incident, std::size_t lane) {
+    if (!incident.tinted)
+        return 1;
+    const Vec3f tint = incident.tint[lane];
+    return (tint.x + tint.y + tint.z) / 3;
+}
+
+/// Appends the light of the live receivers of a batch, whose numbers follow `first`.
+void Append(const IncidentLight &incident, std::size_t count, std::size_t first, const float *factors,
+            LampColumn &column) {
+    for (std::size_t i = 0; i < count; ++i)
+        if (incident.live[i] != 0) {
+            const float light = incident.strength[i] * MeanTint(incident, i) * (factors ? factors[i] : 1);
+            column.push_back({std::uint32_t(first + i), light});
+        }
+}
+
+} // namespace
+
+float LampTracer::ReachOf(float strength, float least) const {
+    return std::sqrt(std::max(0.0f, setup_.options.pointScale * strength / least));
+}
+
+Light LampTracer::LightOf(const Lamp &lamp, float reach, int cluster) const {
+    Light light;
+    light.photons = setup_.options.pointScale;
+    light.origin = lamp.origin;
+    light.extraDist = setup_.options.extraDist;
+    light.clusters = {cluster};
+    const int clusters = setup_.space.ClusterCount();
+    light.seenFrom.resize(std::size_t(clusters));
+    for (int other = 0; other < clusters; ++other)
+        light.seenFrom[std::size_t(other)] = setup_.space.Visible(cluster, other);
+    light.envelope = reach;
+    const Vec3f half{reach, reach, reach};
+    light.bounds = {lamp.origin - half, lamp.origin + half};
+    return light;
+}
+
+LampColumn LampTracer::Trace(const Lamp &lamp, float reach, std::size_t every) const {
+    LampColumn column;
+    const int cluster = setup_.space.ClusterAt(lamp.origin, 0);
+    if (cluster == kSolidCluster)
+        return column;
+    const Light light = LightOf(lamp, reach, cluster);
+    ContributionCounts counts;
+    for (const ObservedLuxels &luxels : map_.lightmaps) {
+        const std::size_t step = std::clamp<std::size_t>(luxels.batches.size() / 2, 1, every);
+        for (std::size_t b = 0; b < luxels.batches.size(); b += step) {
+            if (luxels.boxes[b].Distance(lamp.origin) > reach)
+                continue;
+            SurfaceReceiverBatch batch = luxels.batches[b];
+            SurfaceIncidentLight incident;
+            LightContributionToSample(light, luxels.settings, setup_.scene, batch, incident, counts);
+            Append(incident, batch.count, luxels.first + b * kPacketSize,
+                   luxels.dirt.empty() ? nullptr : &luxels.dirt[b * kPacketSize], column);
+        }
+    }
+    LightSettings settings;
+    settings.shadows = !setup_.options.noTrace;
+    for (std::size_t b = 0; b < map_.grid.size(); b += every) {
+        if (map_.gridBoxes[b].Distance(lamp.origin) > reach)
+            continue;
+        ReceiverBatch batch = map_.grid[b];
+        ProbeIncidentLight incident;
+        LightContributionToPoint(light, 1, settings, setup_.scene, {&batch, 1}, {&incident, 1}, counts);
+        Append(incident, batch.count, map_.firstGrid + b * kPacketSize, nullptr, column);
+    }
+    return column;
+}
+
+} // namespace q3
