@@ -62,22 +62,25 @@ void LampFit::FindContrast() {
         }
 }
 
+LampColumn LampFit::Traced(const Lamp &lamp) const {
+    return tracer_.Trace(lamp, tracer_.ReachOf(std::max(kLeastStrength, lamp.Strength()), kLeastLight));
+}
+
 void LampFit::TraceAll(std::span<const std::size_t> which) {
     jobs_.For(std::int64_t(which.size()), [&](std::int64_t i, int) {
-        const Lamp &lamp = lamps[which[std::size_t(i)]];
-        columns_[which[std::size_t(i)]] =
-            tracer_.Trace(lamp, tracer_.ReachOf(std::max(kLeastStrength, lamp.Strength()), kLeastLight));
+        const std::size_t j = which[std::size_t(i)];
+        columns_[j] = Traced(lamps_[j]);
     });
 }
 
 void LampFit::Add(std::span<const Lamp> added) {
     std::vector<std::size_t> which;
     for (const Lamp &lamp : added) {
-        which.push_back(lamps.size());
-        lamps.push_back(lamp);
+        which.push_back(lamps_.size());
+        lamps_.push_back(lamp);
     }
-    columns_.resize(lamps.size());
-    damping_.resize(lamps.size(), 0.1f);
+    columns_.resize(lamps_.size());
+    damping_.resize(lamps_.size(), 0.1f);
     TraceAll(which);
     UpdateResiduals();
 }
@@ -85,9 +88,9 @@ void LampFit::Add(std::span<const Lamp> added) {
 void LampFit::UpdateResiduals() {
     for (std::size_t i = 0; i < residuals_.size(); ++i)
         residuals_[i] = map_.light[i].stored - map_.light[i].known;
-    for (std::size_t j = 0; j < lamps.size(); ++j)
+    for (std::size_t j = 0; j < lamps_.size(); ++j)
         for (const LampEntry &entry : columns_[j])
-            residuals_[entry.place] -= lamps[j].intensity * entry.light;
+            residuals_[entry.place] -= lamps_[j].intensity * entry.light;
 }
 
 Vec3f LampFit::EffectiveResidual(std::size_t place) const {
@@ -105,23 +108,27 @@ void LampFit::UpdateWeights() {
     }
 }
 
+LampFit::Slope LampFit::SlopeOf(const LampColumn &column) const {
+    Slope slope;
+    for (const auto &[place, light] : column) {
+        const float weighted = weights_[place] * light;
+        slope.b += EffectiveResidual(place) * weighted;
+        slope.a += weighted * light;
+    }
+    return slope;
+}
+
 void LampFit::SolveIntensities(int sweeps) {
     for (int sweep = 0; sweep < sweeps; ++sweep)
-        for (std::size_t j = 0; j < lamps.size(); ++j) {
-            Vec3f gradient;
-            float curvature = 0;
-            for (const auto &[place, light] : columns_[j]) {
-                const float weighted = weights_[place] * light;
-                gradient += EffectiveResidual(place) * weighted;
-                curvature += weighted * light;
-            }
-            if (!(curvature > 0)) {
-                lamps[j].intensity = {};
+        for (std::size_t j = 0; j < lamps_.size(); ++j) {
+            const auto [b, a] = SlopeOf(columns_[j]);
+            if (!(a > 0)) {
+                lamps_[j].intensity = {};
                 continue;
             }
-            const Vec3f next = Max(lamps[j].intensity + gradient * (1 / curvature), Vec3f{});
-            const Vec3f change = next - lamps[j].intensity;
-            lamps[j].intensity = next;
+            const Vec3f next = Max(lamps_[j].intensity + b * (1 / a), Vec3f{});
+            const Vec3f change = next - lamps_[j].intensity;
+            lamps_[j].intensity = next;
             for (const auto &[place, light] : columns_[j])
                 residuals_[place] -= change * light;
         }
@@ -150,13 +157,13 @@ double LampFit::RmsOfLuxels() const {
 /// their strengths: four unknowns a lamp. Visibility counts as constant.
 std::vector<LampFit::Term> LampFit::Derivatives() const {
     std::vector<Term> terms;
-    for (std::size_t j = 0; j < lamps.size(); ++j) {
-        const float strength = lamps[j].Strength();
+    for (std::size_t j = 0; j < lamps_.size(); ++j) {
+        const float strength = lamps_[j].Strength();
         for (const auto &[place, light] : columns_[j]) {
             if (map_.light[place].isBound && Mean(residuals_[place]) < 0)
                 continue;
             // light = c (n . D) / |D|^3 for D from the place to the lamp; c / |D|^2 at grid points.
-            const Vec3f offset = lamps[j].origin - map_.positions[place];
+            const Vec3f offset = lamps_[j].origin - map_.positions[place];
             const float d2 = std::max(Dot(offset, offset), 1.0f);
             Vec3f gradient;
             if (d2 > kNearest * kNearest) {
@@ -177,7 +184,7 @@ std::vector<LampFit::Term> LampFit::Derivatives() const {
 
 std::size_t LampFit::DropRedundant(double leastGain, float apart) {
     const std::vector<Term> terms = Derivatives();
-    const auto unknowns = Eigen::Index(4 * lamps.size());
+    const auto unknowns = Eigen::Index(4 * lamps_.size());
     Eigen::SparseMatrix<float> jacobian(Eigen::Index(residuals_.size()), unknowns);
     jacobian.setFromTriplets(terms.begin(), terms.end());
     const Eigen::SparseMatrix<float> product = jacobian.transpose() * jacobian;
@@ -187,7 +194,7 @@ std::size_t LampFit::DropRedundant(double leastGain, float apart) {
     const Eigen::LLT<Eigen::MatrixXd> factors(normal);
     const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
     std::vector<std::pair<double, std::size_t>> gains;
-    for (std::size_t j = 0; j < lamps.size(); ++j)
+    for (std::size_t j = 0; j < lamps_.size(); ++j)
         gains.push_back({3 / inverse(Eigen::Index(4 * j + 3), Eigen::Index(4 * j + 3)), j});
     std::ranges::sort(gains);
     std::vector<std::size_t> dropped;
@@ -195,19 +202,19 @@ std::size_t LampFit::DropRedundant(double leastGain, float apart) {
         if (gain >= leastGain)
             break;
         if (std::ranges::all_of(dropped, [&, j = j](std::size_t other) {
-                return Length(lamps[other].origin - lamps[j].origin) > apart;
+                return Length(lamps_[other].origin - lamps_[j].origin) > apart;
             }))
             dropped.push_back(j);
     }
     for (const std::size_t j : dropped)
-        lamps[j].intensity = {};
+        lamps_[j].intensity = {};
     UpdateResiduals();
     Prune(0);
     return dropped.size();
 }
 
 bool LampFit::MoveLamps() {
-    const std::size_t places = residuals_.size(), unknowns = 4 * lamps.size();
+    const std::size_t places = residuals_.size(), unknowns = 4 * lamps_.size();
     std::vector<Term> terms = Derivatives();
     Eigen::VectorXf right = Eigen::VectorXf::Zero(Eigen::Index(places + unknowns));
     for (std::size_t i = 0; i < places; ++i)
@@ -226,27 +233,29 @@ bool LampFit::MoveLamps() {
     solver.compute(matrix);
     const Eigen::VectorXf step = solver.solve(right);
 
-    const std::vector<Lamp> oldLamps = lamps;
-    std::vector<LampColumn> oldColumns = columns_;
+    const std::vector<Lamp> oldLamps = lamps_;
+    std::vector<LampColumn> oldColumns(lamps_.size()); // of those that move
     std::vector<std::size_t> moved;
-    for (std::size_t j = 0; j < lamps.size(); ++j) {
+    for (std::size_t j = 0; j < lamps_.size(); ++j) {
         Vec3f by{step[Eigen::Index(4 * j)], step[Eigen::Index(4 * j + 1)], step[Eigen::Index(4 * j + 2)]};
         by *= kStep;
-        const float farthest = std::max(kStep, kStepShare * tracer_.ReachOf(lamps[j].Strength(), kNearLight));
+        const float farthest = std::max(kStep, kStepShare * tracer_.ReachOf(lamps_[j].Strength(), kNearLight));
         if (const float length = Length(by); length > farthest)
             by *= farthest / length;
         if (Length(by) < kLeastMove) {
             damping_[j] = std::max(1e-3f, damping_[j] / 10); // at rest, or damped too much
             continue;
         }
-        lamps[j].origin += by;
-        lamps[j].intensity *= std::clamp(1 + step[Eigen::Index(4 * j + 3)], 0.5f, 2.0f);
+        lamps_[j].origin += by;
+        lamps_[j].intensity *= std::clamp(1 + step[Eigen::Index(4 * j + 3)], 0.5f, 2.0f);
         moved.push_back(j);
     }
+    for (const std::size_t j : moved)
+        oldColumns[j] = std::move(columns_[j]);
     TraceAll(moved);
     for (const std::size_t j : moved)
-        if (columns_[j].empty())
-            lamps[j] = oldLamps[j], columns_[j] = oldColumns[j];
+        if (columns_[j].empty()) // it would be in a solid
+            lamps_[j] = oldLamps[j], columns_[j] = oldColumns[j];
     const double before = Error();
     const std::vector<Vec3f> oldResiduals = residuals_;
     UpdateResiduals();
@@ -259,11 +268,11 @@ bool LampFit::MoveLamps() {
         UpdateWeights();
         return true;
     }
-    std::vector<Lamp> movedLamps = lamps;
-    lamps = oldLamps, residuals_ = oldResiduals;
+    const std::vector<Lamp> movedLamps = lamps_;
+    lamps_ = oldLamps, residuals_ = oldResiduals;
     bool anyKept = false;
     for (const std::size_t j : moved) {
-        lamps[j].origin = movedLamps[j].origin;
+        lamps_[j].origin = movedLamps[j].origin;
         const bool kept = KeepIfBetter(j, oldLamps[j], oldColumns[j]);
         anyKept |= kept;
         damping_[j] = kept ? std::max(1e-3f, damping_[j] / 3) : std::min(1e4f, damping_[j] * 10);
@@ -293,38 +302,31 @@ bool LampFit::KeepIfBetter(std::size_t j, const Lamp &oldLamp, LampColumn &oldCo
     add(oldColumn, oldLamp.intensity * -1.0f);
     gainOfOld += errorOf(oldColumn);
     const double without = errorOf(column);
-    Vec3f gradient;
-    float curvature = 0;
-    for (const auto &[place, light] : column) {
-        const float weighted = weights_[place] * light;
-        gradient += EffectiveResidual(place) * weighted;
-        curvature += weighted * light;
-    }
-    if (curvature > 0)
-        lamps[j].intensity = Max(gradient * (1 / curvature), Vec3f{});
-    add(column, lamps[j].intensity);
-    if (curvature > 0 && without - errorOf(column) > gainOfOld)
+    const auto [b, a] = SlopeOf(column);
+    if (a > 0)
+        lamps_[j].intensity = Max(b * (1 / a), Vec3f{});
+    add(column, lamps_[j].intensity);
+    if (a > 0 && without - errorOf(column) > gainOfOld)
         return true;
-    add(column, lamps[j].intensity * -1.0f);
+    add(column, lamps_[j].intensity * -1.0f);
     add(oldColumn, oldLamp.intensity);
-    lamps[j] = oldLamp, columns_[j] = std::move(oldColumn);
+    lamps_[j] = oldLamp, columns_[j] = std::move(oldColumn);
     return false;
 }
 
 std::size_t LampFit::Search(float step) {
     constexpr std::array<Vec3f, 6> kDirections{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
-    std::vector<std::size_t> order(lamps.size());
+    std::vector<std::size_t> order(lamps_.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
-    std::ranges::stable_sort(order, std::greater(), [&](std::size_t j) { return lamps[j].Strength(); });
+    std::ranges::stable_sort(order, std::greater(), [&](std::size_t j) { return lamps_[j].Strength(); });
     std::size_t moved = 0;
     for (const std::size_t j : order) {
         std::array<LampColumn, kDirections.size()> columns;
-        const Lamp start = lamps[j];
+        const Lamp start = lamps_[j];
         jobs_.For(std::int64_t(kDirections.size()), [&](std::int64_t i, int) {
             Lamp lamp = start;
             lamp.origin += kDirections[std::size_t(i)] * step;
-            columns[std::size_t(i)] =
-                tracer_.Trace(lamp, tracer_.ReachOf(std::max(kLeastStrength, lamp.Strength()), kLeastLight));
+            columns[std::size_t(i)] = Traced(lamp);
         });
         const bool isFarReaching = columns_[j].size() > residuals_.size() / kFarReaching;
         for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -343,29 +345,29 @@ std::size_t LampFit::Search(float step) {
 }
 
 bool LampFit::KeepIfBetterAt(std::size_t j, const Vec3f &origin, LampColumn column) {
-    const Lamp oldLamp = lamps[j];
+    const Lamp oldLamp = lamps_[j];
     LampColumn oldColumn = std::move(columns_[j]);
-    lamps[j].origin = origin, columns_[j] = std::move(column);
+    lamps_[j].origin = origin, columns_[j] = std::move(column);
     return KeepIfBetter(j, oldLamp, oldColumn);
 }
 
 /// The same for a lamp that many others overlap: these change too.
 bool LampFit::KeepIfBetterForAll(std::size_t j, const Vec3f &origin, LampColumn column) {
-    const std::vector<Lamp> oldLamps = lamps;
+    const std::vector<Lamp> oldLamps = lamps_;
     const std::vector<Vec3f> oldResiduals = residuals_;
     const std::vector<float> oldWeights = weights_;
     const double before = Error();
     for (const auto &[place, light] : columns_[j])
-        residuals_[place] += lamps[j].intensity * light;
+        residuals_[place] += lamps_[j].intensity * light;
     for (const auto &[place, light] : column)
-        residuals_[place] -= lamps[j].intensity * light;
-    lamps[j].origin = origin;
+        residuals_[place] -= lamps_[j].intensity * light;
+    lamps_[j].origin = origin;
     std::swap(columns_[j], column);
     SolveIntensities(4);
     weights_ = oldWeights;
     if (Error() < before)
         return true;
-    lamps = oldLamps, residuals_ = oldResiduals;
+    lamps_ = oldLamps, residuals_ = oldResiduals;
     std::swap(columns_[j], column);
     return false;
 }
@@ -374,35 +376,35 @@ void LampFit::Prune(double leastGain) {
     std::vector<Lamp> kept;
     std::vector<LampColumn> keptColumns;
     std::vector<float> keptDamping;
-    for (std::size_t j = 0; j < lamps.size(); ++j) {
+    for (std::size_t j = 0; j < lamps_.size(); ++j) {
         // What its light alone explains: the weighted squares of its own light at most.
         double gain = 0;
         for (const auto &[place, light] : columns_[j]) {
-            const Vec3f own = lamps[j].intensity * light, r = EffectiveResidual(place);
+            const Vec3f own = lamps_[j].intensity * light, r = EffectiveResidual(place);
             gain += double(weights_[place]) * double(Dot(own + r, own + r) - Dot(r, r));
         }
         if (gain <= leastGain) {
             for (const auto &[place, light] : columns_[j])
-                residuals_[place] += lamps[j].intensity * light;
+                residuals_[place] += lamps_[j].intensity * light;
             continue;
         }
-        kept.push_back(lamps[j]);
+        kept.push_back(lamps_[j]);
         keptDamping.push_back(damping_[j]);
         keptColumns.push_back(std::move(columns_[j]));
     }
-    lamps = std::move(kept), columns_ = std::move(keptColumns), damping_ = std::move(keptDamping);
+    lamps_ = std::move(kept), columns_ = std::move(keptColumns), damping_ = std::move(keptDamping);
 }
 
 void LampFit::Merge(float distance) {
     std::vector<std::size_t> changed;
-    for (std::size_t j = 0; j < lamps.size(); ++j)
-        for (std::size_t k = j + 1; k < lamps.size(); ++k) {
-            if (Length(lamps[j].origin - lamps[k].origin) > distance || !(lamps[k].Strength() > 0))
+    for (std::size_t j = 0; j < lamps_.size(); ++j)
+        for (std::size_t k = j + 1; k < lamps_.size(); ++k) {
+            if (Length(lamps_[j].origin - lamps_[k].origin) > distance || !(lamps_[k].Strength() > 0))
                 continue;
-            const float a = lamps[j].Strength(), b = lamps[k].Strength();
-            lamps[j].origin = (lamps[j].origin * a + lamps[k].origin * b) / (a + b);
-            lamps[j].intensity += lamps[k].intensity;
-            lamps[k].intensity = {};
+            const float a = lamps_[j].Strength(), b = lamps_[k].Strength();
+            lamps_[j].origin = (lamps_[j].origin * a + lamps_[k].origin * b) / (a + b);
+            lamps_[j].intensity += lamps_[k].intensity;
+            lamps_[k].intensity = {};
             if (changed.empty() || changed.back() != j)
                 changed.push_back(j);
         }

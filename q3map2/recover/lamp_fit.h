@@ -25,8 +25,7 @@ class LampFit {
   public:
     LampFit(const ObservedMap &map, const LampTracer &tracer, const JobPool &jobs);
 
-    std::vector<Lamp> lamps; ///< change them by the functions below
-
+    const std::vector<Lamp> &Lamps() const { return lamps_; }
     /// Sets s, and the weights by it.
     void SetRelativeNoise(float noise) {
         relativeNoise_ = noise;
@@ -56,6 +55,13 @@ class LampFit {
     /// Root of the mean square of residuals, byte scale, of luxels.
     double RmsOfLuxels() const;
     float WeightOf(std::size_t place) const { return weights_[place]; }
+    /// With the residuals r as they are: b = sum of w g r and a = sum of w g^2. A lamp of this column lowers the error
+    /// most if its intensity changes by b / a, namely by b^2 / a.
+    struct Slope {
+        Vec3f b;
+        float a = 0;
+    };
+    Slope SlopeOf(const LampColumn &column) const;
     /// The residual of a place, 0 where that of a bound is below 0. Byte scale.
     Vec3f EffectiveResidual(std::size_t place) const;
 
@@ -65,6 +71,7 @@ class LampFit {
     bool KeepIfBetterAt(std::size_t j, const Vec3f &origin, LampColumn column);
     bool KeepIfBetterForAll(std::size_t j, const Vec3f &origin, LampColumn column);
     bool KeepIfBetter(std::size_t j, const Lamp &oldLamp, LampColumn &oldColumn);
+    LampColumn Traced(const Lamp &lamp) const;
     void TraceAll(std::span<const std::size_t> which);
     void FindContrast();
     void UpdateResiduals();
@@ -73,6 +80,7 @@ class LampFit {
     const ObservedMap &map_;
     const LampTracer &tracer_;
     const JobPool &jobs_;
+    std::vector<Lamp> lamps_;
     std::vector<LampColumn> columns_; ///< by lamp
     std::vector<Vec3f> residuals_;    ///< by place
     std::vector<float> weights_;      ///< by place

@@ -1,8 +1,11 @@
 // GPL-2.0-or-later. Lamps, and the light that one of them gives to the observed places.
 #include "q3map2/recover/lamp_light.h"
 
+#include "q3map2/bspfile/entities.h"
 #include "q3map2/light/transfer/light_contribution.h"
 #include "q3map2/light/transfer/light_sample.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -29,6 +32,21 @@ void Append(const IncidentLight &incident, std::size_t count, std::size_t first,
 }
 
 } // namespace
+
+std::string LampEntities(std::span<const Lamp> lamps) {
+    std::vector<Entity> entities(1);
+    entities.front().Set("classname", "worldspawn");
+    for (const Lamp &lamp : lamps) {
+        const Vec3f color = lamp.Color();
+        Entity &entity = entities.emplace_back();
+        entity.Set("classname", "light");
+        entity.Set("origin", fmt::format("{:.1f} {:.1f} {:.1f}", lamp.origin.x, lamp.origin.y, lamp.origin.z));
+        entity.Set("light", fmt::format("{:.2f}", lamp.Intensity()));
+        if (!(color == Vec3f{1, 1, 1}))
+            entity.Set("_color", fmt::format("{:.4f} {:.4f} {:.4f}", color.x, color.y, color.z));
+    }
+    return FormatEntities(entities);
+}
 
 float LampTracer::ReachOf(float strength, float least) const {
     return std::sqrt(std::max(0.0f, setup_.options.pointScale * strength / least));

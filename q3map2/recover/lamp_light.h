@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace q3 {
@@ -21,6 +22,9 @@ struct Lamp {
     float Strength() const { return (intensity.x + intensity.y + intensity.z) / 3; }
 };
 
+/// Text of a map source without brushes: worldspawn, and a light entity for each lamp.
+std::string LampEntities(std::span<const Lamp> lamps);
+
 /// What a lamp of intensity 1 gives to a place. Byte scale.
 struct LampEntry {
     std::uint32_t place; ///< number in ObservedMap::light
@@ -35,7 +39,7 @@ class LampTracer {
     LampTracer(const ObservedMap &map, const LightSetup &setup) : map_(map), setup_(setup) {}
 
     /// Light at the places up to `reach` game units away that the lamp reaches. Empty for a lamp in a solid. every:
-    /// only each so many batches of places are traced.
+    /// only each so many batches of places are traced, but at least two of each lightmap.
     LampColumn Trace(const Lamp &lamp, float reach, std::size_t every = 1) const;
     /// The distance beyond which a lamp of some strength gives less than `least`, byte scale.
     float ReachOf(float strength, float least) const;

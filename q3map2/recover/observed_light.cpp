@@ -4,6 +4,7 @@
 #include "q3map2/light/grid/light_grid.h"
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
+#include "q3map2/lightmap/store/lightmap_store.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,11 +78,10 @@ Vec3f MiddleOf(const Vec3f &bytes) {
 
 class Observer {
   public:
-    Observer(const Bsp &bsp, const SurfacePasses &passes, const ObserveOptions &options, ObservedMap &map)
-        : in_(passes.Inputs()), surfaces_(passes.Surfaces()), pages_(bsp), bsp_(bsp), spacing_(options.spacing),
-          map_(map) {
+    Observer(const Bsp &bsp, const SurfacePasses &passes, ObservedMap &map)
+        : in_(passes.Inputs()), pages_(bsp), bsp_(bsp), tone_(StoredTone(in_)), map_(map) {
         // Corners of faces carry texture coordinates; here those of lightmaps.
-        onPages_.verts = surfaces_.verts;
+        onPages_.verts = passes.Surfaces().verts;
         for (std::size_t v = 0; v < onPages_.verts.size(); ++v)
             onPages_.verts[v].st = bsp.drawVerts[v].lightmap[0];
     }
@@ -89,13 +89,12 @@ class Observer {
     void AddLightmap(const RawLightmap &raw) {
         if (raw.result[0].empty() || raw.positions.empty())
             return;
-        const ToneMapper mapper(1, raw.brightness, tone_ = ToneOf());
+        const ToneMapper mapper(1, raw.brightness, tone_);
         ObservedLuxels luxels;
         luxels.settings = LuxelPassOf(in_, {}, raw).settings;
         luxels.settings.faint = 0, luxels.settings.directional = false;
-        luxels.twoSided = raw.twoSided;
         luxels.first = map_.light.size();
-        const int stride = std::max(1, int(std::lround(spacing_ / std::max(1.0f, raw.actualSampleSize))));
+        const int stride = std::max(1, int(std::lround(kLuxelSpacing / std::max(1.0f, raw.actualSampleSize))));
         std::vector<std::uint8_t> done(std::size_t(raw.width) * std::size_t(raw.height));
         for (const int surface : raw.surfaces) {
             const int page = bsp_.drawSurfaces[std::size_t(surface)].lightmapNum[0];
@@ -108,12 +107,6 @@ class Observer {
     }
 
   private:
-    ToneOptions ToneOf() const {
-        ToneOptions tone = in_.options.tone;
-        tone.maxLight = std::min(tone.maxLight, in_.world.maxLight);
-        return tone;
-    }
-
     void AddTriangle(const RawLightmap &raw, const std::array<const FaceCorner *, 3> &corners, int page, int stride,
                      const ToneMapper &mapper, std::vector<std::uint8_t> &done, ObservedLuxels &luxels) {
         LuxelTriangle triangle;
@@ -163,11 +156,9 @@ class Observer {
     }
 
     const SurfaceInputs &in_;
-    const SurfaceLight &surfaces_;
-    SurfaceLight onPages_;
+    SurfaceLight onPages_; ///< the vertices, with coordinates on pages in place of those of textures
     PageReader pages_;
     const Bsp &bsp_;
-    float spacing_;
     ToneOptions tone_;
     ObservedMap &map_;
 };
@@ -208,9 +199,9 @@ void ObserveGrid(const Bsp &bsp, const LightSetup &setup, const std::vector<bspG
 } // namespace
 
 ObservedMap ObserveLight(const Bsp &bsp, const LightSetup &setup, const SurfacePasses &passes,
-                         const std::vector<bspGridPoint_t> &knownGrid, const ObserveOptions &options) {
+                         const std::vector<bspGridPoint_t> &knownGrid) {
     ObservedMap map;
-    Observer observer(bsp, passes, options, map);
+    Observer observer(bsp, passes, map);
     for (const RawLightmap &raw : passes.Surfaces().lightmaps)
         observer.AddLightmap(raw);
     map.firstGrid = map.light.size();

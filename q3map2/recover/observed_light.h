@@ -20,7 +20,6 @@ struct ObservedLight {
 /// Luxels of one raw lightmap that are observed. They are lit like luxels of the light stage.
 struct ObservedLuxels {
     SurfaceLightSettings settings;
-    bool twoSided = false;
     std::vector<SurfaceReceiverBatch> batches;
     std::size_t first = 0;      ///< number of the light of the first receiver, in ObservedMap::light
     std::vector<Boundsf> boxes; ///< by batch
@@ -37,13 +36,12 @@ struct ObservedMap {
     std::size_t firstGrid = 0;             ///< number of the first grid point in `light`
 };
 
-struct ObserveOptions {
-    float spacing = 32; ///< luxels that are nearer to each other are thinned out. Game units
-};
+/// Game units between the luxels that are observed, or more where the lightmap is coarser.
+inline constexpr float kLuxelSpacing = 32;
 
 /// Reads the light of `bsp`, whose surfaces are those of `passes`; SurfacePasses::Run has lit these by the known
-/// sources. knownGrid: the legacy grid lit by them.
+/// sources. knownGrid: the legacy grid lit by them. Luxels are thinned out to about kLuxelSpacing.
 ObservedMap ObserveLight(const Bsp &bsp, const LightSetup &setup, const SurfacePasses &passes,
-                         const std::vector<bspGridPoint_t> &knownGrid, const ObserveOptions &options);
+                         const std::vector<bspGridPoint_t> &knownGrid);
 
 } // namespace q3

@@ -11,6 +11,12 @@ namespace {
 
 /// Strength for which a candidate is traced, and the light at which its reach ends, byte scale.
 constexpr float kCandidateStrength = 150, kCandidateLight = 1;
+/// Spacing of candidates in the open; game units. It grows by kCoarser until there are at most kMostCandidates places,
+/// which bounds the memory of large maps.
+constexpr float kLattice = 64, kCoarser = 1.25f;
+constexpr std::int64_t kMostCandidates = 1 << 18;
+/// Most rounds with one relative noise.
+constexpr int kMostRounds = 24;
 /// Candidates are traced to each so many batches of places.
 constexpr std::size_t kCandidateEvery = 6;
 /// Clearance of candidates in the open from solids. Game units.
@@ -35,10 +41,8 @@ struct Candidate {
 
 class Recovery {
   public:
-    Recovery(const ObservedMap &map, const LightSetup &setup, const RecoverOptions &options, const JobPool &jobs,
-             Log &log)
-        : map_(map), setup_(setup), options_(options), jobs_(jobs), log_(log), tracer_(map, setup),
-          fit_(map, tracer_, jobs) {}
+    Recovery(const ObservedMap &map, const LightSetup &setup, const JobPool &jobs, Log &log)
+        : map_(map), setup_(setup), jobs_(jobs), log_(log), tracer_(map, setup), fit_(map, tracer_, jobs) {}
 
     RecoveredLights Run() {
         RecoveredLights result;
@@ -52,7 +56,7 @@ class Recovery {
         log_.Count(pairs, "pairs of these that see each other");
         for (const float noise : kRelativeNoises) {
             fit_.SetRelativeNoise(noise);
-            for (int round = 0; round < options_.rounds && AddLamps(round); ++round) {
+            for (int round = 0; round < kMostRounds && AddLamps(round); ++round) {
             }
         }
         DropLamps();
@@ -61,7 +65,7 @@ class Recovery {
             Move(3);
         }
         result.rmsAfter = fit_.RmsOfLuxels();
-        result.lamps = fit_.lamps;
+        result.lamps = fit_.Lamps();
         std::ranges::stable_sort(result.lamps, std::greater(), &Lamp::Strength);
         return result;
     }
@@ -78,14 +82,20 @@ class Recovery {
 
     std::vector<Candidate> Lattice() const {
         const bspModel_t &world = setup_.bsp.models.front();
-        const Vec3f mins(world.mins), maxs(world.maxs);
-        const float spacing = options_.lattice;
+        float spacing = kLattice;
+        GridLayout layout = LayoutGrid(world.mins, world.maxs, {spacing, spacing, spacing});
+        while (layout.Count() > kMostCandidates) {
+            spacing *= kCoarser;
+            layout = LayoutGrid(world.mins, world.maxs, {spacing, spacing, spacing});
+        }
+        const Vec3f off{spacing / 2, spacing / 2, spacing / 2}; // brushes often lie on multiples of 64
         std::vector<Candidate> candidates;
-        for (float z = mins.z + spacing / 2; z < maxs.z; z += spacing)
-            for (float y = mins.y + spacing / 2; y < maxs.y; y += spacing)
-                for (float x = mins.x + spacing / 2; x < maxs.x; x += spacing)
-                    if (const Vec3f p{x, y, z}; setup_.space.ClusterAt(p, kClear) != kSolidCluster)
-                        candidates.push_back({p, {}});
+        for (std::int64_t i = 0; i < layout.Count(); ++i) {
+            const Int3 at = layout.Coordinates(i);
+            if (const Vec3f p = Vec3f(layout.Position(at[0], at[1], at[2])) - off;
+                setup_.space.ClusterAt(p, kClear) != kSolidCluster)
+                candidates.push_back({p, {}});
+        }
         Trace(candidates);
         return candidates;
     }
@@ -130,17 +140,11 @@ class Recovery {
         jobs_.For(std::int64_t(candidates.size()), [&](std::int64_t i, int) {
             const Candidate &candidate = candidates[std::size_t(i)];
             Gain &one = gains[first + std::size_t(i)];
-            Vec3f gradient;
-            float curvature = 0;
-            for (const auto &[place, light] : candidate.column) {
-                const float weighted = fit_.WeightOf(place) * light;
-                gradient += fit_.EffectiveResidual(place) * weighted;
-                curvature += weighted * light;
-            }
-            if (!(curvature > 0))
+            const auto [b, a] = fit_.SlopeOf(candidate.column);
+            if (!(a > 0))
                 return;
-            one.lamp = {candidate.origin, Max(gradient * (1 / curvature), Vec3f{})};
-            one.gain = double(Dot(one.lamp.intensity, one.lamp.intensity)) * double(curvature);
+            one.lamp = {candidate.origin, Max(b * (1 / a), Vec3f{})};
+            one.gain = double(Dot(one.lamp.intensity, one.lamp.intensity)) * double(a);
         });
     }
 
@@ -157,8 +161,9 @@ class Recovery {
         AddGains(SurfaceCandidates(), gains);
         std::ranges::stable_sort(gains, std::greater(), &Gain::gain);
         std::vector<Lamp> added;
+        const double least = LeastGain(kLeastGain);
         for (const Gain &one : gains) {
-            if (added.size() > fit_.lamps.size() / 2 || one.gain <= LeastGain(kLeastGain))
+            if (added.size() > fit_.Lamps().size() / 2 || one.gain <= least)
                 break;
             if (std::ranges::all_of(added,
                                     [&](const Lamp &other) { return Length(other.origin - one.lamp.origin) > kApart; }))
@@ -168,12 +173,12 @@ class Recovery {
             return false;
         fit_.Add(added);
         fit_.SolveIntensities(20);
-        Move(fit_.lamps.size() < kFewLamps ? 10 : 5);
+        Move(fit_.Lamps().size() < kFewLamps ? 10 : 5);
         fit_.Merge(kTwins);
         fit_.SolveIntensities(10);
         fit_.Prune(LeastGain(kLeastGain));
         fit_.SolveIntensities(10);
-        log_.Print("{:9} lamps, light on luxels within {:.2f} bytes RMS\n", fit_.lamps.size(), fit_.RmsOfLuxels());
+        log_.Print("{:9} lamps, light on luxels within {:.2f} bytes RMS\n", fit_.Lamps().size(), fit_.RmsOfLuxels());
         return fit_.Error() < kEnough * before || round < kFewRounds;
     }
 
@@ -195,7 +200,6 @@ class Recovery {
 
     const ObservedMap &map_;
     const LightSetup &setup_;
-    const RecoverOptions options_;
     const JobPool &jobs_;
     Log &log_;
     LampTracer tracer_;
@@ -205,9 +209,8 @@ class Recovery {
 
 } // namespace
 
-RecoveredLights RecoverLights(const ObservedMap &map, const LightSetup &setup, const RecoverOptions &options,
-                              const JobPool &jobs, Log &log) {
-    return Recovery(map, setup, options, jobs, log).Run();
+RecoveredLights RecoverLights(const ObservedMap &map, const LightSetup &setup, const JobPool &jobs, Log &log) {
+    return Recovery(map, setup, jobs, log).Run();
 }
 
 } // namespace q3

@@ -8,18 +8,12 @@
 
 namespace q3 {
 
-struct RecoverOptions {
-    float lattice = 64; ///< spacing of candidates in the open. Game units
-    int rounds = 24;    ///< most rounds
-};
-
 struct RecoveredLights {
     std::vector<Lamp> lamps;            ///< by falling strength
     double rmsBefore = 0, rmsAfter = 0; ///< of light on luxels that no source explains. Byte scale
 };
 
 /// Finds lamps by alternating descent: new ones where they lower the error most, then intensities and positions of all.
-RecoveredLights RecoverLights(const ObservedMap &map, const LightSetup &setup, const RecoverOptions &options,
-                              const JobPool &jobs, Log &log);
+RecoveredLights RecoverLights(const ObservedMap &map, const LightSetup &setup, const JobPool &jobs, Log &log);
 
 } // namespace q3

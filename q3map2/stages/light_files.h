@@ -26,8 +26,8 @@ namespace q3 {
 /// End of the names of files that -recoverlights writes, in place of .bsp.
 inline constexpr std::string_view kRecoveredLights = ".lights.map";
 
-/// The .map and the .srf of a map, if they exist; without a .map, the lights that -recoverlights found. Errors: Error, for files that cannot be read or
-/// parsed.
+/// The .map and the .srf of a map, if they exist; without a .map, the lights that -recoverlights found. Errors: Error,
+/// for files that cannot be read or parsed.
 LightInputs ReadLightInputs(const MapFiles &files, Log &log);
 
 /// Warns of luxel sizes on the command line (`given`) that the .srf overrides, and removes them from the list of

@@ -6,7 +6,6 @@
 #include "q3map2/light/grid_bakes.h"
 #include "q3map2/lightmap/light_stage.h"
 #include "q3map2/lightmap/raw/lightmap_setup.h"
-#include "q3map2/recover/lamp_entities.h"
 #include "q3map2/recover/recover_lights.h"
 #include "q3map2/stages/light_files.h"
 #include "q3map2/stages/stages.h"
@@ -21,6 +20,18 @@ namespace {
 constexpr std::size_t kListed = 32;
 /// More unexplained light than this is a warning. Byte scale.
 constexpr double kMuchUnexplained = 6;
+
+/// Options of -light that only say what it stores change nothing here.
+void WarnOfStoring(const LightRun &run, Log &log) {
+    const LightOptions &options = run.options;
+    const LightmapOptions &lightmap = run.lightmap;
+    if (options.sh || options.shAdaptive || options.shLights || options.ambientCubes || options.staticPropLighting ||
+        !run.gridFormats.empty() || !options.explain.empty() || !options.previewFile.empty() || lightmap.onlyGrid ||
+        lightmap.external || lightmap.exportPages || lightmap.lightmass || lightmap.hdr)
+        log.Warn("options without effect",
+                 "options that say what -light stores, such as -sh or -external, change nothing here: no light is "
+                 "stored");
+}
 
 void PrintLamps(const RecoveredLights &found, Log &log) {
     log.Print("{:>8} {:>8} {:>8}  {:>8}  color\n", "x", "y", "z", "light");
@@ -41,15 +52,19 @@ int RecoverStage(const StageContext &context, Arguments arguments) {
     log.Section("RecoverLights");
     const FilePlaces places = TakeFilePlaces("-recoverlights", arguments, log);
     const LightRun run = TakeLightRun(arguments, *context.options.game, log);
+    WarnOfStoring(run, log);
     const StageFile file = TakeFile(context, arguments, {});
     const auto folders = GameFolders(context.options, context.words, context.program);
     const MapFiles files = FilesOfBsp(file.file, places, folders);
     const auto path = WithExtension(files.bsp, kRecoveredLights);
     FileGuard guard(context);
-    guard.Needs(files.bsp);
+    DeclareInputs(files, run.options, guard);
     guard.Writes(path);
     if (std::filesystem::exists(path) && !context.options.force)
         throw Error("{} exists; -force replaces it", path.string());
+    if (std::filesystem::exists(files.map))
+        log.Warn("source next to the map", "-light reads the lights of {}, not those that are found here",
+                 files.map.string());
     RequireGameFiles(context.options, folders, context.words, log);
     VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     log.Print("Loading {}\n", files.bsp.string());
@@ -59,6 +74,8 @@ int RecoverStage(const StageContext &context, Arguments arguments) {
     LightInputs inputs;
     inputs.name = files.bsp.stem().string();
     inputs.vfs = &vfs;
+    if (std::filesystem::exists(files.srf))
+        inputs.surfaceFile = ReadTextFile(files.srf);
     inputs.texLights = ReadTexLights(files, vfs, run.options.texLightFiles, run.lightmap.hdr, log);
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
     const JobPool jobs = context.report.Workers(context.options.threads);
@@ -67,16 +84,16 @@ int RecoverStage(const StageContext &context, Arguments arguments) {
     SurfacePasses passes(setup, run.lightmap, jobs, log, {.keepLuxels = true});
     passes.Run();
     GridStats stats;
-    const ObservedMap map = ObserveLight(bsp, setup, passes, LightLegacyGrid(setup, {}, jobs, log, stats), {});
+    const ObservedMap map = ObserveLight(bsp, setup, passes, LightLegacyGrid(setup, {}, jobs, log, stats));
     log.Section("Lamps");
-    const RecoveredLights found = RecoverLights(map, setup, {}, jobs, log);
+    const RecoveredLights found = RecoverLights(map, setup, jobs, log);
     PrintLamps(found, log);
     log.Print("Light on luxels that known sources leave: {:.2f} bytes RMS; after {} lamps: {:.2f}\n", found.rmsBefore,
               found.lamps.size(), found.rmsAfter);
     if (found.rmsAfter > kMuchUnexplained)
         log.Warn("much light unexplained",
-                 "lamps leave {:.1f} bytes RMS of the light on luxels unexplained; options "
-                 "that the map was lit with, such as -bounce and -gamma, belong on this command line too",
+                 "lamps leave {:.1f} bytes RMS of the light on luxels unexplained; if the map was lit with options "
+                 "such as -gamma, -compensate or -dirty, give them here too",
                  found.rmsAfter);
     guard.CheckUnchanged();
     FileSet written;

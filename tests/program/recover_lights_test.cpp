@@ -80,6 +80,21 @@ TEST_F(RecoverLightsTest, RoomIsRelit) {
     EXPECT_LE(worst, 2);
 }
 
+TEST_F(RecoverLightsTest, AnyNumberOfThreadsFindsTheSame) {
+    Recover(Lamp({-32, 0, 100}, 100, {1, 0.5f, 0.25f}) + Lamp({90, 60, 150}, 140), "-threads 1");
+    const std::string one = ReadTextFile(maps_ / "room.lights.map");
+    EXPECT_EQ(RunWords("-threads 3 -force -recoverlights").status, 0);
+    EXPECT_EQ(ReadTextFile(maps_ / "room.lights.map"), one);
+}
+
+TEST_F(RecoverLightsTest, SaysWhatHasNoEffect) {
+    Compile(Lamp({0, 0, 100}, 100));
+    Light("");
+    const Outcome outcome = RunWords("-recoverlights -sh");
+    EXPECT_TRUE(outcome.Printed("options that say what -light stores")) << outcome.text;
+    EXPECT_TRUE(outcome.Printed("-light reads the lights of " + (maps_ / "room.map").string())) << outcome.text;
+}
+
 TEST_F(RecoverLightsTest, MapsAreNotReplaced) {
     Recover(Lamp({0, 0, 100}, 100));
     const Outcome again = RunWords("-recoverlights");
