@@ -22,10 +22,8 @@ constexpr float kNoise = 1;
 constexpr float kOutlier = 2.5f;
 /// Weight of a grid point: its bytes are rounded more coarsely, and its light is the sum of two colors.
 constexpr float kGridWeight = 0.25f;
-/// Lamps are traced as far as they give this. Byte scale.
-constexpr float kLeastLight = 0.25f;
-/// Least strength as which a lamp is traced.
-constexpr float kLeastStrength = 10;
+/// Least intensity as which a lamp is traced.
+constexpr float kLeastIntensity = 10;
 /// Damping: a step of this many units, or by its whole strength, of one lamp costs as much as it may gain.
 constexpr float kStep = 24;
 /// A lamp that gives light to more than one in so many places is moved together with the intensities of all others.
@@ -63,7 +61,10 @@ void LampFit::FindContrast() {
 }
 
 LampColumn LampFit::Traced(const Lamp &lamp) const {
-    return tracer_.Trace(lamp, tracer_.ReachOf(std::max(kLeastStrength, lamp.Strength()), kLeastLight));
+    Lamp traced = lamp;
+    if (lamp.Intensity() < kLeastIntensity)
+        traced.intensity = Vec3f{1, 1, 1} * kLeastIntensity;
+    return tracer_.Trace(traced);
 }
 
 void LampFit::TraceAll(std::span<const std::size_t> which) {

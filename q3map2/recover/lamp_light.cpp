@@ -21,12 +21,12 @@ float MeanTint(const IncidentLight &incident, std::size_t lane) {
     return (tint.x + tint.y + tint.z) / 3;
 }
 
-/// Appends the light of the live receivers of a batch, whose numbers follow `first`.
-void Append(const IncidentLight &incident, std::size_t count, std::size_t first, const float *factors,
+/// Appends the light of the live receivers of a batch, times `scale`. Their numbers follow `first`.
+void Append(const IncidentLight &incident, std::size_t count, std::size_t first, float scale, const float *factors,
             LampColumn &column) {
     for (std::size_t i = 0; i < count; ++i)
         if (incident.live[i] != 0) {
-            const float light = incident.strength[i] * MeanTint(incident, i) * (factors ? factors[i] : 1);
+            const float light = incident.strength[i] * MeanTint(incident, i) * scale * (factors ? factors[i] : 1);
             column.push_back({std::uint32_t(first + i), light});
         }
 }
@@ -54,7 +54,8 @@ float LampTracer::ReachOf(float strength, float least) const {
 
 Light LampTracer::LightOf(const Lamp &lamp, float reach, int cluster) const {
     Light light;
-    light.photons = setup_.options.pointScale;
+    light.photons = setup_.options.pointScale * lamp.Intensity();
+    light.tolerance = setup_.options.tolerance, light.endsAtTolerance = true;
     light.origin = lamp.origin;
     light.extraDist = setup_.options.extraDist;
     light.clusters = {cluster};
@@ -68,12 +69,14 @@ Light LampTracer::LightOf(const Lamp &lamp, float reach, int cluster) const {
     return light;
 }
 
-LampColumn LampTracer::Trace(const Lamp &lamp, float reach, std::size_t every) const {
+LampColumn LampTracer::Trace(const Lamp &lamp, std::size_t every) const {
     LampColumn column;
+    const float reach = ReachOf(lamp.Intensity(), setup_.options.tolerance);
     const int cluster = setup_.space.ClusterAt(lamp.origin, 0);
     if (cluster == kSolidCluster)
         return column;
     const Light light = LightOf(lamp, reach, cluster);
+    const float scale = 1 / lamp.Intensity();
     ContributionCounts counts;
     for (const ObservedLuxels &luxels : map_.lightmaps) {
         const std::size_t step = std::clamp<std::size_t>(luxels.batches.size() / 2, 1, every);
@@ -83,7 +86,7 @@ LampColumn LampTracer::Trace(const Lamp &lamp, float reach, std::size_t every) c
             SurfaceReceiverBatch batch = luxels.batches[b];
             SurfaceIncidentLight incident;
             LightContributionToSample(light, luxels.settings, setup_.scene, batch, incident, counts);
-            Append(incident, batch.count, luxels.first + b * kPacketSize,
+            Append(incident, batch.count, luxels.first + b * kPacketSize, scale,
                    luxels.dirt.empty() ? nullptr : &luxels.dirt[b * kPacketSize], column);
         }
     }
@@ -95,7 +98,7 @@ LampColumn LampTracer::Trace(const Lamp &lamp, float reach, std::size_t every) c
         ReceiverBatch batch = map_.grid[b];
         ProbeIncidentLight incident;
         LightContributionToPoint(light, 1, settings, setup_.scene, {&batch, 1}, {&incident, 1}, counts);
-        Append(incident, batch.count, map_.firstGrid + b * kPacketSize, nullptr, column);
+        Append(incident, batch.count, map_.firstGrid + b * kPacketSize, scale, nullptr, column);
     }
     return column;
 }

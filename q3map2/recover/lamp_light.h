@@ -38,9 +38,10 @@ class LampTracer {
   public:
     LampTracer(const ObservedMap &map, const LightSetup &setup) : map_(map), setup_(setup) {}
 
-    /// Light at the places up to `reach` game units away that the lamp reaches. Empty for a lamp in a solid. every:
-    /// only each so many batches of places are traced, but at least two of each lightmap.
-    LampColumn Trace(const Lamp &lamp, float reach, std::size_t every = 1) const;
+    /// Light at the places that the lamp reaches. As in the light stage, it gives none where that would be at most the
+    /// falloff tolerance, so its intensity matters. Empty for a lamp in a solid. every: only each so many batches of
+    /// places are traced, but at least two of each lightmap.
+    LampColumn Trace(const Lamp &lamp, std::size_t every = 1) const;
     /// The distance beyond which a lamp of some strength gives less than `least`, byte scale.
     float ReachOf(float strength, float least) const;
 

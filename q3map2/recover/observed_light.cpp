@@ -13,6 +13,9 @@ namespace q3 {
 
 namespace {
 
+/// Least byte that stands for light at its limit: colors above it are scaled down to just under 255, and cut off.
+constexpr float kFullByte = 254;
+
 /// Stored bytes of luxels, found by the texture coordinates of lightmaps.
 class PageReader {
   public:
@@ -38,7 +41,7 @@ class PageReader {
                     &bsp_.lightmaps[first + 3 * (std::size_t(ty) * std::size_t(side_) + std::size_t(tx))];
                 const Vec3f one{float(texel[0]), float(texel[1]), float(texel[2])};
                 bytes += one * weight;
-                isFull |= MaxComponent(one) >= 255;
+                isFull |= MaxComponent(one) >= kFullByte;
             }
         return true;
     }
@@ -168,7 +171,7 @@ Vec3f TotalLight(const bspGridPoint_t &point, bool &isFull) {
     Vec3f sum;
     for (std::size_t i = 0; i < 3; ++i) {
         sum[i] = float(point.directed[0][i]) + 4 * float(point.ambient[0][i]);
-        isFull |= point.directed[0][i] == 255 || point.ambient[0][i] == 255;
+        isFull |= std::max(point.directed[0][i], point.ambient[0][i]) >= kFullByte;
     }
     return sum;
 }

@@ -9,8 +9,8 @@ namespace q3 {
 
 namespace {
 
-/// Strength for which a candidate is traced, and the light at which its reach ends, byte scale.
-constexpr float kCandidateStrength = 150, kCandidateLight = 1;
+/// Intensity as which a candidate is traced.
+constexpr float kCandidateIntensity = 150;
 /// Spacing of candidates in the open; game units. It grows by kCoarser until there are at most kMostCandidates places,
 /// which bounds the memory of large maps.
 constexpr float kLattice = 64, kCoarser = 1.25f;
@@ -74,8 +74,7 @@ class Recovery {
     void Trace(std::vector<Candidate> &candidates) const {
         jobs_.For(std::int64_t(candidates.size()), [&](std::int64_t i, int) {
             Candidate &one = candidates[std::size_t(i)];
-            one.column = tracer_.Trace({one.origin, {1, 1, 1}}, tracer_.ReachOf(kCandidateStrength, kCandidateLight),
-                                       kCandidateEvery);
+            one.column = tracer_.Trace({one.origin, Vec3f{1, 1, 1} * kCandidateIntensity}, kCandidateEvery);
             one.column.shrink_to_fit();
         });
     }
