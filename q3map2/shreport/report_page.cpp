@@ -77,7 +77,7 @@ class ReportPackage {
 
     void AddMap() {
         AddFile(fmt::format("maps/{}.bsp", name_), map_.path);
-        for (const std::string_view end : {".lin", ".prt", ".sherror.json"}) {
+        for (const std::string_view end : {".lin", ".prt", ".sherror.json", ".unexplained.json"}) {
             const fs::path beside = map_.path.parent_path() / (name_ + std::string(end));
             if (fs::is_regular_file(beside))
                 AddFile(fmt::format("maps/{}{}", name_, end), beside);

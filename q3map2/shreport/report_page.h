@@ -29,7 +29,7 @@ struct ReportedMap {
 };
 
 /// A pk3 with
-/// - maps/x.bsp unchanged, and those of maps/x.lin, x.prt and x.sherror.json that exist beside it,
+/// - maps/x.bsp unchanged, and those of maps/x.lin, x.prt, x.sherror.json and x.unexplained.json that exist beside it,
 /// - the explanations, if there are any,
 /// - external lightmaps maps/x/lm_*,
 /// - scripts/x.shader: the shaders of what is drawn, as StrippedText,

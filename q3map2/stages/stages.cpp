@@ -137,8 +137,8 @@ std::vector<Stage> CompilingStages() {
         {"-shreport", "-shreport [options] maps/x.bsp",
          "Write a page that shows a map and its light in a browser: maps/x.html",
          "The page is one file that needs nothing else. It contains the map as a package with its shaders, its reduced "
-         "textures, and `x.lin`, `x.prt` and `x.sherror.json` if they exist. The page [The viewer](../guide/viewer.md) "
-         "describes it.",
+         "textures, and `x.lin`, `x.prt`, `x.sherror.json` and `x.unexplained.json` if they exist. The page [The "
+         "viewer](../guide/viewer.md) describes it.",
          SHReportStage, [] { return Describe(SHReportSettings()); }},
         {"-ssbump", "-ssbump [options] HEIGHT OUT.tga|OUT.png",
          "Make a self-shadowed bump map from a height map, for directional lightmaps",

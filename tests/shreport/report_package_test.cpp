@@ -58,14 +58,15 @@ TEST_F(ReportPackageTest, HoldsTheMapAndWhatIsBesideIt) {
     Put("maps/x.prt", "PRT1");
     Put("maps/x.lin", "0 0 0");
     Put("maps/x.sherror.json", "{}");
+    Put("maps/x.unexplained.json", "{}");
     Put("maps/x.aas", "EAAS");
     Put("maps/x/lm_0000.tga", "page");
     Put("maps/x/vertlight.raw", "light");
     const Archive archive = Opened(Package());
     std::vector<std::string> names = archive.Names();
     std::ranges::sort(names);
-    EXPECT_THAT(names,
-                ElementsAre("maps/x.bsp", "maps/x.lin", "maps/x.prt", "maps/x.sherror.json", "maps/x/lm_0000.tga"));
+    EXPECT_THAT(names, ElementsAre("maps/x.bsp", "maps/x.lin", "maps/x.prt", "maps/x.sherror.json",
+                                   "maps/x.unexplained.json", "maps/x/lm_0000.tga"));
     EXPECT_EQ(archive.Read("maps/x.bsp"), Bytes(bsp_));
     EXPECT_EQ(AsText(archive.Read("maps/x/lm_0000.tga")), "page");
 }

@@ -1,7 +1,7 @@
 // GPL-2.0-or-later. From files that a visitor hands over to the map on the screen.
 import { FormatError } from './bsp/bytes.js';
 import { readMap } from './bsp/map.js';
-import { parseErrors, parseExplanations, parseLeakLine, parsePortals } from './bsp/side_files.js';
+import { parseErrors, parseExplanations, parseLeakLine, parsePortals, parseUnexplained } from './bsp/side_files.js';
 import { GameFiles } from './files/game_files.js';
 import { baseName, extensionOf, isKnown, kSideExtensions } from './files/opened.js';
 import { splitScript } from './files/shader_script.js';
@@ -10,7 +10,15 @@ const kReaders = {
     leak: parseLeakLine,
     portals: parsePortals,
     errors: parseErrors,
+    unexplained: parseUnexplained,
     explanations: parseExplanations,
+};
+
+/** How messages begin about files that name a map. */
+const kOfMap = {
+    errors: 'The errors are',
+    unexplained: 'The unexplained light is',
+    explanations: 'The explanations are',
 };
 
 export class Opener {
@@ -57,7 +65,7 @@ export class Opener {
             } else if (!isKnown(path)) {
                 this.messages.add(
                     'error',
-                    `${path} is not a file that this page opens: it takes .bsp, .pk3, .lin, .prt, .sherror.json and .explain.json.`,
+                    `${path} is not a file that this page opens: it takes .bsp, .pk3, .lin, .prt, .sherror.json, .unexplained.json and .explain.json.`,
                 );
             } else {
                 resources = (await this.addFile(path, blob)) || resources;
@@ -167,11 +175,12 @@ export class Opener {
         }
     }
 
-    /** Errors or explanations, which name the map that they are of. */
+    /** Errors, unexplained light or explanations, which name the map that they are of. */
     setOfMap(kind, value) {
         if (value.map && !this.isBeside(value.map))
-            this.messages.add('note', `The ${kind} are of ${value.map}, not of the map that is shown.`);
+            this.messages.add('note', `${kOfMap[kind]} of ${value.map}, not of the map that is shown.`);
         if (kind === 'errors') this.viewer.setErrors(value);
+        else if (kind === 'unexplained') this.viewer.setUnexplained(value);
         else this.viewer.setExplanations(value);
     }
 }

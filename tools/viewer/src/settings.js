@@ -22,6 +22,8 @@ export function initialSettings() {
         cut: false, // hides the map above the slice
         errors: 'off', // 'off', 'sh' or 'legacy'
         largest: 10, // end of the scale of errors, displayed bytes
+        unexplained: false, // luxels with light that no lamp explains
+        mostUnexplained: 10, // end of the scale of that light, bytes
         leak: true,
         portals: false,
         lights: false,

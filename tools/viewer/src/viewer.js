@@ -14,6 +14,7 @@ import { Lightmaps } from './scene/lightmaps.js';
 import { MapMesh } from './scene/map_mesh.js';
 import { disposeTree, leakLine, lightRays, lightSpheres, placeDots, placeMark, portalMesh, surfaceMark } from './scene/overlays.js';
 import { Textures } from './scene/textures.js';
+import { UnexplainedLayer } from './scene/unexplained_layer.js';
 import { Walk } from './scene/walk.js';
 import { initialSettings } from './settings.js';
 import { linkTo, placeOf } from './place_link.js';
@@ -52,6 +53,7 @@ export class Viewer {
     stats = { firstPicture: 0, texturesDone: 0, fps: 0, calls: 0, triangles: 0 };
     figureLight = null;
     errorSummary = null;
+    unexplainedSummary = null;
     /** The surface that the visitor has clicked, from MapMesh.surfaceOn. */
     picked = null;
     /** From parseExplanations, and its place that is nearest to the click. */
@@ -85,8 +87,9 @@ export class Viewer {
         this.gridLayer = new GridLayer(this.lightUniforms);
         this.figure = new Figure(this.lightUniforms);
         this.errors = new ErrorLayer();
+        this.unexplained = new UnexplainedLayer();
         this.side = { leak: null, portals: null, lights: null, places: null, mark: null, rays: null, goal: null };
-        this.scene.add(this.gridLayer.mesh, this.figure.group, this.errors.points);
+        this.scene.add(this.gridLayer.mesh, this.figure.group, this.errors.dots.mesh, this.unexplained.dots.mesh);
         this.raycaster = new THREE.Raycaster();
         this.walk = new Walk(this.camera, canvas, {
             changed: () => this.invalidate(),
@@ -211,6 +214,7 @@ export class Viewer {
         if (!keepTextures) this.textures.dispose();
         for (const name of Object.keys(this.side)) this.setSide(name, null);
         this.errors.set(null);
+        this.unexplained.set(null);
         this.picked = this.explained = this.explanations = null;
         this.grids = { uniform: null, sparse: null, legacy: null, problems: [] };
         this.map = null;
@@ -334,7 +338,15 @@ export class Viewer {
     setErrors(errors) {
         this.errors.set(errors);
         this.settings.errors = 'sh';
-        this.settings.largest = this.errors.suggestedLargest;
+        this.settings.largest = this.errors.dots.suggestedLargest;
+        this.changed();
+    }
+
+    setUnexplained(light) {
+        const meshOf = ({ geometry, indexes }) => ({ vertices: geometry.attributes.position.array, indexes });
+        this.unexplained.set(light, this.mesh.batches.map(meshOf));
+        this.settings.unexplained = true;
+        this.settings.mostUnexplained = this.unexplained.dots.suggestedLargest;
         this.changed();
     }
 
@@ -367,10 +379,9 @@ export class Viewer {
         this.mesh.styleLightChanged();
         this.mesh.uniforms.tint.value = kTints.indexOf(settings.tint);
         this.mesh.cutAt(this.cutHeight);
-        this.errorSummary = this.errors.update(settings.errors, {
-            ...settings,
-            viewHeight: this.renderer.domElement.height,
-        });
+        this.errorSummary = this.errors.update(settings.errors, settings);
+        const { unexplained, mostUnexplained } = settings;
+        this.unexplainedSummary = this.unexplained.update(unexplained, mostUnexplained, this.cutHeight);
     }
 
     /** Height above which the map is cut; null: it is not. */

@@ -36,6 +36,11 @@ function write(name, content) {
     return path;
 }
 
+/** A file of unexplained light. */
+function unexplained(map, positions) {
+    return JSON.stringify({ format: 'q3map2-sh unexplained light', version: 1, map, unit: 'bytes', positions });
+}
+
 /** Points in the open, neither dark nor too bright for the screen, whose sphere the viewer can stand before, evenly over
  * the grid, and where it stands. */
 function choosePoints(path, form) {
@@ -316,6 +321,7 @@ test('a click tells what a surface is; a link leads back; the picture is saved',
             viewer.drawNow(); // a click needs the camera to be there
         });
         await page.mouse.click(300, 400);
+        await page.waitForFunction(() => document.getElementById('surface').textContent !== '');
         const text = await page.textContent('#surface');
         assert.match(text, /textures\/demo\/.*planar.*page \d.*\d units/);
         const { surface, point } = await page.evaluate(() => window.viewer.viewer.picked);
@@ -391,14 +397,17 @@ test('files beside the map, in a second drop', { skip: !DEMO }, () =>
                     ],
                 }),
             ),
+            write('demo.unexplained.json', unexplained('demo', [[-264, 0, 1, 3], [-232, 0, 1, -4]])),
         ]);
         await page.waitForFunction(
             () =>
                 window.viewer.viewer.errors.errors &&
+                window.viewer.viewer.unexplained.light &&
                 window.viewer.viewer.side.leak &&
                 window.viewer.viewer.side.portals,
         );
         await page.waitForFunction(() => document.getElementById('legend').textContent.includes('displayed bytes'));
+        assert.match(await page.textContent('#legend'), /explained light, in bytes/);
         await toggleAll(page);
         const at = await page.evaluate(() => window.viewer.viewer.camera.position.toArray());
         await openFiles(page, [write('more.pk3', zipSync({ 'textures/x.txt': new Uint8Array(1) }))]);
@@ -410,6 +419,46 @@ test('files beside the map, in a second drop', { skip: !DEMO }, () =>
         );
         assert.deepEqual(await page.evaluate(() => window.viewer.viewer.camera.position.toArray()), at);
         assert.deepEqual(await messages(page), []);
+        assert.deepEqual(faults, []);
+    }),
+);
+
+test('unexplained light: dots on their surface, by sign and size', () =>
+    withPage(kDesktop, async (page, faults) => {
+        await openFiles(page, [write('room.bsp', makeBsp(46, roomLumps()))]);
+        await texturesLoaded(page);
+        const plain = await colorOfTriangle(page, {});
+        const difference = (color) => Math.max(...color.map((c, k) => Math.abs(c - plain[k])));
+        const colorOf = async (light) => {
+            const rows = [[20, 20, -1, light]]; // in front of the triangle, which is seen from below
+            await openFiles(page, [write('room.unexplained.json', unexplained('room', rows))]);
+            await page.waitForFunction((value) => window.viewer.viewer.unexplained.light?.light[0] === value, light);
+            return colorWith({ mostUnexplained: 8 });
+        };
+        const colorWith = async (settings) => {
+            await page.evaluate((values) => Object.assign(window.viewer.viewer.settings, values), settings);
+            return colorOfTriangle(page, {});
+        };
+        const summary = () => page.evaluate(() => window.viewer.viewer.unexplainedSummary);
+        assert.ok(difference(await colorOf(0)) < 16, 'what is explained hardly shows');
+        const darker = await colorOf(-9);
+        assert.ok(darker[2] > 200 && darker[0] < 60, `blue: ${darker}`);
+        const lighter = await colorOf(8);
+        assert.ok(lighter[0] > 200 && lighter[2] < 60, `red: ${lighter}`);
+        assert.deepEqual(await summary(), { count: 1, rms: 8 });
+        await colorWith({ cut: true, height: -100 });
+        assert.deepEqual(await summary(), { count: 0, rms: 0 });
+        assert.deepEqual(await colorWith({ cut: false }), lighter);
+        await page.waitForFunction(() => document.getElementById('legend').textContent.includes('8+ lighter'));
+        assert.match(await page.textContent('#legend'), /explained light, in bytes8\+ darkeras explained8\+ lighter/);
+        await page.click('summary:text("Unexplained light")');
+        assert.equal(await page.isVisible('text=1 luxels, RMS 8.00 bytes'), true);
+        await page.click('text=Luxels as dots');
+        await page.waitForFunction(() => document.getElementById('legend').hidden);
+        assert.deepEqual(await colorWith({}), plain);
+        await openFiles(page, [write('room.unexplained.json', unexplained('other', [[0, 0, 0, 1]]))]);
+        await page.waitForSelector('.message');
+        assert.match((await messages(page)).join('\n'), /The unexplained light is of other, not/);
         assert.deepEqual(faults, []);
     }),
 );
@@ -434,6 +483,7 @@ test('a report page opens its package', { skip: !DEMO }, async () => {
     const archive = zipSync({
         'maps/arène.bsp': new Uint8Array(readFileSync(DEMO)),
         'maps/arène.lin': new TextEncoder().encode('0 0 0\n64 0 0\n'),
+        'maps/arène.unexplained.json': new TextEncoder().encode(unexplained('arène', [[-264, 0, 1, 3]])),
     });
     const marker = '<!-- package -->';
     const page = readFileSync(kPage, 'utf8');
@@ -446,6 +496,8 @@ test('a report page opens its package', { skip: !DEMO }, async () => {
             await shown.waitForFunction(() => !document.getElementById('status').hidden);
             assert.equal(await shown.textContent('#title'), 'maps/arène.bsp');
             assert.ok(await shown.evaluate(() => window.viewer.viewer.side.leak !== null));
+            assert.equal(await shown.evaluate(() => window.viewer.viewer.unexplained.light.count), 1);
+            assert.deepEqual(await messages(shown), []);
             assert.deepEqual(faults, []);
         },
         write(

@@ -1,5 +1,5 @@
-// GPL-2.0-or-later. Files beside a map: leak lines (.lin), portals (.prt), errors of grids (.sherror.json), and
-// explanations of its light (.explain.json).
+// GPL-2.0-or-later. Files beside a map: leak lines (.lin), portals (.prt), errors of grids (.sherror.json), light that
+// no lamp explains (.unexplained.json), and explanations of its light (.explain.json).
 import { expect } from './bytes.js';
 
 /**
@@ -67,6 +67,19 @@ function parseFormat(text, what, format) {
 }
 
 /**
+ * The rows of `positions` in a file of JSON.
+ * @param {string} size of a row, as a word
+ * @param {(row: unknown) => boolean} isRow
+ */
+function rowsOf(json, what, size, isRow) {
+    expect(Array.isArray(json.positions), `The ${what} has no positions.`);
+    expect(json.positions.every(isRow), `The ${what} has a position that is not ${size} numbers.`);
+    return json.positions;
+}
+
+const placesOf = (rows) => Float32Array.from(rows.flatMap((row) => row.slice(0, 3)));
+
+/**
  * Errors of both grids at positions, in displayed bytes.
  * @param {string} text JSON, see docs/guide/viewer.md
  * @returns name of the map, unit, count, and Float32Arrays: positions (three values each), sh, legacy (null if a
@@ -74,21 +87,41 @@ function parseFormat(text, what, format) {
  */
 export function parseErrors(text) {
     const json = parseFormat(text, 'file of errors', 'q3map2-sh errors');
-    expect(Array.isArray(json.positions), 'The file of errors has no positions.');
-    const rows = json.positions;
-    const hasLegacy = rows.every((row) => row?.[4] !== null);
-    const isNumber = (value, i) => Number.isFinite(value) || (i === 4 && !hasLegacy && value === null);
-    expect(
-        rows.every((row) => Array.isArray(row) && row.length === 5 && row.every(isNumber)),
-        'The file of errors has a position that is not five numbers.',
-    );
+    const isNumber = (value, i) => Number.isFinite(value) || (i === 4 && value === null);
+    const isRow = (row) => Array.isArray(row) && row.length === 5 && row.every(isNumber);
+    const rows = rowsOf(json, 'file of errors', 'five', isRow);
+    const hasLegacy = rows.every((row) => row[4] !== null);
     return {
         map: String(json.map ?? ''),
         unit: String(json.unit ?? 'displayed bytes'),
         count: rows.length,
-        positions: Float32Array.from(rows.flatMap((row) => row.slice(0, 3))),
+        positions: placesOf(rows),
         sh: Float32Array.from(rows, (row) => row[3]),
         legacy: hasLegacy ? Float32Array.from(rows, (row) => row[4]) : null,
+    };
+}
+
+/**
+ * Light of luxels that is not explained, from `-recoverlights`.
+ * @param {string} text JSON, see docs/guide/viewer.md
+ * @returns name of the map, unit, count, and Float32Arrays: positions (three values each), light (stored less
+ *     explained)
+ */
+export function parseUnexplained(text) {
+    const what = 'file of unexplained light';
+    const json = parseFormat(text, what, 'q3map2-sh unexplained light');
+    const rows = rowsOf(
+        json,
+        what,
+        'four',
+        (row) => Array.isArray(row) && row.length === 4 && row.every(Number.isFinite),
+    );
+    return {
+        map: String(json.map ?? ''),
+        unit: String(json.unit ?? 'bytes'),
+        count: rows.length,
+        positions: placesOf(rows),
+        light: Float32Array.from(rows, (row) => row[3]),
     };
 }
 

@@ -5,6 +5,7 @@ export const kSideExtensions = {
     '.lin': 'leak',
     '.prt': 'portals',
     '.sherror.json': 'errors',
+    '.unexplained.json': 'unexplained',
     '.explain.json': 'explanations',
 };
 
@@ -12,7 +13,7 @@ const kTextures = /^(textures|models|env|gfx|maps)\/.*\.(tga|jpe?g|png|webp)$/i;
 
 /** Extension of a path, lower case, with its dot; '' if there is none. */
 export function extensionOf(path) {
-    return path.toLowerCase().match(/(\.(sherror|explain)\.json|\.[^./]+)$/)?.[1] ?? '';
+    return path.toLowerCase().match(/(\.(sherror|unexplained|explain)\.json|\.[^./]+)$/)?.[1] ?? '';
 }
 
 /** Whether the page has a use for a file. */
@@ -27,7 +28,8 @@ export function isKnown(path) {
 
 /** Name of a file without its folder and extension. */
 export function baseName(path) {
-    return path.slice(path.lastIndexOf('/') + 1).replace(/\.((sherror|explain)\.json|[^.]+)$/i, '');
+    const name = path.slice(path.lastIndexOf('/') + 1);
+    return name.slice(0, name.length - extensionOf(name).length);
 }
 
 /** All files that were dropped; of folders those that the page has a use for. */

@@ -1,7 +1,8 @@
 // GPL-2.0-or-later. What the colors on the screen mean.
 import { kKindColors, kLevelColors } from '../scene/grid_layer.js';
-import { kScale } from '../scene/error_layer.js';
+import { kErrorScale } from '../scene/error_layer.js';
 import { kLuxelColors, kLuxelSizes } from '../scene/map_mesh.js';
+import { kUnexplainedScale } from '../scene/unexplained_layer.js';
 import { make } from './controls.js';
 
 const kKinds = ['lit: in the open', 'filled: in a wall, with light', 'void: no light'];
@@ -19,32 +20,31 @@ function levels(grid) {
     return [...used].sort((a, b) => a - b).map((level) => entry(kLevelColors[level], `${size * 2 ** level} units`));
 }
 
-function scale(viewer) {
+function scale(title, colors, ticks) {
     const bar = make('div', { class: 'scale' });
-    bar.style.background = `linear-gradient(to right, ${kScale.join(', ')})`;
-    const end = viewer.settings.largest;
-    const title = `${viewer.settings.errors === 'sh' ? 'SH' : 'Legacy'} grid, error in ${viewer.errors.errors.unit}`;
-    return make(
-        'div',
-        { class: 'scaleBox' },
-        make('span', {}, title),
-        bar,
-        make(
-            'div',
-            { class: 'ticks' },
-            make('span', {}, '0'),
-            make('span', {}, String(end / 2)),
-            make('span', {}, `${end}+`),
-        ),
-    );
+    bar.style.background = `linear-gradient(to right, ${colors.join(', ')})`;
+    const marks = make('div', { class: 'ticks' }, ...ticks.map((tick) => make('span', {}, tick)));
+    return make('div', { class: 'scaleBox' }, make('span', {}, title), bar, marks);
+}
+
+function errorScale({ settings, errors }) {
+    const title = `${settings.errors === 'sh' ? 'SH' : 'Legacy'} grid, error in ${errors.errors.unit}`;
+    const end = settings.largest;
+    return scale(title, kErrorScale, ['0', String(end / 2), `${end}+`]);
+}
+
+function unexplainedScale({ settings, unexplained }) {
+    const end = settings.mostUnexplained;
+    const ticks = [`${end}+ darker`, 'as explained', `${end}+ lighter`];
+    return scale(`Map compared with explained light, in ${unexplained.light.unit}`, kUnexplainedScale, ticks);
 }
 
 /** What the legend depends on. */
-function stateOf({ settings, path, grids, errors }) {
+function stateOf({ settings, path, grids, errors, unexplained }) {
     const { showPoints, color, source, figure, errors: shown, largest, tint } = settings;
-    return [showPoints, color, source, figure, shown, largest, tint, path, grids[source]?.count, errors.errors?.count].join(
-        '|',
-    );
+    const counts = [grids[source]?.count, errors.errors?.count, unexplained.light?.count];
+    const scales = [shown, largest, settings.unexplained, settings.mostUnexplained];
+    return [showPoints, color, source, figure, tint, path, ...scales, ...counts].join('|');
 }
 
 /** Shows the meaning of the colors in use; nothing if they are plain light. */
@@ -69,7 +69,8 @@ export function showLegend(element, viewer) {
             ),
         );
     if (settings.figure === 'both') parts.push(make('div', {}, 'Figures: SH on the left, legacy on the right'));
-    if (settings.errors !== 'off' && viewer.errors.errors) parts.push(scale(viewer));
+    if (settings.errors !== 'off' && viewer.errors.errors) parts.push(errorScale(viewer));
+    if (settings.unexplained && viewer.unexplained.light) parts.push(unexplainedScale(viewer));
     element.replaceChildren(...parts);
     element.hidden = parts.length === 0;
 }

@@ -26,6 +26,7 @@ export class Panel {
         this.values = make('pre', { class: 'values', 'aria-label': 'Light at the figure' });
         this.pointCount = make('p', { class: 'note' });
         this.errorCount = make('p', { class: 'note' });
+        this.unexplainedCount = make('p', { class: 'note' });
         element.append(
             this.mapSection(),
             this.viewSection(),
@@ -33,6 +34,7 @@ export class Panel {
             this.pointSection(),
             this.figureSection(),
             this.sliceSection(),
+            this.unexplainedSection(),
             this.partSection(),
         );
         this.show();
@@ -242,6 +244,18 @@ export class Panel {
         );
     }
 
+    unexplainedSection() {
+        return section(
+            'Unexplained light',
+            false,
+            this.add(checkbox('unexplained', 'Luxels as dots', this.change)),
+            this.add(
+                slider('mostUnexplained', 'End of the scale', { min: 1, max: 128, step: 1, unit: ' bytes' }, this.change),
+            ),
+            this.unexplainedCount,
+        );
+    }
+
     partSection() {
         return section(
             'Parts of the map',
@@ -256,7 +270,7 @@ export class Panel {
 
     /** Brings all controls up to date; those without data are off. */
     show() {
-        const { settings, grids, side, map, tree, errors } = this.viewer;
+        const { settings, grids, side, map, tree, errors, unexplained } = this.viewer;
         for (const control of [...this.controls, ...this.styleControls]) control.show(settings);
         const any = Boolean(grids.uniform || grids.sparse || grids.legacy);
         for (const name of ['showPoints', 'where', 'size', 'inWalls', 'radius', 'color']) this[name].enable(any);
@@ -270,6 +284,8 @@ export class Panel {
         this.errors.enable(measured);
         this.errors.enableValue('legacy', Boolean(errors.errors?.legacy));
         this.largest.enable(measured && settings.errors !== 'off');
+        this.unexplained.enable(Boolean(unexplained.light));
+        this.mostUnexplained.enable(Boolean(unexplained.light) && settings.unexplained);
         this.tint.enable(Boolean(map));
         this.onlyVisible.enable(Boolean(map) && tree.clusterCount > 0);
         if (map) this.height.limit(Math.floor(map.models[0].mins[2]), Math.ceil(map.models[0].maxs[2]));
@@ -314,14 +330,14 @@ export class Panel {
 
     /** What changes from frame to frame. */
     showFrame() {
-        const { gridLayer, errorSummary, settings } = this.viewer;
+        const { gridLayer, errorSummary, unexplainedSummary, settings } = this.viewer;
         const { near, shown } = gridLayer.counts;
         const [lit, filled, dark] = gridLayer.kinds.map(number);
         const count = `${number(shown)} of ${number(near)} points in reach: ${lit} lit, ${filled} filled, ${dark} void`;
         this.pointCount.textContent = settings.showPoints && near > 0 ? count : '';
-        this.errorCount.textContent = errorSummary
-            ? `${number(errorSummary.count)} positions in the slice, RMS ${errorSummary.rms.toFixed(2)} bytes`
-            : '';
+        const summary = (of, what) => (of ? `${number(of.count)} ${what}, RMS ${of.rms.toFixed(2)} bytes` : '');
+        this.errorCount.textContent = summary(errorSummary, 'positions in the slice');
+        this.unexplainedCount.textContent = summary(unexplainedSummary, 'luxels');
         this.values.hidden = settings.figure === 'off';
         if (settings.figure !== 'off') this.values.textContent = this.figureText();
         if (this.follow.row.firstChild.checked !== settings.follow) this.follow.show(settings);

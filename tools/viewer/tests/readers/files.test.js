@@ -1,11 +1,12 @@
 // GPL-2.0-or-later. Images, shader scripts and files beside maps.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { parseErrors, parseExplanations, parseLeakLine, parsePortals } from '../../src/bsp/side_files.js';
+import { parseErrors, parseExplanations, parseLeakLine, parsePortals, parseUnexplained } from '../../src/bsp/side_files.js';
 import { baseName, extensionOf } from '../../src/files/opened.js';
 import { readShader, splitScript } from '../../src/files/shader_script.js';
 import { decodeTga } from '../../src/files/tga.js';
 import { nearestPlace } from '../../src/scene/explained.js';
+import { ontoSurfaces } from '../../src/scene/nearest_surface.js';
 
 /** A TGA header; descriptor 32: first row on top. */
 function tgaHead(kind, width, height, bits, descriptor, palette = 0) {
@@ -139,6 +140,48 @@ test('errors of grids', () => {
     assert.throws(() => parseErrors(text.replace('errors"', 'x"')), /not "q3map2-sh errors"/);
     assert.throws(() => parseErrors(text.replace('0.5', 'null')), /not five numbers/);
     assert.equal(parseErrors(text.replace('4]', 'null]')).legacy, null);
+});
+
+test('unexplained light', () => {
+    const text = JSON.stringify({
+        format: 'q3map2-sh unexplained light',
+        version: 1,
+        map: 'x',
+        unit: 'bytes',
+        positions: [
+            [1, 2, 3, 0.5],
+            [4, 5, 6, -7],
+        ],
+    });
+    const { map, unit, count, positions, light } = parseUnexplained(text);
+    assert.deepEqual([map, unit, count], ['x', 'bytes', 2]);
+    assert.deepEqual([...positions, ...light], [1, 2, 3, 4, 5, 6, 0.5, -7]);
+    assert.equal(parseUnexplained(text.replace(/"positions":.*/, '"positions":[]}')).count, 0);
+    assert.throws(() => parseUnexplained('{'), /JSON/);
+    assert.throws(() => parseUnexplained(text.replace('light"', 'x"')), /not "q3map2-sh unexplained light"/);
+    assert.throws(() => parseUnexplained(text.replace('positions', 'places')), /no positions/);
+    for (const fault of ['null', '"0.5"', '0.5,1', '[0.5]'])
+        assert.throws(() => parseUnexplained(text.replace('0.5', fault)), /not four numbers/, fault);
+    assert.equal(extensionOf('maps/X.Unexplained.json'), '.unexplained.json');
+    assert.equal(baseName('maps/X.Unexplained.json'), 'X');
+});
+
+test('positions move onto the nearest surface, on their side of it', () => {
+    // A floor of 128 units from the origin, seen from above, and a wall on its edge x = 0, seen from the floor.
+    const vertices = Float32Array.of(0, 0, 0, 0, 128, 0, 128, 128, 0, 128, 0, 0, 0, 0, 128, 0, 128, 128);
+    const mesh = { vertices, indexes: Uint32Array.of(0, 1, 2, 0, 2, 3, 0, 4, 5, 0, 5, 1) };
+    const move = (at) => {
+        const { positions, normals } = ontoSurfaces(Float32Array.from(at), [mesh], 8);
+        return [...positions, ...normals].map((c) => c + 0); // no negative zeros
+    };
+    assert.deepEqual(move([90, 30, 1]), [90, 30, 0, 0, 0, 1]);
+    assert.deepEqual(move([90, 30, -1]), [90, 30, 0, 0, 0, -1]);
+    assert.deepEqual(move([90, 30, -0.25]), [90, 30, 0, 0, 0, 1]);
+    assert.deepEqual(move([1, 30, 2]), [0, 30, 2, 1, 0, 0]);
+    assert.deepEqual(move([132, 30, 3]), [128, 30, 0, 0, 0, 1]);
+    assert.deepEqual(move([132, 30, 7]), [132, 30, 7, 0, 0, 0]);
+    assert.deepEqual(move([90, 30, 9]), [90, 30, 9, 0, 0, 0]);
+    assert.deepEqual(move([]), []);
 });
 
 test('explanations', () => {
