@@ -23,14 +23,22 @@ bool IsNumberedSwitch(const Entity &light, const LightOptions &options) {
     return options.styleSlots && IsSwitchableLight(light);
 }
 
+/// Whether a light of `entities` aims at the entity, and none of them has its name.
+bool IsMissingTarget(const Entity &entity, const std::vector<Entity> &entities) {
+    const std::string_view name = entity.Value("targetname");
+    return !name.empty() && !FindTarget(entities, name) && std::ranges::any_of(entities, [&](const Entity &light) {
+        return IsLight(light) && keys::kTarget.Text(light) == name;
+    });
+}
+
 struct NumberedEntities {
     std::vector<Entity> entities;
     std::vector<std::size_t> numbers; ///< by entity: its number in the .bsp or .map that it is from
 };
 
 /// The entities of the .bsp, with the lights of the .map source if there is one, since compilers strip lights from the
-/// .bsp. Without a .map, or with _keepLights, the lights are those in the .bsp. Switchable lights that the bsp stage
-/// has numbered are always those of the .bsp.
+/// .bsp; also what these lights aim at, if the .bsp has no such entity. Without a .map, or with _keepLights, the lights
+/// are those in the .bsp. Switchable lights that the bsp stage has numbered are always those of the .bsp.
 NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const LightInputs &inputs,
                                     const LightOptions &options, Log &log) {
     const bool keepsLights = keys::kKeepLights.Flag(entities.front());
@@ -53,9 +61,12 @@ NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const L
                 result.entities.push_back(from[i]), result.numbers.push_back(i);
     };
     take(entities, [&](const Entity &entity) { return !replaced || !IsLight(entity) || isNumbered(entity); });
-    if (replaced)
+    if (replaced) {
         take(sources, [&](const Entity &entity) { return IsLight(entity) && !isNumbered(entity); });
-    if (std::none_of(result.entities.begin(), result.entities.end(), IsLight))
+        take(sources,
+             [&](const Entity &entity) { return !IsLight(entity) && IsMissingTarget(entity, result.entities); });
+    }
+    if (!inputs.seeksLamps && std::none_of(result.entities.begin(), result.entities.end(), IsLight))
         log.Warn("no light entities", "{}: no light entities, {}; surface, sun and sky lights still count", inputs.name,
                  inputs.mapEntities ? "neither in the .map nor in the .bsp" : "there is no .map next to the .bsp");
     return result;

@@ -29,6 +29,7 @@ struct LightInputs {
     const VirtualFileSystem *vfs = nullptr;         ///< for models of static props; null: none are found
     TexLights texLights{};                          ///< of .rad files
     UnitStore *units = nullptr;                     ///< results that need not be computed; null: none
+    bool seeksLamps = false;                        ///< no light entities are expected: no warning
 };
 
 /// A map ready to be lit: everything that grids and surfaces share. Const while workers run. Keeps references to

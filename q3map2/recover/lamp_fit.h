@@ -1,5 +1,5 @@
 // GPL-2.0-or-later. Lamps fitted to observed light: intensities by non-negative least squares, positions by
-// Gauss-Newton.
+// Gauss-Newton, cones by search.
 #pragma once
 
 #include "common/jobs.h"
@@ -31,51 +31,77 @@ class LampFit {
         relativeNoise_ = noise;
         UpdateWeights();
     }
+
+    // ---- Intensities: lamp_fit.cpp ----
+
     /// Adds lamps and traces them.
     void Add(std::span<const Lamp> added);
     /// Intensities of all lamps by coordinate descent, then new weights.
     void SolveIntensities(int sweeps);
-    /// One damped Gauss-Newton step of positions and strengths of all lamps together (Levenberg-Marquardt); each lamp
-    /// stays where it is if its move would raise the error. Returns whether any moved.
-    bool MoveLamps();
-    /// Moves each lamp by `step` along an axis if the error falls. Returns how many moved. Unlike MoveLamps it does not
-    /// need visibility to be constant.
-    std::size_t Search(float step);
-    /// Removes lamps whose own light lowers the error by at most `leastGain`.
+    /// Removes lamps whose own light lowers the error by at most `leastGain` times the noise there.
     void Prune(double leastGain);
-    /// Removes lamps whose absence raises the error by less than `leastGain` once the others have moved and changed
-    /// in their place, by the linearized model. No two of them are within `apart` of each other, so that twins do not
-    /// go together. Returns their number.
-    std::size_t DropRedundant(double leastGain, float apart);
-    /// Merges lamps nearer than `distance` into one at their mean.
+    /// Merges lamps nearer than `distance` into one at their mean. Cones stay apart.
     void Merge(float distance);
 
     /// Weighted squares of residuals.
     double Error() const;
-    /// Root of the mean square of residuals, byte scale, of luxels.
-    double RmsOfLuxels() const;
+    /// Root of the mean square of residuals, byte scale, of luxels and vertices.
+    double RmsOfSurfaces() const;
     float WeightOf(std::size_t place) const { return weights_[place]; }
     /// With the residuals r as they are: b = sum of w g r and a = sum of w g^2. A lamp of this column lowers the error
     /// most if its intensity changes by b / a, namely by b^2 / a.
     struct Slope {
         Vec3f b;
         float a = 0;
+        float noise = 1; ///< mean of w r^2 over the places and channels, at least 1
     };
     Slope SlopeOf(const LampColumn &column) const;
     /// The residual of a place, 0 where that of a bound is below 0. Byte scale.
     Vec3f EffectiveResidual(std::size_t place) const;
+    /// The same without the lamp of number j, if the place has its light `g` for intensity 1.
+    Vec3f ResidualWithout(std::size_t j, const LampEntry &g) const;
+    const LampColumn &ColumnOf(std::size_t j) const { return columns_[j]; }
+
+    // ---- Positions and cones: lamp_moves.cpp ----
+
+    /// One damped Gauss-Newton step of positions and strengths of all lamps together (Levenberg-Marquardt); each lamp
+    /// stays where it is if its move would raise the error. Returns whether any moved.
+    bool MoveLamps();
+    /// Moves each lamp by `step` along an axis if the error falls, or tilts, widens or narrows its cone. Returns how
+    /// many changed. Unlike MoveLamps it does not need visibility to be constant.
+    std::size_t Search(float step);
+    /// Puts a lamp in the place of number j, unless the error would fall by less than `leastGain` times the noise
+    /// there; a negative gain allows that it rises. Returns whether it did.
+    bool Replace(std::size_t j, const Lamp &lamp, double leastGain);
+    /// Removes lamps whose absence raises the error by less than `leastGain` times the noise there once the others have
+    /// moved and changed in their place, by the linearized model. No two of them are within `apart` of each other, so
+    /// that twins do not go together. Returns their number.
+    std::size_t DropRedundant(double leastGain, float apart);
+    /// Standard errors of a lamp, by the same model.
+    struct Spread {
+        float position = 0;  ///< game units
+        float intensity = 0; ///< relative
+    };
+    /// By lamp.
+    std::vector<Spread> Spreads() const;
 
   private:
     using Term = Eigen::Triplet<float, int>;
-    std::vector<Term> Derivatives() const;
-    bool KeepIfBetterAt(std::size_t j, const Vec3f &origin, LampColumn column);
-    bool KeepIfBetterForAll(std::size_t j, const Vec3f &origin, LampColumn column);
-    bool KeepIfBetter(std::size_t j, const Lamp &oldLamp, LampColumn &oldColumn);
     LampColumn Traced(const Lamp &lamp) const;
     void TraceAll(std::span<const std::size_t> which);
     void FindContrast();
     void UpdateResiduals();
     void UpdateWeights();
+    double ErrorAt(const LampColumn &column) const;
+    void AddToResiduals(const LampColumn &column, const Vec3f &intensity);
+
+    std::vector<Term> Derivatives() const;
+    std::vector<float> BestStep() const;
+    std::vector<std::size_t> Step(const std::vector<float> &step);
+    std::vector<Vec3f> Variances() const;
+    std::vector<Lamp> TrialsOf(const Lamp &lamp, float step) const;
+    bool KeepIfBetter(std::size_t j, const Lamp &oldLamp, LampColumn &oldColumn, double leastGain);
+    bool KeepIfBetterForAll(std::size_t j, const Lamp &lamp, LampColumn column);
 
     const ObservedMap &map_;
     const LampTracer &tracer_;

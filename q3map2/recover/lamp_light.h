@@ -4,16 +4,24 @@
 #include "q3map2/recover/observed_light.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace q3 {
 
-/// A point light that falls off with the square of the distance, which counts as at least 16 units.
+/// The cone of a spotlight: its radius is radiusByDist times the distance along the axis, as for Light::radiusByDist.
+struct LampCone {
+    Vec3f axis; ///< unit vector along which it shines
+    float radiusByDist = 1;
+};
+
+/// A point light or spotlight that falls off with the square of the distance, which counts as at least 16 units.
 struct Lamp {
     Vec3f origin;
     Vec3f intensity; ///< of the channels, in units of the key "light"
+    std::optional<LampCone> cone{};
 
     /// The key "light", and the key "_color": light / the largest channel.
     float Intensity() const { return MaxComponent(intensity); }
@@ -22,8 +30,8 @@ struct Lamp {
     float Strength() const { return (intensity.x + intensity.y + intensity.z) / 3; }
 };
 
-/// Text of a map source without brushes: worldspawn, and a light entity for each lamp.
-std::string LampEntities(std::span<const Lamp> lamps);
+/// A light entity for each lamp, and a target for each spotlight. first: number of the first target.
+std::vector<Entity> LampEntities(std::span<const Lamp> lamps, std::size_t first = 1);
 
 /// What a lamp of intensity 1 gives to a place. Byte scale.
 struct LampEntry {
@@ -36,11 +44,13 @@ using LampColumn = std::vector<LampEntry>;
 /// Traces lamps. Safe from several threads. Keeps references.
 class LampTracer {
   public:
-    LampTracer(const ObservedMap &map, const LightSetup &setup) : map_(map), setup_(setup) {}
+    /// fastPoint: see SetupEnvelopes.
+    LampTracer(const ObservedMap &map, const LightSetup &setup, bool fastPoint)
+        : map_(map), setup_(setup), surfacesEnd_(setup.options.fast || fastPoint) {}
 
     /// Light at the places that the lamp reaches. As in the light stage, it gives none where that would be at most the
     /// falloff tolerance, so its intensity matters. Empty for a lamp in a solid. every: only each so many batches of
-    /// places are traced, but at least two of each lightmap.
+    /// places are traced, but at least two of each surface.
     LampColumn Trace(const Lamp &lamp, std::size_t every = 1) const;
     /// The distance beyond which a lamp of some strength gives less than `least`, byte scale.
     float ReachOf(float strength, float least) const;
@@ -50,6 +60,7 @@ class LampTracer {
 
     const ObservedMap &map_;
     const LightSetup &setup_;
+    bool surfacesEnd_; ///< on surfaces lamps end at the tolerance, as they always do in the legacy grid
 };
 
 } // namespace q3

@@ -5,6 +5,7 @@
 #include "q3map2/lightmap/direct/luxel_light.h"
 #include "q3map2/lightmap/raw/luxel_raster.h"
 #include "q3map2/lightmap/store/lightmap_store.h"
+#include "q3map2/lightmap/vertex/vertex_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,20 +83,22 @@ Vec3f MiddleOf(const Vec3f &bytes) {
 class Observer {
   public:
     Observer(const Bsp &bsp, const SurfacePasses &passes, ObservedMap &map)
-        : in_(passes.Inputs()), pages_(bsp), bsp_(bsp), tone_(StoredTone(in_)), map_(map) {
+        : in_(passes.Inputs()), lit_(passes.Surfaces()), pages_(bsp), bsp_(bsp), map_(map) {
+        map_.tone = StoredTone(in_);
         // Corners of faces carry texture coordinates; here those of lightmaps.
-        onPages_.verts = passes.Surfaces().verts;
+        onPages_.verts = lit_.verts;
         for (std::size_t v = 0; v < onPages_.verts.size(); ++v)
             onPages_.verts[v].st = bsp.drawVerts[v].lightmap[0];
     }
 
-    void AddLightmap(const RawLightmap &raw) {
+    void AddLightmap(std::size_t number) {
+        const RawLightmap &raw = lit_.lightmaps[number];
         if (raw.result[0].empty() || raw.positions.empty())
             return;
-        const ToneMapper mapper(1, raw.brightness, tone_);
-        ObservedLuxels luxels;
+        ObservedSurface luxels;
         luxels.settings = LuxelPassOf(in_, {}, raw).settings;
         luxels.settings.faint = 0, luxels.settings.directional = false;
+        luxels.lightmap = int(number), luxels.brightness = raw.brightness;
         luxels.first = map_.light.size();
         const int stride = std::max(1, int(std::lround(kLuxelSpacing / std::max(1.0f, raw.actualSampleSize))));
         std::vector<std::uint8_t> done(std::size_t(raw.width) * std::size_t(raw.height));
@@ -103,15 +106,45 @@ class Observer {
             const int page = bsp_.drawSurfaces[std::size_t(surface)].lightmapNum[0];
             for (const Face &face : FacesOf(in_, onPages_, std::size_t(surface)))
                 for (std::size_t k = 2; k < face.size(); ++k)
-                    AddTriangle(raw, {&face[0], &face[k - 1], &face[k]}, page, stride, mapper, done, luxels);
+                    AddTriangle(raw, {&face[0], &face[k - 1], &face[k]}, page, stride, done, luxels);
         }
         if (!luxels.batches.empty())
-            map_.lightmaps.push_back(std::move(luxels));
+            map_.surfaces.push_back(std::move(luxels));
+    }
+
+    /// The vertices of a surface that has no lightmap.
+    void AddVertices(std::size_t surface) {
+        const bspDrawSurface_t &record = bsp_.drawSurfaces[surface];
+        const SurfaceEntry &entry = in_.table[surface];
+        if (lit_.lightmapOf[surface] >= 0 || record.lightmapNum[0] >= 0 || record.numVerts <= 0 || entry.parent >= 0 ||
+            entry.shader->lightmap.noVertexLight || lit_.vertex.sum[0].empty())
+            return;
+        const auto first = std::size_t(record.firstVert), count = std::size_t(record.numVerts);
+        const std::span<const SurfaceVertex> verts(lit_.verts.data() + first, count);
+        VertexPlaces places(in_, record, verts, entry.shader->twoSided, lit_.clusters[surface]);
+        ObservedSurface vertices;
+        vertices.settings = VertexSettings(in_, lit_, surface);
+        vertices.scale = VertexScale(in_, *entry.shader);
+        vertices.first = map_.light.size();
+        const ToneMapper mapper(vertices.scale, 1, map_.tone);
+        for (std::size_t v = 0; v < count; ++v) {
+            const int cluster = places.ClusterAt(v, {});
+            if (cluster < 0)
+                continue;
+            const auto &color = bsp_.drawVerts[first + v].color[0];
+            const Vec3f bytes{float(color[0]), float(color[1]), float(color[2])};
+            const ObservedLight light{mapper.LightOf(MiddleOf(bytes)), lit_.vertex.sum[0][first + v],
+                                      MaxComponent(bytes) >= kFullByte};
+            vertices.at.push_back(std::uint32_t(first + v));
+            Add(light, places.RayOrigin(v), verts[v].normal, cluster, entry.shader->twoSided, vertices);
+        }
+        if (!vertices.batches.empty())
+            map_.surfaces.push_back(std::move(vertices));
     }
 
   private:
     void AddTriangle(const RawLightmap &raw, const std::array<const FaceCorner *, 3> &corners, int page, int stride,
-                     const ToneMapper &mapper, std::vector<std::uint8_t> &done, ObservedLuxels &luxels) {
+                     std::vector<std::uint8_t> &done, ObservedSurface &luxels) {
         LuxelTriangle triangle;
         std::array<float, 2> low{1e30f, 1e30f}, high{-1e30f, -1e30f};
         for (std::size_t i = 0; i < 3; ++i) {
@@ -131,38 +164,45 @@ class Observer {
                 if (x % stride != sx % stride || y % stride != sy % stride || done[raw.Index(x, y)] != 0)
                     continue;
                 std::array<float, 2> at{};
-                if (triangle.PageAt((float(x) + 0.5f) * super, (float(y) + 0.5f) * super, at))
-                    AddLuxel(raw, x, y, page, at, mapper, done, luxels);
+                if (triangle.PageAt((float(x) + 0.5f) * super, (float(y) + 0.5f) * super, at) &&
+                    AddLuxel(raw, x, y, page, at, luxels))
+                    done[raw.Index(x, y)] = 1;
             }
     }
 
-    void AddLuxel(const RawLightmap &raw, int x, int y, int page, const std::array<float, 2> &at,
-                  const ToneMapper &mapper, std::vector<std::uint8_t> &done, ObservedLuxels &luxels) {
+    bool AddLuxel(const RawLightmap &raw, int x, int y, int page, const std::array<float, 2> &at,
+                  ObservedSurface &luxels) {
         const std::size_t middle = raw.SuperIndex(x * raw.super + raw.super / 2, y * raw.super + raw.super / 2);
         const Vec3f &known = raw.result[0][raw.Index(x, y)];
         Vec3f bytes;
         ObservedLight light;
         if (!raw.Mapped(middle) || known.x < 0 || !pages_.Read(page, at, bytes, light.isBound))
-            return;
-        done[raw.Index(x, y)] = 1;
-        light.stored = mapper.LightOf(MiddleOf(bytes)), light.known = known;
-        map_.light.push_back(light);
-        map_.positions.push_back(raw.positions[middle]);
-        map_.normals.push_back(raw.normals[middle]);
-        SurfaceReceiverBatch &batch = BatchWithRoom(luxels.batches);
-        batch.twoSided = raw.twoSided;
-        batch.Add(raw.positions[middle], raw.normals[middle], raw.luxelClusters[middle]);
-        luxels.boxes.resize(luxels.batches.size());
-        luxels.boxes.back().Add(raw.positions[middle]);
+            return false;
+        light.stored = ToneMapper(1, raw.brightness, map_.tone).LightOf(MiddleOf(bytes)), light.known = known;
+        luxels.at.push_back(std::uint32_t(raw.Index(x, y)));
         if (!raw.dirt.empty())
             luxels.dirt.push_back(raw.dirt[middle]);
+        Add(light, raw.positions[middle], raw.normals[middle], raw.luxelClusters[middle], raw.twoSided, luxels);
+        return true;
+    }
+
+    void Add(const ObservedLight &light, const Vec3f &position, const Vec3f &normal, int cluster, bool twoSided,
+             ObservedSurface &to) {
+        map_.light.push_back(light);
+        map_.positions.push_back(position);
+        map_.normals.push_back(normal);
+        SurfaceReceiverBatch &batch = BatchWithRoom(to.batches);
+        batch.twoSided = twoSided;
+        batch.Add(position, normal, cluster);
+        to.boxes.resize(to.batches.size());
+        to.boxes.back().Add(position);
     }
 
     const SurfaceInputs &in_;
+    const SurfaceLight &lit_;
     SurfaceLight onPages_; ///< the vertices, with coordinates on pages in place of those of textures
     PageReader pages_;
     const Bsp &bsp_;
-    ToneOptions tone_;
     ObservedMap &map_;
 };
 
@@ -191,7 +231,8 @@ void ObserveGrid(const Bsp &bsp, const LightSetup &setup, const std::vector<bspG
         light.stored = TotalLight(point, light.isBound), light.known = TotalLight(known[std::size_t(i)], knownIsFull);
         map.light.push_back(light);
         map.positions.push_back(place.position);
-        map.normals.push_back({});
+        map.normals.push_back(DirectionTowardsLight(point));
+        map.gridNumbers.push_back(std::uint32_t(i));
         ReceiverBatch &batch = BatchWithRoom(map.grid);
         batch.Add(place.position, place.rayOrigin, place.cluster, std::uint32_t(i));
         map.gridBoxes.resize(map.grid.size());
@@ -205,11 +246,28 @@ ObservedMap ObserveLight(const Bsp &bsp, const LightSetup &setup, const SurfaceP
                          const std::vector<bspGridPoint_t> &knownGrid) {
     ObservedMap map;
     Observer observer(bsp, passes, map);
-    for (const RawLightmap &raw : passes.Surfaces().lightmaps)
-        observer.AddLightmap(raw);
+    for (std::size_t i = 0; i < passes.Surfaces().lightmaps.size(); ++i)
+        observer.AddLightmap(i);
+    for (std::size_t i = 0; i < bsp.drawSurfaces.size() && !passes.Inputs().lightmap.dirty; ++i)
+        observer.AddVertices(i);
     map.firstGrid = map.light.size();
     ObserveGrid(bsp, setup, knownGrid, map);
     return map;
+}
+
+std::vector<Vec3f> LightAtPlaces(const ObservedMap &map, const SurfacePasses &passes,
+                                 const std::vector<bspGridPoint_t> &grid) {
+    const SurfaceLight &lit = passes.Surfaces();
+    std::vector<Vec3f> light(map.light.size());
+    for (const ObservedSurface &surface : map.surfaces)
+        for (std::size_t i = 0; i < surface.at.size(); ++i)
+            light[surface.first + i] = surface.lightmap < 0
+                                           ? lit.vertex.sum[0][surface.at[i]]
+                                           : lit.lightmaps[std::size_t(surface.lightmap)].result[0][surface.at[i]];
+    bool isFull = false;
+    for (std::size_t i = 0; i < map.gridNumbers.size() && !grid.empty(); ++i)
+        light[map.firstGrid + i] = TotalLight(grid[map.gridNumbers[i]], isFull);
+    return light;
 }
 
 } // namespace q3

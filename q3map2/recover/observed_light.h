@@ -13,35 +13,45 @@ namespace q3 {
 /// Stored light at one place, the tone of storing undone, and the part of it that known sources give. Byte scale.
 struct ObservedLight {
     Vec3f stored;
-    Vec3f known;          ///< of surfaces, skies, suns and ambient light
+    Vec3f known;          ///< of surfaces, skies, suns and ambient light, and bounced light
     bool isBound = false; ///< a byte was at its limit: the light is at least `stored`
 };
 
-/// Luxels of one raw lightmap that are observed. They are lit like luxels of the light stage.
-struct ObservedLuxels {
+/// Places of one surface that are lit alike: luxels of a raw lightmap, or vertices of a surface without one.
+struct ObservedSurface {
     SurfaceLightSettings settings;
     std::vector<SurfaceReceiverBatch> batches;
-    std::size_t first = 0;      ///< number of the light of the first receiver, in ObservedMap::light
-    std::vector<Boundsf> boxes; ///< by batch
-    std::vector<float> dirt;    ///< by receiver: factor of light; empty: none
+    std::size_t first = 0;           ///< number of the light of the first receiver, in ObservedMap::light
+    std::vector<Boundsf> boxes;      ///< by batch
+    std::vector<float> dirt;         ///< by receiver: factor of light; empty: none
+    int lightmap = -1;               ///< number of the raw lightmap; -1: vertices
+    std::vector<std::uint32_t> at;   ///< by receiver: luxel of the lightmap, or draw vertex
+    float scale = 1, brightness = 1; ///< of its ToneMapper
 };
 
 /// All places of a map whose stored light is read.
 struct ObservedMap {
-    std::vector<ObservedLuxels> lightmaps;
-    std::vector<ReceiverBatch> grid;       ///< points of the legacy grid
-    std::vector<Boundsf> gridBoxes;        ///< by batch of `grid`
-    std::vector<ObservedLight> light;      ///< first of luxels, then of grid points
-    std::vector<Vec3f> positions, normals; ///< by `light`; normals of grid points are zero
-    std::size_t firstGrid = 0;             ///< number of the first grid point in `light`
+    std::vector<ObservedSurface> surfaces;
+    std::vector<ReceiverBatch> grid;        ///< points of the legacy grid
+    std::vector<Boundsf> gridBoxes;         ///< by batch of `grid`
+    std::vector<std::uint32_t> gridNumbers; ///< by grid point: its number in the .bsp
+    std::vector<ObservedLight> light;       ///< first of luxels and vertices, then of grid points
+    std::vector<Vec3f> positions, normals;  ///< by `light`; of grid points the stored direction towards light
+    std::size_t firstGrid = 0;              ///< number of the first grid point in `light`
+    ToneOptions tone;                       ///< of luxels and vertices
 };
 
 /// Game units between the luxels that are observed, or more where the lightmap is coarser.
 inline constexpr float kLuxelSpacing = 32;
 
 /// Reads the light of `bsp`, whose surfaces are those of `passes`; SurfacePasses::Run has lit these by the known
-/// sources. knownGrid: the legacy grid lit by them. Luxels are thinned out to about kLuxelSpacing.
+/// sources. knownGrid: the legacy grid lit by them. Luxels are thinned out to about kLuxelSpacing. Vertices are left
+/// out with ambient occlusion (-dirty).
 ObservedMap ObserveLight(const Bsp &bsp, const LightSetup &setup, const SurfacePasses &passes,
                          const std::vector<bspGridPoint_t> &knownGrid);
+
+/// The light that another run has at the places of `map`: of the same options, by other lights. Byte scale.
+std::vector<Vec3f> LightAtPlaces(const ObservedMap &map, const SurfacePasses &passes,
+                                 const std::vector<bspGridPoint_t> &grid);
 
 } // namespace q3

@@ -1,32 +1,26 @@
 // GPL-2.0-or-later. The lamps of a lit map whose light entities are gone, from the light that it stores.
 #include "q3map2/recover/recover_lights.h"
 
+#include "q3map2/lightmap/raw/lightmap_setup.h"
+#include "q3map2/recover/lamp_candidates.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 namespace q3 {
 
 namespace {
 
-/// Intensity as which a candidate is traced.
-constexpr float kCandidateIntensity = 150;
-/// Spacing of candidates in the open; game units. It grows by kCoarser until there are at most kMostCandidates places,
-/// which bounds the memory of large maps.
-constexpr float kLattice = 64, kCoarser = 1.25f;
-constexpr std::int64_t kMostCandidates = 1 << 18;
 /// Most rounds with one relative noise.
 constexpr int kMostRounds = 24;
-/// Candidates are traced to each so many batches of places.
-constexpr std::size_t kCandidateEvery = 6;
-/// Clearance of candidates in the open from solids. Game units.
-constexpr float kClear = 4;
-/// New lamps are at least this far from each other. Game units.
-constexpr float kApart = 96;
-/// A new lamp lowers the error by at least this share of it, and one that stays by at least kLeastKept.
-constexpr double kLeastGain = 2e-4, kLeastKept = 6e-4;
-/// Both lower it by at least this, in squares of the noise of a place: less may be rounding of bytes.
-constexpr double kSignificant = 60;
+/// A new lamp lowers the error by more than kLeastGain times the noise where it shines, in squares of the noise of a
+/// place and channel; one that stays by kLeastKept times.
+constexpr double kLeastGain = 60, kLeastKept = 180;
+/// A cone must lower the error by this much more than a lamp that shines to all sides.
+constexpr double kLeastGainOfCone = 300;
 /// Relative noise of light, first while many lamps are missing, then to tell apart those near each other.
 constexpr std::array kRelativeNoises{0.06f, 0.02f};
 /// Lamps nearer to each other than this become one. Game units.
@@ -34,140 +28,43 @@ constexpr float kTwins = 24;
 /// Of the lamps that are dropped together, no two are nearer to each other. Game units.
 constexpr float kDroppedApart = 256;
 
-struct Candidate {
-    Vec3f origin;
-    LampColumn column;
-};
-
+/// One search for lamps.
 class Recovery {
   public:
-    Recovery(const ObservedMap &map, const LightSetup &setup, const JobPool &jobs, Log &log)
-        : map_(map), setup_(setup), jobs_(jobs), log_(log), tracer_(map, setup), fit_(map, tracer_, jobs) {}
+    Recovery(const ObservedMap &map, const LampTracer &tracer, const LampCandidates &candidates, const JobPool &jobs,
+             Log &log)
+        : map_(map), candidates_(candidates), log_(log), fit_(map, tracer, jobs) {}
 
-    RecoveredLights Run() {
-        RecoveredLights result;
-        result.rmsBefore = fit_.RmsOfLuxels();
-        lattice_ = Lattice();
-        std::size_t pairs = 0;
-        for (const Candidate &one : lattice_)
-            pairs += one.column.size();
-        log_.Count(map_.light.size(), "places with stored light");
-        log_.Count(lattice_.size(), "candidates in the open");
-        log_.Count(pairs, "pairs of these that see each other");
+    void Run() {
+        rmsBefore_ = fit_.RmsOfSurfaces();
         for (const float noise : kRelativeNoises) {
             fit_.SetRelativeNoise(noise);
             for (int round = 0; round < kMostRounds && AddLamps(round); ++round) {
             }
         }
+        FindCones();
         DropLamps();
         for (const float step : {32.0f, 16.0f, 8.0f, 4.0f, 2.0f, 1.0f, 0.5f}) {
             fit_.Search(step);
             Move(3);
+            if (step == 8)
+                FindCones();
         }
-        result.rmsAfter = fit_.RmsOfLuxels();
-        result.lamps = fit_.Lamps();
-        std::ranges::stable_sort(result.lamps, std::greater(), &Lamp::Strength);
-        return result;
+        DropCones();
+        Move(3);
     }
+
+    const LampFit &Fit() const { return fit_; }
+    double RmsBefore() const { return rmsBefore_; }
 
   private:
-    void Trace(std::vector<Candidate> &candidates) const {
-        jobs_.For(std::int64_t(candidates.size()), [&](std::int64_t i, int) {
-            Candidate &one = candidates[std::size_t(i)];
-            one.column = tracer_.Trace({one.origin, Vec3f{1, 1, 1} * kCandidateIntensity}, kCandidateEvery);
-            one.column.shrink_to_fit();
-        });
-    }
-
-    std::vector<Candidate> Lattice() const {
-        const bspModel_t &world = setup_.bsp.models.front();
-        float spacing = kLattice;
-        GridLayout layout = LayoutGrid(world.mins, world.maxs, {spacing, spacing, spacing});
-        while (layout.Count() > kMostCandidates) {
-            spacing *= kCoarser;
-            layout = LayoutGrid(world.mins, world.maxs, {spacing, spacing, spacing});
-        }
-        const Vec3f off{spacing / 2, spacing / 2, spacing / 2}; // brushes often lie on multiples of 64
-        std::vector<Candidate> candidates;
-        for (std::int64_t i = 0; i < layout.Count(); ++i) {
-            const Int3 at = layout.Coordinates(i);
-            if (const Vec3f p = Vec3f(layout.Position(at[0], at[1], at[2])) - off;
-                setup_.space.ClusterAt(p, kClear) != kSolidCluster)
-                candidates.push_back({p, {}});
-        }
-        Trace(candidates);
-        return candidates;
-    }
-
-    /// Candidates in front of the places whose light is least explained, along their normals.
-    std::vector<Candidate> SurfaceCandidates() const {
-        constexpr std::size_t kMost = 96;
-        constexpr float kPeaksApart = 64, kLeastPeak = 4; // game units; byte scale
-        constexpr std::array kHeights{12.0f, 32.0f, 72.0f};
-        std::vector<std::pair<float, std::size_t>> peaks;
-        for (std::size_t i = 0; i < map_.firstGrid; ++i)
-            if (const Vec3f r = fit_.EffectiveResidual(i); r.x + r.y + r.z > 3 * kLeastPeak)
-                peaks.push_back({(r.x + r.y + r.z) * fit_.WeightOf(i), i});
-        std::ranges::stable_sort(peaks, std::greater(), &std::pair<float, std::size_t>::first);
-        std::vector<std::size_t> chosen;
-        for (const auto &[strength, place] : peaks) {
-            if (chosen.size() == kMost)
-                break;
-            if (std::ranges::all_of(chosen, [&, place = place](std::size_t other) {
-                    return Length(map_.positions[other] - map_.positions[place]) > kPeaksApart;
-                }))
-                chosen.push_back(place);
-        }
-        std::vector<Candidate> candidates;
-        for (const std::size_t place : chosen)
-            for (const float height : kHeights)
-                if (const Vec3f p = map_.positions[place] + map_.normals[place] * height;
-                    setup_.space.ClusterAt(p, 1) != kSolidCluster)
-                    candidates.push_back({p, {}});
-        Trace(candidates);
-        return candidates;
-    }
-
-    /// The best lamp at a candidate, and by how much it lowers the error.
-    struct Gain {
-        double gain = 0;
-        Lamp lamp;
-    };
-    void AddGains(const std::vector<Candidate> &candidates, std::vector<Gain> &gains) const {
-        const std::size_t first = gains.size();
-        gains.resize(first + candidates.size());
-        jobs_.For(std::int64_t(candidates.size()), [&](std::int64_t i, int) {
-            const Candidate &candidate = candidates[std::size_t(i)];
-            Gain &one = gains[first + std::size_t(i)];
-            const auto [b, a] = fit_.SlopeOf(candidate.column);
-            if (!(a > 0))
-                return;
-            one.lamp = {candidate.origin, Max(b * (1 / a), Vec3f{})};
-            one.gain = double(Dot(one.lamp.intensity, one.lamp.intensity)) * double(a);
-        });
-    }
-
-    double LeastGain(double share) const { return std::max(kSignificant, share * fit_.Error()); }
-
     /// A round: adds the lamps that lower the error most, and fits all. Returns whether there may be more.
     bool AddLamps(int round) {
         constexpr int kFewRounds = 5;         // that may not lower the error
         constexpr double kEnough = 0.99;      // factor of the error
         constexpr std::size_t kFewLamps = 64; // of which more steps cost little
         const double before = fit_.Error();
-        std::vector<Gain> gains;
-        AddGains(lattice_, gains);
-        AddGains(SurfaceCandidates(), gains);
-        std::ranges::stable_sort(gains, std::greater(), &Gain::gain);
-        std::vector<Lamp> added;
-        const double least = LeastGain(kLeastGain);
-        for (const Gain &one : gains) {
-            if (added.size() > fit_.Lamps().size() / 2 || one.gain <= least)
-                break;
-            if (std::ranges::all_of(added,
-                                    [&](const Lamp &other) { return Length(other.origin - one.lamp.origin) > kApart; }))
-                added.push_back(one.lamp);
-        }
+        const std::vector<Lamp> added = candidates_.Best(fit_, 1 + fit_.Lamps().size() / 2, kLeastGain);
         if (added.empty())
             return false;
         fit_.Add(added);
@@ -175,19 +72,46 @@ class Recovery {
         Move(fit_.Lamps().size() < kFewLamps ? 10 : 5);
         fit_.Merge(kTwins);
         fit_.SolveIntensities(10);
-        fit_.Prune(LeastGain(kLeastGain));
+        fit_.Prune(kLeastGain);
         fit_.SolveIntensities(10);
-        log_.Print("{:9} lamps, light on luxels within {:.2f} bytes RMS\n", fit_.Lamps().size(), fit_.RmsOfLuxels());
+        log_.Print("{:9} lamps, light on surfaces within {:.2f} bytes RMS\n", fit_.Lamps().size(),
+                   fit_.RmsOfSurfaces());
         return fit_.Error() < kEnough * before || round < kFewRounds;
     }
 
     /// Drops lamps that others can replace, until each is needed.
     void DropLamps() {
         constexpr int kMostPasses = 8;
-        for (int pass = 0; pass < kMostPasses && fit_.DropRedundant(LeastGain(kLeastKept), kDroppedApart) > 0; ++pass) {
+        for (int pass = 0; pass < kMostPasses && fit_.DropRedundant(kLeastKept, kDroppedApart) > 0; ++pass) {
             fit_.SolveIntensities(20);
             Move(8);
         }
+    }
+
+    /// Gives cones to the lamps that explain their surroundings better with one.
+    void FindCones() {
+        for (std::size_t j = 0; j < fit_.Lamps().size(); ++j) {
+            const Lamp lamp = fit_.Lamps()[j];
+            if (lamp.cone)
+                continue;
+            std::vector<ConeSample> samples;
+            for (const LampEntry &entry : fit_.ColumnOf(j))
+                samples.push_back({Normalize(map_.positions[entry.place] - lamp.origin), entry.light,
+                                   fit_.WeightOf(entry.place), fit_.ResidualWithout(j, entry)});
+            const auto guess = GuessCone(std::move(samples));
+            const double noise = double(fit_.SlopeOf(fit_.ColumnOf(j)).noise);
+            if (guess && guess->gain > guess->gainOfAll + kLeastGainOfCone * noise)
+                fit_.Replace(j, {lamp.origin, guess->intensity, guess->cone}, kLeastGainOfCone);
+        }
+        fit_.SolveIntensities(10);
+    }
+
+    /// Takes cones away that explain little.
+    void DropCones() {
+        for (std::size_t j = 0; j < fit_.Lamps().size(); ++j)
+            if (const Lamp &lamp = fit_.Lamps()[j]; lamp.cone)
+                fit_.Replace(j, {lamp.origin, lamp.intensity}, -kLeastGainOfCone);
+        fit_.SolveIntensities(10);
     }
 
     void Move(int steps) {
@@ -198,18 +122,67 @@ class Recovery {
     }
 
     const ObservedMap &map_;
-    const LightSetup &setup_;
-    const JobPool &jobs_;
+    const LampCandidates &candidates_;
     Log &log_;
-    LampTracer tracer_;
     LampFit fit_;
-    std::vector<Candidate> lattice_;
+    double rmsBefore_ = 0;
 };
+
+void TakeResult(const LampFit &fit, RecoveredLights &result) {
+    const std::vector<LampFit::Spread> spreads = fit.Spreads();
+    std::vector<std::size_t> order(fit.Lamps().size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::stable_sort(order, std::greater(), [&](std::size_t j) { return fit.Lamps()[j].Strength(); });
+    result.lamps.clear(), result.spreads.clear();
+    for (const std::size_t j : order)
+        result.lamps.push_back(fit.Lamps()[j]), result.spreads.push_back(spreads[j]);
+    result.rmsAfter = fit.RmsOfSurfaces();
+}
+
+/// What a map lit with the lamps has besides their own direct light: known sources, and all bounced light.
+void SetKnown(const RelitMap &relit, const std::vector<Lamp> &lamps, const LampTracer &tracer, ObservedMap &map) {
+    for (std::size_t i = 0; i < map.light.size(); ++i)
+        map.light[i].known = relit.light[i];
+    for (const Lamp &lamp : lamps)
+        for (const auto &[place, light] : tracer.Trace(lamp))
+            map.light[place].known -= lamp.intensity * light;
+    for (ObservedLight &light : map.light)
+        light.known = Max(light.known, Vec3f{});
+}
 
 } // namespace
 
-RecoveredLights RecoverLights(const ObservedMap &map, const LightSetup &setup, const JobPool &jobs, Log &log) {
-    return Recovery(map, setup, jobs, log).Run();
+RecoveredLights RecoverLights(const RecoverInputs &in) {
+    LightInputs inputs = in.inputs;
+    inputs.mapEntities.reset();
+    const LightSetup setup(in.bsp, inputs, in.options, SurfaceDefaultsOf(in.lightmap), in.library, in.log);
+    RecoveredLights result;
+    {
+        SurfacePasses passes(setup, in.lightmap, in.jobs, in.log, {.keepLuxels = true});
+        passes.Run();
+        GridStats stats;
+        result.map =
+            ObserveLight(in.bsp, setup, passes, LightLegacyGrid(setup, passes.ForGrids(), in.jobs, in.log, stats));
+    }
+    const LampTracer tracer(result.map, setup, in.lightmap.fastPoint);
+    in.log.Section("Lamps");
+    in.log.Count(result.map.light.size(), "places with stored light");
+    const LampCandidates candidates(result.map, setup, tracer, in.jobs, in.log);
+    Recovery first(result.map, tracer, candidates, in.jobs, in.log);
+    first.Run();
+    result.rmsBefore = first.RmsBefore();
+    TakeResult(first.Fit(), result);
+    RelitMap relit = Relight(in, result.map, result.lamps);
+    if (in.lightmap.bounces > 0) {
+        in.log.Section("Lamps, with their bounced light");
+        SetKnown(relit, result.lamps, tracer, result.map);
+        Recovery second(result.map, tracer, candidates, in.jobs, in.log);
+        second.Run();
+        TakeResult(second.Fit(), result);
+        relit = Relight(in, result.map, result.lamps);
+    }
+    result.difference = Compare(in.bsp, result.map, relit);
+    return result;
 }
 
 } // namespace q3

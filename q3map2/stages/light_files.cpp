@@ -211,7 +211,7 @@ void LostLightCheck::Report(const Bsp &bsp, bool force, Log &log) const {
         return;
     const std::string text = fmt::format(
         "the light grid has {:.0f} % of the light that it had: the map was lit by light entities, which its .bsp "
-        "does not have; put its .map next to it, or keep the map as it was",
+        "does not have; put its .map next to it, find its lamps with -recoverlights, or keep the map as it was",
         after * 100 / before_);
     if (lostHalf && !force)
         throw Error("{}. Nothing is written; -force writes the map anyway", text);

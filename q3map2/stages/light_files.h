@@ -23,8 +23,8 @@
 
 namespace q3 {
 
-/// End of the names of files that -recoverlights writes, in place of .bsp.
-inline constexpr std::string_view kRecoveredLights = ".lights.map";
+/// Ends of the names of files that -recoverlights writes, in place of .bsp: the lamps, and the light that they leave.
+inline constexpr std::string_view kRecoveredLights = ".lights.map", kUnexplainedLight = ".unexplained.json";
 
 /// The .map and the .srf of a map, if they exist; without a .map, the lights that -recoverlights found. Errors: Error,
 /// for files that cannot be read or parsed.

@@ -15,6 +15,7 @@
 #include "q3map2/lightmap/vertex/prop_lighting.h"
 #include "q3map2/report/run_report.h"
 #include "q3map2/stages/light_files.h"
+#include "q3map2/stages/recovered_lamps.h"
 #include "q3map2/stages/stage_cache.h"
 #include "q3map2/stages/stages.h"
 #include "q3map2/stages/written_map.h"
@@ -96,6 +97,25 @@ std::vector<std::filesystem::path> MoreOutputs(const std::filesystem::path &bspP
     return files;
 }
 
+/// -recoverlights: finds the lamps of a map, and sets the entities of `inputs` to them.
+void RecoverLamps(const StageContext &context, const Bsp &bsp, const MapFiles &files, ShaderLibrary &library,
+                  const JobPool &jobs, LightInputs &inputs, FileSet &written) {
+    const LightRun lit = RecordedLightRun(bsp, context);
+    inputs.seeksLamps = true;
+    const RecoverInputs in{bsp, inputs, lit.options, lit.lightmap, library, jobs, context.log};
+    inputs.mapEntities = SourceOfLamps(in, FindLamps(in, files, written).lamps);
+    context.log.Section("Light, with these lamps");
+}
+
+void CheckRecovery(const LightOptions &options, const PartOptions &parts, const MapFiles &files) {
+    if (!options.recoverLamps)
+        return;
+    if (parts.Any() || !options.explain.empty())
+        throw Error("-recoverlights does not go with -part, -joinparts and -explain; run it as a stage first");
+    if (std::filesystem::exists(files.map))
+        throw Error("{} has the lights of the map; leave -recoverlights out", files.map.string());
+}
+
 void PrintWorldKeys(const Entity &world, Log &log) {
     PrintChangedKeys(world, keys::kWorldLightKeys, "worldspawn", log);
     PrintChangedKeys(world, keys::kStyleWorldKeys, "worldspawn", log);
@@ -116,7 +136,10 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const auto folders = GameFolders(context.options, context.words, context.program);
     const MapFiles files = FilesOfBsp(file.file, places, folders);
     const std::filesystem::path &bspPath = files.bsp;
+    CheckRecovery(options, parts, files);
     FileGuard guard = GuardLight(files, options, lightmap, parts, context);
+    if (options.recoverLamps)
+        GuardRecoveredLamps(context, files, guard);
     LightInputs inputs = ReadLightInputs(files, log);
     WarnOfLuxelSizes(given, inputs, arguments, log);
     PrintChangedOptions(arguments, log);
@@ -130,7 +153,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
                       .moreInputs = BotFilesBeside(bspPath),
                       .moreOutputs = MoreOutputs(bspPath, options, *context.options.game),
                       .vfs = &vfs});
-    if (!onlyExplains && !parts.Any() && cache.Restore())
+    if (!onlyExplains && !options.recoverLamps && !parts.Any() && cache.Restore())
         return 0;
     const RunUnits units(context, file.wordsToRecord, parts, bspPath);
     if (units.Store())
@@ -165,6 +188,9 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const JobPool jobs = context.report.Workers(context.options.threads);
     log.Count(jobs.Threads(), "threads");
     const LostLightCheck lostLight(bsp);
+    FileSet written; // together: a map never has the images or the lamps of another run
+    if (options.recoverLamps)
+        RecoverLamps(context, bsp, files, library, jobs, inputs, written);
     inputs.units = units.Store();
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
     if (parts.part) {
@@ -175,7 +201,6 @@ int LightStage(const StageContext &context, Arguments arguments) {
     lostLight.Report(bsp, context.options.force, log);
     guard.CheckUnchanged();
     const auto folder = WithExtension(bspPath, "");
-    FileSet written; // together: a map never has the images of another run
     StoreBakedGrids(gridFormats, options, folder, bsp, jobs, written, log);
     RecordCommand(bsp, "-light", inputs.name, file.wordsToRecord);
     if (bsp.gridSH && bsp.gridSHContainer == GridSHContainer::Lump && !format.advertisements && format.version == 46)
@@ -202,7 +227,8 @@ int LightStage(const StageContext &context, Arguments arguments) {
     if (!options.previewFile.empty())
         WriteGridPreview(options.previewFile, bsp, log);
     units.Keep(vfs);
-    cache.Store();
+    if (!options.recoverLamps) // which is not in the cache
+        cache.Store();
     return 0;
 }
 

@@ -1,25 +1,16 @@
 // GPL-2.0-or-later. q3map2 -recoverlights: the lamps of a lit map whose light entities are gone.
 #include "common/error.h"
-#include "common/files/files.h"
 #include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
-#include "q3map2/light/grid_bakes.h"
-#include "q3map2/lightmap/light_stage.h"
-#include "q3map2/lightmap/raw/lightmap_setup.h"
-#include "q3map2/recover/recover_lights.h"
+#include "q3map2/edit/bot_files.h"
 #include "q3map2/stages/light_files.h"
+#include "q3map2/stages/recovered_lamps.h"
 #include "q3map2/stages/stages.h"
-
-#include <algorithm>
+#include "q3map2/stages/written_map.h"
 
 namespace q3 {
 
 namespace {
-
-/// Lamps that the table lists.
-constexpr std::size_t kListed = 32;
-/// More unexplained light than this is a warning. Byte scale.
-constexpr double kMuchUnexplained = 6;
 
 /// Options of -light that only say what it stores change nothing here.
 void WarnOfStoring(const LightRun &run, Log &log) {
@@ -33,16 +24,12 @@ void WarnOfStoring(const LightRun &run, Log &log) {
                  "stored");
 }
 
-void PrintLamps(const RecoveredLights &found, Log &log) {
-    log.Print("{:>8} {:>8} {:>8}  {:>8}  color\n", "x", "y", "z", "light");
-    for (std::size_t i = 0; i < std::min(kListed, found.lamps.size()); ++i) {
-        const Lamp &lamp = found.lamps[i];
-        const Vec3f color = lamp.Color();
-        log.Print("{:8.1f} {:8.1f} {:8.1f}  {:8.1f}  {:.2f} {:.2f} {:.2f}\n", lamp.origin.x, lamp.origin.y,
-                  lamp.origin.z, lamp.Intensity(), color.x, color.y, color.z);
-    }
-    if (found.lamps.size() > kListed)
-        log.Print("and {} weaker ones\n", found.lamps.size() - kListed);
+/// Adds the map with lamps among its entities to `written`.
+void AddMapWithLamps(const RecoverInputs &in, const RecoveredLights &found, const std::filesystem::path &path,
+                     const BspFormat &format, FileSet &written) {
+    Bsp bsp = in.bsp;
+    bsp.entities = FormatEntities(EntitiesWithLamps(in, found.lamps));
+    AddBspFile(path, bsp, format, written, in.log);
 }
 
 } // namespace
@@ -51,55 +38,48 @@ int RecoverStage(const StageContext &context, Arguments arguments) {
     Log &log = context.log;
     log.Section("RecoverLights");
     const FilePlaces places = TakeFilePlaces("-recoverlights", arguments, log);
-    const LightRun run = TakeLightRun(arguments, *context.options.game, log);
+    RecoverOptions own;
+    TakeSettings(RecoverSettings(), own, arguments, log);
+    const bool isGiven = arguments.Rest().size() > 1; // options of -light, before the file
+    LightRun run = TakeLightRun(arguments, *context.options.game, log);
     WarnOfStoring(run, log);
     const StageFile file = TakeFile(context, arguments, {});
     const auto folders = GameFolders(context.options, context.words, context.program);
     const MapFiles files = FilesOfBsp(file.file, places, folders);
-    const auto path = WithExtension(files.bsp, kRecoveredLights);
     FileGuard guard(context);
     DeclareInputs(files, run.options, guard);
-    guard.Writes(path);
-    if (std::filesystem::exists(path) && !context.options.force)
-        throw Error("{} exists; -force replaces it", path.string());
+    GuardRecoveredLamps(context, files, guard);
+    if (own.insert)
+        guard.Writes(files.bsp, SizeOfFile(files.bsp));
     if (std::filesystem::exists(files.map))
         log.Warn("source next to the map", "-light reads the lights of {}, not those that are found here",
                  files.map.string());
     RequireGameFiles(context.options, folders, context.words, log);
     VirtualFileSystem vfs = OpenGameFiles(context.options, folders, log, context.words);
     log.Print("Loading {}\n", files.bsp.string());
-    const Bsp bsp = ReadBspFile(files.bsp, context.options.Format(), log);
-    if (bsp.lightmaps.empty())
-        throw Error("{}: it has no lightmaps, from which lamps could be found", files.bsp.string());
-    LightInputs inputs;
-    inputs.name = files.bsp.stem().string();
+    const BspFormat format = context.options.Format();
+    const Bsp bsp = ReadBspFile(files.bsp, format, log);
+    if (!isGiven)
+        run = RecordedLightRun(bsp, context);
+    LightInputs inputs = ReadLightInputs(files, log);
+    inputs.seeksLamps = true;
     inputs.vfs = &vfs;
-    if (std::filesystem::exists(files.srf))
-        inputs.surfaceFile = ReadTextFile(files.srf);
     inputs.texLights = ReadTexLights(files, vfs, run.options.texLightFiles, run.lightmap.hdr, log);
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
     const JobPool jobs = context.report.Workers(context.options.threads);
     log.Count(jobs.Threads(), "threads");
-    const LightSetup setup(bsp, inputs, run.options, SurfaceDefaultsOf(run.lightmap), library, log);
-    SurfacePasses passes(setup, run.lightmap, jobs, log, {.keepLuxels = true});
-    passes.Run();
-    GridStats stats;
-    const ObservedMap map = ObserveLight(bsp, setup, passes, LightLegacyGrid(setup, {}, jobs, log, stats));
-    log.Section("Lamps");
-    const RecoveredLights found = RecoverLights(map, setup, jobs, log);
-    PrintLamps(found, log);
-    log.Print("Light on luxels that known sources leave: {:.2f} bytes RMS; after {} lamps: {:.2f}\n", found.rmsBefore,
-              found.lamps.size(), found.rmsAfter);
-    if (found.rmsAfter > kMuchUnexplained)
-        log.Warn("much light unexplained",
-                 "lamps leave {:.1f} bytes RMS of the light on luxels unexplained; if the map was lit with options "
-                 "such as -gamma, -compensate or -dirty, give them here too",
-                 found.rmsAfter);
-    guard.CheckUnchanged();
+    const RecoverInputs in{bsp, inputs, run.options, run.lightmap, library, jobs, log};
     FileSet written;
-    written.AddText(path, LampEntities(found.lamps));
-    written.AddLine(log, fmt::format("Writing {}\n", path.string()));
+    const RecoveredLights found = FindLamps(in, files, written);
+    guard.CheckUnchanged();
+    if (!own.insert) {
+        written.Commit();
+        return 0;
+    }
+    const BotCheck bots(files.bsp, log);
+    AddMapWithLamps(in, found, files.bsp, format, written);
     written.Commit();
+    bots.Report(BotCheck::SameGeometry, BotCheck::OnlyWarn);
     return 0;
 }
 

@@ -16,6 +16,7 @@
 #include "q3map2/pk3/package_plan.h"
 #include "q3map2/shreport/report_page.h"
 #include "q3map2/ssbump/ssbump.h"
+#include "q3map2/stages/recovered_lamps.h"
 #include "q3map2/units/part_options.h"
 #include "q3map2/vis/vis.h"
 #include "q3map2/watch/options/watch_options.h"
@@ -177,11 +178,12 @@ std::vector<Stage> EditingStages() {
              MergeStage, [] { return Describe(MergeSettings()); }, nullptr, "maps/mymap.bsp maps/other.bsp"},
             {"-recoverlights", "-recoverlights [options] maps/x.bsp",
              "Find the lamps of a lit map whose source is lost",
-             "Finds point lights that explain the lightmaps and the legacy light grid, and writes them as light "
-             "entities to `x.lights.map`. The light stage reads that file if there is no `x.map`. It takes the options "
-             "of `-light`: give those with which the map was lit, such as `-gamma`. It does not replace an "
-             "`x.lights.map` unless `-force` is given. See [Lamps of lit maps](../internals/recover_lights.md).",
-             RecoverStage, nullptr},
+             "Finds point lights and spotlights that explain the lightmaps, vertex colors and the legacy light grid, "
+             "and writes them as light entities to `x.lights.map`. The light stage reads that file if there is no "
+             "`x.map`. It does not replace an `x.lights.map` unless `-force` is given. What the lamps leave "
+             "unexplained goes to `x.unexplained.json`, which [the viewer](../guide/viewer.md) shows. See [Lamps of "
+             "lit maps](../recover_lights.md).",
+             RecoverStage, [] { return Describe(RecoverSettings()); }},
             {"-fixaas", "-fixaas maps/x.bsp", "Make the bot files of a map valid again after relighting",
              "A bot file names its map by a checksum of all bytes, so engines refuse it after the map is lit. This "
              "stage writes the new checksum into those of `x.aas`, `x_b0.aas` and `x_b1.aas` that exist. It is correct "

@@ -345,13 +345,15 @@ void AddIndirect(const IndirectLight &indirect, int style, const ReceiverBatch &
         records.Add(block, lane, style, ray.direction, ray.light, {}, Vec3d(ray.direction) * double(Length(ray.light)));
 }
 
-/// A direction as polar angle and azimuth, in 255ths of a full turn, truncated. Straight down is half of 256.
+/// Steps of directions in bytes: 255 are a full turn.
+constexpr double kStepsPerRadian = 180 / std::numbers::pi * 255 / 360;
+
+/// A direction as polar angle and azimuth, in steps, truncated. Straight down is half of 256.
 std::array<std::uint8_t, 2> DirectionBytes(const Vec3f &t) {
     if (t.x == 0 && t.y == 0)
         return {std::uint8_t(t.z > 0 ? 0 : 128), 0};
-    constexpr double kScale = 180 / std::numbers::pi * 255 / 360;
-    const int fromZ = int(std::acos(std::clamp(double(t.z), -1.0, 1.0)) * kScale);
-    const int aroundZ = int(std::atan2(double(t.y), double(t.x)) * kScale);
+    const int fromZ = int(std::acos(std::clamp(double(t.z), -1.0, 1.0)) * kStepsPerRadian);
+    const int aroundZ = int(std::atan2(double(t.y), double(t.x)) * kStepsPerRadian);
     return {std::uint8_t(fromZ & 255), std::uint8_t(aroundZ & 255)};
 }
 
@@ -486,6 +488,12 @@ LegacyPlace PlaceLegacyPoint(const BspSpace &space, const GridLayout &layout, co
     place.rayOrigin = ClearOfSolids(space, place.position);
     place.cluster = cluster;
     return place;
+}
+
+Vec3f DirectionTowardsLight(const bspGridPoint_t &point) {
+    const double fromZ = (point.latLong[0] + 0.5) / kStepsPerRadian,
+                 aroundZ = (point.latLong[1] + 0.5) / kStepsPerRadian;
+    return Vec3f(Vec3d{std::cos(aroundZ) * std::sin(fromZ), std::sin(aroundZ) * std::sin(fromZ), std::cos(fromZ)});
 }
 
 GridLayout SetupGrid(const Bsp &bsp, Entity &world, Log &log) {

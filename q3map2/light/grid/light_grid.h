@@ -24,6 +24,9 @@ struct LegacyPlace {
 /// Finds an open position up to half a cell from a point, the nearest first.
 LegacyPlace PlaceLegacyPoint(const BspSpace &space, const GridLayout &layout, const Vec3f &point);
 
+/// The unit direction towards the light of a point: the middle of those that are stored as its bytes.
+Vec3f DirectionTowardsLight(const bspGridPoint_t &point);
+
 /// The legacy light grid.
 std::vector<bspGridPoint_t> TraceGrid(const GridInputs &in, const GridLayout &layout, const std::vector<Light> &lights,
                                       GridStats &stats);

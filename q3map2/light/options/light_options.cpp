@@ -195,7 +195,14 @@ Group Intensities() {
                       "repeated.",
            .since = "VRAD",
            .example = "extra.rad"},
-          &LightOptions::texLightFiles}}};
+          &LightOptions::texLightFiles},
+         {{.name = "-recoverlights",
+           .help = "First finds the lamps of a map whose source is lost, and lights it with them",
+           .details = "Does what the stage [-recoverlights](other_stages.md#-recoverlights) does, with the options of "
+                      "the light run that the map records, or with none. The other options of this run say how the "
+                      "map is lit then. The lamps go to `x.lights.map` too.",
+           .since = "0.2.0"},
+          &LightOptions::recoverLamps}}};
 }
 
 Group Falloff() {

@@ -92,8 +92,9 @@ struct LightOptions {
     bool wolfLighting = false;                ///< lights without spawnflags fall off linearly
     ToneOptions tone;
     ShaderOptions shader;
-    bool sRgbTexture = false; ///< images are sRGB where they color bounced light
-    float tolerance = 1;      ///< falloff tolerance, byte scale
+    bool sRgbTexture = false;  ///< images are sRGB where they color bounced light
+    float tolerance = 1;       ///< falloff tolerance, byte scale
+    bool recoverLamps = false; ///< first finds the lamps of a map whose source is lost
 
     // Speed against quality.
     bool fast = false;      ///< lights end where they fall below the tolerance, except in the SH grid

@@ -20,6 +20,8 @@ inline constexpr float kNearestPolynomial = 1;
 inline constexpr float kLinearScale = 1.0f / 8000;
 /// A spotlight fades over this much at the rim of its cone. Game units.
 inline constexpr float kConeFade = 32;
+/// A cone at its target is this much wider than the key radius of its entity, as in NetRadiant's q3map2. Game units.
+inline constexpr float kConeMargin = 16;
 /// Added around cones for rounding. Game units.
 inline constexpr float kConeSlack = 1;
 

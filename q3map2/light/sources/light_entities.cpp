@@ -16,6 +16,13 @@
 
 namespace q3 {
 
+const Entity *FindTarget(const std::vector<Entity> &entities, std::string_view target) {
+    for (const Entity &entity : entities)
+        if (entity.Value("targetname") == target)
+            return &entity;
+    return nullptr;
+}
+
 namespace {
 
 /// Bits of the key spawnflags of lights; under -wolf the first two mean the opposite.
@@ -30,8 +37,6 @@ constexpr int kSunDiscSamples = 32;
 constexpr std::uint64_t kSeedJitter = 0x4C69676874ull; ///< "Light" in ASCII
 /// A spotlight without a distance to its target counts as this far from it. Game units.
 constexpr float kNoTargetDistance = 64;
-/// A cone at its target is this much wider than its key radius, as in NetRadiant's q3map2. Game units.
-constexpr float kConeMargin = 16;
 
 Vec3f DecodeColor(const Vec3f &c, bool sRgb) {
     return sRgb ? Vec3f{LinearFromSrgb(c.x), LinearFromSrgb(c.y), LinearFromSrgb(c.z)} : c;
@@ -140,13 +145,6 @@ EntityLight LightFromKeys(const Entity &entity, const LightOptions &options, Log
     }
     WarnOfHdr(entity, keys::kLightHdr, keys::kLight, keys::kLightScaleHdr, log);
     return result;
-}
-
-const Entity *FindTarget(const std::vector<Entity> &entities, std::string_view target) {
-    for (const Entity &entity : entities)
-        if (entity.Value("targetname") == target)
-            return &entity;
-    return nullptr;
 }
 
 /// Turns a light into a spotlight aimed at `target`, with a cone by radius.

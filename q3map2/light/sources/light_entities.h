@@ -33,6 +33,9 @@ WorldLight ReadWorldLight(const Entity &world, const LightOptions &options);
 /// Warns of bad values of the keys that a light reads. `number`: index of the entity in its file.
 void WarnOfBadLightKeys(const Entity &entity, std::size_t number, Log &log);
 
+/// The first entity of that targetname, at which lights aim; null: none.
+const Entity *FindTarget(const std::vector<Entity> &entities, std::string_view target);
+
 /// Lights of entities whose class name starts with "light", in entity order. Unusable keys are warnings.
 /// Errors: a style out of range, a color and brightness below 0, distances without a curve.
 std::vector<Light> EntityLights(const std::vector<Entity> &entities, const LightOptions &options, Log &log);

@@ -103,6 +103,18 @@ Vec3f VertexPlaces::OpenOrigin(std::size_t vertex) {
 
 // ---- Light at the vertices of surfaces ----
 
+SurfaceLightSettings VertexSettings(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface) {
+    SurfaceLightSettings settings;
+    settings.sunOnly = in.options.sunOnly;
+    settings.pointAreas = in.options.faster;
+    settings.halfLambert = in.lightmap.halfLambert;
+    settings.receiveShadows = in.table[surface].receiveShadows;
+    settings.areaShadows = in.options.areaShadows;
+    settings.shadows = surfaces.lightmapOf[surface] < 0; // -cpma lights lightmapped surfaces without shadows
+    settings.sunShadows = settings.shadows && !in.table[surface].shader->forceSunlight;
+    return settings;
+}
+
 namespace {
 
 /// Vertices in solids are lit from kNudgeSteps times this aside on each axis, whichever is in the open first. Game
@@ -173,13 +185,7 @@ VertexLighter::VertexLighter(const SurfaceInputs &in, const std::vector<Light> &
       counts_(counts), places_(in, surface_, verts_, entry_.shader->twoSided, surfaces.clusters[surface]),
       surfaceClusters_(surfaces.clusters[surface]), surfaceNumber_(int(surface)),
       ambient_(pass.bounce ? Vec3f{} : entry_.ambient), flood_(pass.bounce ? FloodSource{} : WorldFlood(in)) {
-    settings_.sunOnly = in.options.sunOnly;
-    settings_.pointAreas = in.options.faster;
-    settings_.halfLambert = in.lightmap.halfLambert;
-    settings_.receiveShadows = entry_.receiveShadows;
-    settings_.areaShadows = in.options.areaShadows;
-    settings_.shadows = surfaces.lightmapOf[surface] < 0; // -cpma lights lightmapped surfaces without shadows
-    settings_.sunShadows = settings_.shadows && !entry_.shader->forceSunlight;
+    settings_ = VertexSettings(in, surfaces, surface);
     FindLights(lights);
 }
 

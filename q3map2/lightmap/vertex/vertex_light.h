@@ -42,6 +42,9 @@ class VertexPlaces {
     std::vector<Vec3f> middles_; ///< of the vertices that share edges with a vertex, lifted
 };
 
+/// How vertices of a draw surface are lit.
+SurfaceLightSettings VertexSettings(const SurfaceInputs &in, const SurfaceLight &surfaces, std::size_t surface);
+
 /// Lights the vertices of all surfaces: surfaces without a lightmap by `lights` (from SetupEnvelopes for surfaces),
 /// other surfaces from the nearest luxels of their lightmap. Adds the work done to `counts`.
 void LightVertices(const SurfaceInputs &in, const std::vector<Light> &lights, const SurfacePass &pass,

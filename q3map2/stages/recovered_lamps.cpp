@@ -1,0 +1,121 @@
+// GPL-2.0-or-later. What the stages share that find the lamps of a lit map: options, files, table and warnings.
+#include "q3map2/stages/recovered_lamps.h"
+
+#include "common/error.h"
+#include "q3map2/bspfile/entities.h"
+#include "q3map2/cli/global_options.h"
+#include "q3map2/report/run_report.h"
+
+#include "q3map2/light/options/light_options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <sstream>
+#include <string>
+
+namespace q3 {
+
+namespace {
+
+/// Lamps that the table lists.
+constexpr std::size_t kListed = 32;
+/// A larger difference of the relit map is a warning. Bytes, root mean square.
+constexpr double kMuchUnexplained = 6;
+
+/// The words of the last light run in worldspawn's record of commands, without the stage word.
+std::vector<std::string> WordsOfLightRun(std::string_view record) {
+    std::vector<std::string> words;
+    while (!record.empty()) {
+        const std::size_t end = std::min(record.find(';'), record.size());
+        std::istringstream text{std::string(record.substr(0, end))};
+        const std::vector<std::string> command{std::istream_iterator<std::string>(text), {}};
+        record.remove_prefix(std::min(end + 1, record.size()));
+        if (!command.empty() && EqualNoCase(command.front(), "-light"))
+            words.assign(command.begin() + 1, command.end());
+    }
+    return words;
+}
+
+/// Of the cone's half angle.
+float Degrees(const LampCone &cone) {
+    return std::atan(cone.radiusByDist) * 180 / std::numbers::pi_v<float>;
+}
+
+void PrintLamps(const RecoveredLights &found, Log &log) {
+    log.Print("{:>8} {:>8} {:>8}  {:>8}  {:>5}  {:>5}  color\n", "x", "y", "z", "light", "\u00b1 %", "\u00b1 qu");
+    for (std::size_t i = 0; i < std::min(kListed, found.lamps.size()); ++i) {
+        const Lamp &lamp = found.lamps[i];
+        const Vec3f color = lamp.Color();
+        log.Print("{:8.1f} {:8.1f} {:8.1f}  {:8.1f}  {:5.1f}  {:5.1f}  {:.2f} {:.2f} {:.2f}{}\n", lamp.origin.x,
+                  lamp.origin.y, lamp.origin.z, lamp.Intensity(), 100 * found.spreads[i].intensity,
+                  found.spreads[i].position, color.x, color.y, color.z,
+                  lamp.cone ? fmt::format("  spotlight of {:.0f} degrees", Degrees(*lamp.cone)) : "");
+    }
+    if (found.lamps.size() > kListed)
+        log.Print("and {} weaker ones\n", found.lamps.size() - kListed);
+    if (!found.lamps.empty())
+        log.Print("\u00b1: standard errors of light and position, if the lamps are point lights and spotlights\n");
+}
+
+void PrintDifference(const RecoveredLights &found, Log &log) {
+    log.Print("Light on surfaces that known sources leave: {:.2f} bytes RMS; after {} lamps: {:.2f}\n", found.rmsBefore,
+              found.lamps.size(), found.rmsAfter);
+    const RelitDifference &difference = found.difference;
+    log.Print("Lit with these lamps, the map differs from the file by {:.2f} bytes RMS on surfaces{}\n",
+              difference.surfaces,
+              found.map.gridNumbers.empty() ? "" : fmt::format(" and {:.2f} in the light grid", difference.grid));
+    if (difference.surfaces > kMuchUnexplained)
+        log.Warn("much light unexplained",
+                 "the map lit with these lamps differs from the file by {:.1f} bytes RMS on surfaces; if it was lit "
+                 "with options such as -gamma, -bounce or -dirty, give them to -recoverlights",
+                 difference.surfaces);
+}
+
+} // namespace
+
+std::vector<SettingGroup<RecoverOptions>> RecoverSettings() {
+    return {{"Lamps",
+             "All options of `-light` that change how light is computed count too, such as `-gamma`, `-bounce` and "
+             "`-dirty`. Without any, those of the light run count that the map records.",
+             {{{.name = "-insert",
+                .help = "Also puts the lamps among the entities of the map",
+                .details = "The light stage and engines find them there. All else in the `.bsp` stays.",
+                .since = "0.2.0"},
+               &RecoverOptions::insert}}}};
+}
+
+void GuardRecoveredLamps(const StageContext &context, const MapFiles &files, FileGuard &guard) {
+    const auto path = WithExtension(files.bsp, kRecoveredLights);
+    if (std::filesystem::exists(path) && !context.options.force)
+        throw Error("{} exists; -force replaces it", path.string());
+    guard.Writes(path);
+    guard.Writes(WithExtension(files.bsp, kUnexplainedLight));
+}
+
+LightRun RecordedLightRun(const Bsp &bsp, const StageContext &context) {
+    const std::vector<std::string> words = WordsOfLightRun(StoredWorld(bsp.entities).Value("_q3map2_cmdline"));
+    Arguments arguments(words);
+    if (!words.empty())
+        context.log.Print("The map records the light run {}\n", fmt::join(words, " "));
+    return TakeLightRun(arguments, *context.options.game, context.log);
+}
+
+RecoveredLights FindLamps(const RecoverInputs &in, const MapFiles &files, FileSet &written) {
+    if (in.bsp.lightmaps.empty())
+        throw Error("{}: it has no lightmaps, from which lamps could be found", files.bsp.string());
+    RecoveredLights found = RecoverLights(in);
+    PrintLamps(found, in.log);
+    PrintDifference(found, in.log);
+    const auto add = [&](std::string_view extension, std::string_view text) {
+        const auto path = WithExtension(files.bsp, extension);
+        written.AddText(path, text);
+        written.AddLine(in.log, fmt::format("Wrote {}\n", path.string()));
+    };
+    add(kRecoveredLights, FormatEntities(SourceOfLamps(in, found.lamps)));
+    add(kUnexplainedLight, UnexplainedText(found.map, found.difference, in.inputs.name));
+    return found;
+}
+
+} // namespace q3
