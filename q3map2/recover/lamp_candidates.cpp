@@ -174,7 +174,7 @@ std::vector<LampCandidates::Candidate> LampCandidates::Crossings() const {
     return candidates;
 }
 
-/// Candidates in front of the places whose light is least explained, along their normals.
+/// Candidates in front of the places that are most too dark, along their normals.
 std::vector<LampCandidates::Candidate> LampCandidates::InFrontOfPeaks(const LampFit &fit) const {
     constexpr std::size_t kMost = 96;
     constexpr float kPeaksApart = 64, kLeastPeak = 4; // game units; byte scale
@@ -182,7 +182,7 @@ std::vector<LampCandidates::Candidate> LampCandidates::InFrontOfPeaks(const Lamp
     std::vector<std::pair<float, std::size_t>> peaks;
     for (std::size_t i = 0; i < map_.firstGrid; ++i)
         if (const Vec3f r = fit.EffectiveResidual(i); r.x + r.y + r.z > 3 * kLeastPeak)
-            peaks.push_back({(r.x + r.y + r.z) * fit.WeightOf(i), i});
+            peaks.push_back({Dot(r, r) * fit.WeightOf(i), i});
     std::ranges::stable_sort(peaks, std::greater(), &std::pair<float, std::size_t>::first);
     std::vector<std::size_t> chosen;
     for (const auto &[strength, place] : peaks) {

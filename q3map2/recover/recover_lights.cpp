@@ -18,7 +18,7 @@ namespace {
 constexpr int kMostRounds = 24;
 /// A new lamp lowers the error by more than kLeastGain times the noise where it shines, in squares of the noise of a
 /// place and channel; one that stays by kLeastKept times.
-constexpr double kLeastGain = 60, kLeastKept = 180;
+constexpr double kLeastGain = 20, kLeastKept = 80;
 /// A cone must lower the error by this much more than a lamp that shines to all sides.
 constexpr double kLeastGainOfCone = 300;
 /// Relative noise of light, first while many lamps are missing, then to tell apart those near each other.
@@ -35,13 +35,12 @@ class Recovery {
              Log &log)
         : map_(map), candidates_(candidates), log_(log), fit_(map, tracer, jobs) {}
 
+    /// Adds lamps for the first relative noise: enough for their bounced light.
+    void RunRoughly() { AddAll(kRelativeNoises.front()); }
+
     void Run() {
-        rmsBefore_ = fit_.RmsOfSurfaces();
-        for (const float noise : kRelativeNoises) {
-            fit_.SetRelativeNoise(noise);
-            for (int round = 0; round < kMostRounds && AddLamps(round); ++round) {
-            }
-        }
+        for (const float noise : kRelativeNoises)
+            AddAll(noise);
         FindCones();
         DropLamps();
         for (const float step : {32.0f, 16.0f, 8.0f, 4.0f, 2.0f, 1.0f, 0.5f}) {
@@ -55,9 +54,14 @@ class Recovery {
     }
 
     const LampFit &Fit() const { return fit_; }
-    double RmsBefore() const { return rmsBefore_; }
 
   private:
+    void AddAll(float noise) {
+        fit_.SetRelativeNoise(noise);
+        for (int round = 0; round < kMostRounds && AddLamps(round); ++round) {
+        }
+    }
+
     /// A round: adds the lamps that lower the error most, and fits all. Returns whether there may be more.
     bool AddLamps(int round) {
         constexpr int kFewRounds = 5;         // that may not lower the error
@@ -81,10 +85,10 @@ class Recovery {
 
     /// Drops lamps that others can replace, until each is needed.
     void DropLamps() {
-        constexpr int kMostPasses = 8;
+        constexpr int kMostPasses = 20;
         for (int pass = 0; pass < kMostPasses && fit_.DropRedundant(kLeastKept, kDroppedApart) > 0; ++pass) {
             fit_.SolveIntensities(20);
-            Move(8);
+            Move(3);
         }
     }
 
@@ -125,7 +129,6 @@ class Recovery {
     const LampCandidates &candidates_;
     Log &log_;
     LampFit fit_;
-    double rmsBefore_ = 0;
 };
 
 void TakeResult(const LampFit &fit, RecoveredLights &result) {
@@ -156,6 +159,7 @@ RecoveredLights RecoverLights(const RecoverInputs &in) {
     LightInputs inputs = in.inputs;
     inputs.mapEntities.reset();
     const LightSetup setup(in.bsp, inputs, in.options, SurfaceDefaultsOf(in.lightmap), in.library, in.log);
+    in.library.ReleaseImages(in.lightmap.bounces > 0 ? KeptImages::OfReflectors : KeptImages::SeeThrough, in.jobs);
     RecoveredLights result;
     {
         SurfacePasses passes(setup, in.lightmap, in.jobs, in.log, {.keepLuxels = true});
@@ -168,20 +172,19 @@ RecoveredLights RecoverLights(const RecoverInputs &in) {
     in.log.Section("Lamps");
     in.log.Count(result.map.light.size(), "places with stored light");
     const LampCandidates candidates(result.map, setup, tracer, in.jobs, in.log);
-    Recovery first(result.map, tracer, candidates, in.jobs, in.log);
-    first.Run();
-    result.rmsBefore = first.RmsBefore();
-    TakeResult(first.Fit(), result);
-    RelitMap relit = Relight(in, result.map, result.lamps);
-    if (in.lightmap.bounces > 0) {
+    result.rmsBefore = LampFit(result.map, tracer, in.jobs).RmsOfSurfaces();
+    if (in.lightmap.bounces > 0) { // what is known grows by the bounced light of lamps that are found roughly
+        Recovery rough(result.map, tracer, candidates, in.jobs, in.log);
+        rough.RunRoughly();
+        in.log.Section("Bounced light of these lamps");
+        SetKnown(Relight(in, result.map, rough.Fit().Lamps()), rough.Fit().Lamps(), tracer, result.map);
         in.log.Section("Lamps, with their bounced light");
-        SetKnown(relit, result.lamps, tracer, result.map);
-        Recovery second(result.map, tracer, candidates, in.jobs, in.log);
-        second.Run();
-        TakeResult(second.Fit(), result);
-        relit = Relight(in, result.map, result.lamps);
     }
-    result.difference = Compare(in.bsp, result.map, relit);
+    Recovery recovery(result.map, tracer, candidates, in.jobs, in.log);
+    recovery.Run();
+    TakeResult(recovery.Fit(), result);
+    in.log.Section("Light of all lamps");
+    result.difference = Compare(in.bsp, result.map, Relight(in, result.map, result.lamps));
     return result;
 }
 

@@ -17,8 +17,8 @@ struct RecoveredLights {
 };
 
 /// Finds lamps by alternating descent: new ones where they lower the error most, then intensities and positions of all.
-/// With bounces (-bounce) the map is lit with the lamps, and they are found once more from what their bounced light
-/// leaves. At last the map is lit again, for the difference. Errors: as LightWorld.
+/// With bounces (-bounce) they are found roughly at first, the map is lit with them, and they are found once more from
+/// what their bounced light leaves. At last the map is lit again, for the difference. Errors: as LightWorld.
 RecoveredLights RecoverLights(const RecoverInputs &in);
 
 } // namespace q3
