@@ -7,6 +7,7 @@
 
 #include <Eigen/SparseCore>
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -98,8 +99,17 @@ class LampFit {
     std::vector<Term> Derivatives() const;
     std::vector<float> BestStep() const;
     std::vector<std::size_t> Step(const std::vector<float> &step);
-    std::vector<Vec3f> Variances() const;
-    std::vector<Lamp> TrialsOf(const Lamp &lamp, float step) const;
+    /// For noise 1, with all other lamps free to move and change.
+    struct Variance {
+        double position;       ///< sum over the axes, in units of the step
+        double strength;       ///< of the logarithm
+        double strengthAtRest; ///< the same if the lamp itself stays in place
+    };
+    std::vector<Variance> Variances() const;
+    std::vector<Lamp> TrialsOf(std::size_t j, float step) const;
+    bool TryAround(std::size_t j, float step);
+    static Lamp Changed(const Lamp &lamp, const std::array<float, 6> &by);
+    bool MoveCone(std::size_t j);
     bool KeepIfBetter(std::size_t j, const Lamp &oldLamp, LampColumn &oldColumn, double leastGain);
     bool KeepIfBetterForAll(std::size_t j, const Lamp &lamp, LampColumn column);
 

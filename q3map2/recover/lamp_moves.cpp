@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace q3 {
@@ -30,11 +31,18 @@ constexpr double kRidge = 1e-4;
 constexpr float kStepShare = 0.25f, kNearLight = 32;
 /// A cone is tilted by step / kTiltUnits radians, and its radius changed by that share.
 constexpr float kTiltUnits = 96;
+/// Gauss-Newton steps of a spotlight in one search, at most.
+constexpr int kTurnsOfCones = 8;
 /// Of each lamp, the normal matrix of so many others that it shares most light with is inverted.
 constexpr std::size_t kNeighbors = 48;
 
 float Mean(const Vec3f &v) {
     return (v.x + v.y + v.z) / 3;
+}
+
+/// A unit vector at a right angle to the axis.
+Vec3f SideOf(const Vec3f &axis) {
+    return Normalize(Cross(axis, std::abs(axis.z) < 0.7f ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0}));
 }
 
 } // namespace
@@ -207,8 +215,9 @@ bool LampFit::Replace(std::size_t j, const Lamp &lamp, double leastGain) {
     return KeepIfBetter(j, oldLamp, column, leastGain);
 }
 
-/// The lamp moved along each axis; with a cone also tilted to each side, wider and narrower.
-std::vector<Lamp> LampFit::TrialsOf(const Lamp &lamp, float step) const {
+/// Lamp number j moved along each axis; with a cone also tilted to each side, wider and narrower.
+std::vector<Lamp> LampFit::TrialsOf(std::size_t j, float step) const {
+    const Lamp &lamp = lamps_[j];
     constexpr std::array<Vec3f, 3> kAxes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     std::vector<Lamp> trials;
     for (const Vec3f &axis : kAxes)
@@ -220,7 +229,7 @@ std::vector<Lamp> LampFit::TrialsOf(const Lamp &lamp, float step) const {
         return trials;
     const float share = step / kTiltUnits;
     const Vec3f &axis = lamp.cone->axis;
-    const Vec3f side = Normalize(Cross(axis, std::abs(axis.z) < 0.7f ? kAxes[2] : kAxes[0])), up = Cross(side, axis);
+    const Vec3f side = SideOf(axis), up = Cross(side, axis);
     for (const Vec3f &to : {side, up})
         for (const float sign : {1.0f, -1.0f}) {
             trials.push_back(lamp);
@@ -233,40 +242,107 @@ std::vector<Lamp> LampFit::TrialsOf(const Lamp &lamp, float step) const {
     return trials;
 }
 
+/// Puts the first of TrialsOf in the place of lamp number j for which the error falls. Returns whether there is one.
+bool LampFit::TryAround(std::size_t j, float step) {
+    const std::vector<Lamp> trials = TrialsOf(j, step);
+    std::vector<LampColumn> columns(trials.size());
+    jobs_.For(std::int64_t(trials.size()),
+              [&](std::int64_t i, int) { columns[std::size_t(i)] = Traced(trials[std::size_t(i)]); });
+    const bool isFarReaching = columns_[j].size() > residuals_.size() / kFarReaching;
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        if (columns[i].empty())
+            continue;
+        if (isFarReaching) {
+            if (KeepIfBetterForAll(j, trials[i], std::move(columns[i])))
+                return true;
+            continue;
+        }
+        const Lamp oldLamp = lamps_[j];
+        LampColumn oldColumn = std::move(columns_[j]);
+        lamps_[j] = trials[i], columns_[j] = std::move(columns[i]);
+        if (KeepIfBetter(j, oldLamp, oldColumn, 0))
+            return true;
+    }
+    return false;
+}
+
+/// A spotlight changed in its six parameters: position in units of kStep, tilts to two sides in radians, and the
+/// logarithm of its width.
+Lamp LampFit::Changed(const Lamp &lamp, const std::array<float, 6> &by) {
+    Lamp changed = lamp;
+    changed.origin += Vec3f{by[0], by[1], by[2]} * kStep;
+    const Vec3f &axis = lamp.cone->axis;
+    const Vec3f side = SideOf(axis), up = Cross(side, axis);
+    changed.cone->axis = Normalize(axis + side * by[3] + up * by[4]);
+    changed.cone->radiusByDist *= std::exp(std::clamp(by[5], -1.0f, 1.0f));
+    return changed;
+}
+
+/// One damped Gauss-Newton step of a spotlight alone, with derivatives by differences, so that the rim of the cone
+/// counts. Returns whether the error fell.
+bool LampFit::MoveCone(std::size_t j) {
+    constexpr std::array<float, 6> kDifferences{0.1f, 0.1f, 0.1f, 0.02f, 0.02f, 0.03f};
+    constexpr int kTries = 6;
+    constexpr std::size_t kParameters = 7; // the last is the logarithm of the strength
+    std::array<LampColumn, 6> columns;
+    jobs_.For(6, [&](std::int64_t i, int) {
+        std::array<float, 6> by{};
+        by[std::size_t(i)] = kDifferences[std::size_t(i)];
+        columns[std::size_t(i)] = Traced(Changed(lamps_[j], by));
+    });
+    std::map<std::uint32_t, std::array<float, kParameters>> rows; // derivatives, by place
+    for (const auto &[place, light] : columns_[j]) {
+        std::array<float, kParameters> &row = rows[place];
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            row[k] -= light / kDifferences[k];
+        row[6] = light;
+    }
+    for (std::size_t k = 0; k < columns.size(); ++k)
+        for (const auto &[place, light] : columns[k])
+            rows[place][k] += light / kDifferences[k];
+    using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
+    using Vector = Eigen::Vector<double, kParameters>;
+    Matrix normal = Matrix::Zero();
+    Vector right = Vector::Zero();
+    for (const auto &[place, row] : rows) {
+        if (map_.light[place].isBound && Mean(residuals_[place]) < 0)
+            continue;
+        const Vector derivatives = Eigen::Map<const Eigen::Vector<float, kParameters>>(row.data()).cast<double>() *
+                                   double(lamps_[j].Strength());
+        normal += double(weights_[place]) * derivatives * derivatives.transpose();
+        right += double(weights_[place]) * double(Mean(EffectiveResidual(place))) * derivatives;
+    }
+    for (double damping = 1e-3; damping < std::pow(10.0, kTries - 3); damping *= 10) {
+        Matrix damped = normal;
+        damped.diagonal() += damping * normal.diagonal() + Vector::Constant(1e-6);
+        const Vector step = damped.ldlt().solve(right);
+        std::array<float, 6> by{};
+        for (std::size_t k = 0; k < by.size(); ++k)
+            by[k] = float(step[Eigen::Index(k)]);
+        if (Replace(j, Changed(lamps_[j], by), 0))
+            return true;
+    }
+    return false;
+}
+
 std::size_t LampFit::Search(float step) {
     std::vector<std::size_t> order(lamps_.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::ranges::stable_sort(order, std::greater(), [&](std::size_t j) { return lamps_[j].Strength(); });
     std::size_t changed = 0;
-    for (const std::size_t j : order) {
-        const std::vector<Lamp> trials = TrialsOf(lamps_[j], step);
-        std::vector<LampColumn> columns(trials.size());
-        jobs_.For(std::int64_t(trials.size()),
-                  [&](std::int64_t i, int) { columns[std::size_t(i)] = Traced(trials[std::size_t(i)]); });
-        const bool isFarReaching = columns_[j].size() > residuals_.size() / kFarReaching;
-        const auto isBetter = [&](std::size_t i) {
-            if (isFarReaching)
-                return KeepIfBetterForAll(j, trials[i], std::move(columns[i]));
-            const Lamp oldLamp = lamps_[j];
-            LampColumn oldColumn = std::move(columns_[j]);
-            lamps_[j] = trials[i], columns_[j] = std::move(columns[i]);
-            return KeepIfBetter(j, oldLamp, oldColumn, 0);
-        };
-        for (std::size_t i = 0; i < trials.size(); ++i)
-            if (!columns[i].empty() && isBetter(i)) {
-                ++changed;
-                break;
-            }
-    }
+    for (const std::size_t j : order)
+        changed += TryAround(j, step);
+    for (const std::size_t j : order)
+        for (int turn = 0; lamps_[j].cone && turn < kTurnsOfCones && MoveCone(j); ++turn)
+            ++changed;
     UpdateWeights();
     return changed;
 }
 
 // ---- How well each lamp is known ----
 
-/// By lamp the variances of its position, along all axes together and in units of kStep, and of its logarithmic
-/// strength, for noise 1: elements of the inverse of the normal matrix. z is not used.
-std::vector<Vec3f> LampFit::Variances() const {
+/// Elements of the inverse of the normal matrix, by lamp.
+std::vector<LampFit::Variance> LampFit::Variances() const {
     const std::vector<Term> terms = Derivatives();
     const auto unknowns = Eigen::Index(4 * lamps_.size());
     Eigen::SparseMatrix<float> jacobian(Eigen::Index(residuals_.size()), unknowns);
@@ -278,7 +354,7 @@ std::vector<Vec3f> LampFit::Variances() const {
         for (Eigen::SparseMatrix<float>::InnerIterator it(normal, Eigen::Index(4 * j + 3)); it; ++it)
             if (it.row() % 4 == 3 && it.row() != it.col())
                 shared[j].push_back({-it.value(), std::size_t(it.row() / 4)});
-    std::vector<Vec3f> variances(lamps_.size());
+    std::vector<Variance> variances(lamps_.size());
     jobs_.For(std::int64_t(lamps_.size()), [&](std::int64_t number, int) {
         const auto j = std::size_t(number);
         std::ranges::sort(shared[j]);
@@ -294,27 +370,31 @@ std::vector<Vec3f> LampFit::Variances() const {
                                                         Eigen::Index(4 * lamps[std::size_t(column / 4)]) + column % 4));
         part.diagonal() = part.diagonal() * (1 + kRidge) + Eigen::VectorXd::Constant(size, 1e-3);
         const Eigen::MatrixXd inverse = part.llt().solve(Eigen::MatrixXd::Identity(size, 4));
-        variances[j] = {float(inverse(0, 0) + inverse(1, 1) + inverse(2, 2)), float(inverse(3, 3)), 0};
+        const Eigen::Index rest = size - 3; // without the position of the lamp itself
+        const Eigen::MatrixXd atRest =
+            part.bottomRightCorner(rest, rest).llt().solve(Eigen::MatrixXd::Identity(rest, 1));
+        variances[j] = {inverse.topLeftCorner(3, 3).trace(), inverse(3, 3), atRest(0, 0)};
     });
     return variances;
 }
 
 std::vector<LampFit::Spread> LampFit::Spreads() const {
     std::vector<Spread> spreads;
-    const std::vector<Vec3f> variances = Variances();
+    const std::vector<Variance> variances = Variances();
     for (std::size_t j = 0; j < lamps_.size(); ++j) {
         // The three channels, each with the noise of the places, are three measurements of the mean.
-        const float noise = SlopeOf(columns_[j]).noise / 3;
-        spreads.push_back({kStep * std::sqrt(noise * variances[j].x), std::sqrt(noise * variances[j].y)});
+        const double noise = double(SlopeOf(columns_[j]).noise) / 3;
+        spreads.push_back(
+            {kStep * float(std::sqrt(noise * variances[j].position)), float(std::sqrt(noise * variances[j].strength))});
     }
     return spreads;
 }
 
 std::size_t LampFit::DropRedundant(double leastGain, float apart) {
-    const std::vector<Vec3f> variances = Variances();
+    const std::vector<Variance> variances = Variances();
     std::vector<std::pair<double, std::size_t>> gains;
     for (std::size_t j = 0; j < lamps_.size(); ++j)
-        gains.push_back({3 / double(variances[j].y) / double(SlopeOf(columns_[j]).noise), j});
+        gains.push_back({3 / variances[j].strengthAtRest / double(SlopeOf(columns_[j]).noise), j});
     std::ranges::sort(gains);
     std::vector<std::size_t> dropped;
     for (const auto &[gain, j] : gains) {

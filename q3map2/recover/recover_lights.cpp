@@ -18,11 +18,13 @@ namespace {
 constexpr int kMostRounds = 24;
 /// A new lamp lowers the error by more than kLeastGain times the noise where it shines, in squares of the noise of a
 /// place and channel; one that stays by kLeastKept times.
-constexpr double kLeastGain = 20, kLeastKept = 80;
+constexpr double kLeastGain = 20, kLeastKept = 200;
 /// A cone must lower the error by this much more than a lamp that shines to all sides.
-constexpr double kLeastGainOfCone = 300;
+constexpr double kLeastGainOfCone = 1000;
 /// Relative noise of light, first while many lamps are missing, then to tell apart those near each other.
 constexpr std::array kRelativeNoises{0.06f, 0.02f};
+/// The same for the last short steps.
+constexpr float kFineNoise = 0.007f;
 /// Lamps nearer to each other than this become one. Game units.
 constexpr float kTwins = 24;
 /// Of the lamps that are dropped together, no two are nearer to each other. Game units.
@@ -43,7 +45,27 @@ class Recovery {
             AddAll(noise);
         FindCones();
         DropLamps();
-        for (const float step : {32.0f, 16.0f, 8.0f, 4.0f, 2.0f, 1.0f, 0.5f}) {
+        Settle();
+    }
+
+    /// The same from lamps that were found, after what is known has changed.
+    void Refine(std::span<const Lamp> lamps) {
+        fit_.SetRelativeNoise(kRelativeNoises.back());
+        fit_.Add(lamps);
+        fit_.SolveIntensities(20);
+        Move(8);
+        DropLamps();
+        Settle();
+    }
+
+    const LampFit &Fit() const { return fit_; }
+
+  private:
+    void Settle() {
+        constexpr float kFine = 4;
+        for (const float step : {32.0f, 16.0f, 8.0f, kFine, 2.0f, 1.0f, 0.5f}) {
+            if (step == kFine)
+                fit_.SetRelativeNoise(kFineNoise);
             fit_.Search(step);
             Move(3);
             if (step == 8)
@@ -53,9 +75,6 @@ class Recovery {
         Move(3);
     }
 
-    const LampFit &Fit() const { return fit_; }
-
-  private:
     void AddAll(float noise) {
         fit_.SetRelativeNoise(noise);
         for (int round = 0; round < kMostRounds && AddLamps(round); ++round) {
@@ -142,15 +161,29 @@ void TakeResult(const LampFit &fit, RecoveredLights &result) {
     result.rmsAfter = fit.RmsOfSurfaces();
 }
 
-/// What a map lit with the lamps has besides their own direct light: known sources, and all bounced light.
-void SetKnown(const RelitMap &relit, const std::vector<Lamp> &lamps, const LampTracer &tracer, ObservedMap &map) {
-    for (std::size_t i = 0; i < map.light.size(); ++i)
-        map.light[i].known = relit.light[i];
+/// Adds to what is known, `known` by place, the bounced light of lamps: what the relit map has besides known light and
+/// the direct light of the lamps. Lamps that were found without their bounced light are too strong, so it counts by the
+/// factor which scales their direct and bounced light to what is stored, by least squares.
+void AddBounced(const RelitMap &relit, const std::vector<Lamp> &lamps, const std::vector<Vec3f> &known,
+                const LampTracer &tracer, ObservedMap &map) {
+    std::vector<Vec3f> bounced(map.light.size());
+    double product = 0, square = 0;
+    for (std::size_t i = 0; i < map.light.size(); ++i) {
+        const ObservedLight &light = map.light[i];
+        const Vec3f ofLamps = relit.light[i] - known[i];
+        bounced[i] = ofLamps;
+        if (light.isBound || i >= map.firstGrid)
+            continue;
+        const double weight = 1 / (1 + double(Dot(light.stored, light.stored)));
+        product += weight * double(Dot(ofLamps, light.stored - known[i]));
+        square += weight * double(Dot(ofLamps, ofLamps));
+    }
+    const float factor = square > 0 ? float(std::clamp(product / square, 0.0, 1.0)) : 0;
     for (const Lamp &lamp : lamps)
         for (const auto &[place, light] : tracer.Trace(lamp))
-            map.light[place].known -= lamp.intensity * light;
-    for (ObservedLight &light : map.light)
-        light.known = Max(light.known, Vec3f{});
+            bounced[place] -= lamp.intensity * light;
+    for (std::size_t i = 0; i < map.light.size(); ++i)
+        map.light[i].known = known[i] + Max(bounced[i], Vec3f{}) * factor;
 }
 
 } // namespace
@@ -173,16 +206,27 @@ RecoveredLights RecoverLights(const RecoverInputs &in) {
     in.log.Count(result.map.light.size(), "places with stored light");
     const LampCandidates candidates(result.map, setup, tracer, in.jobs, in.log);
     result.rmsBefore = LampFit(result.map, tracer, in.jobs).RmsOfSurfaces();
-    if (in.lightmap.bounces > 0) { // what is known grows by the bounced light of lamps that are found roughly
-        Recovery rough(result.map, tracer, candidates, in.jobs, in.log);
-        rough.RunRoughly();
-        in.log.Section("Bounced light of these lamps");
-        SetKnown(Relight(in, result.map, rough.Fit().Lamps()), rough.Fit().Lamps(), tracer, result.map);
-        in.log.Section("Lamps, with their bounced light");
-    }
-    Recovery recovery(result.map, tracer, candidates, in.jobs, in.log);
-    recovery.Run();
-    TakeResult(recovery.Fit(), result);
+    const auto search = [&](const auto &run) {
+        Recovery recovery(result.map, tracer, candidates, in.jobs, in.log);
+        run(recovery);
+        TakeResult(recovery.Fit(), result);
+    };
+    if (in.lightmap.bounces > 0) { // what is known grows by the bounced light of lamps
+        std::vector<Vec3f> known;
+        for (const ObservedLight &light : result.map.light)
+            known.push_back(light.known);
+        const auto addBounced = [&] {
+            in.log.Section("Bounced light of these lamps");
+            AddBounced(Relight(in, result.map, result.lamps), result.lamps, known, tracer, result.map);
+            in.log.Section("Lamps, with their bounced light");
+        };
+        search([](Recovery &recovery) { recovery.RunRoughly(); });
+        addBounced();
+        search([](Recovery &recovery) { recovery.Run(); });
+        addBounced();
+        search([lamps = result.lamps](Recovery &recovery) { recovery.Refine(lamps); });
+    } else
+        search([](Recovery &recovery) { recovery.Run(); });
     in.log.Section("Light of all lamps");
     result.difference = Compare(in.bsp, result.map, Relight(in, result.map, result.lamps));
     return result;

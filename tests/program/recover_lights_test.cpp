@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace q3::test {
 
@@ -18,17 +20,32 @@ class RecoverLightsTest : public LitRoomTest {
         float light = 0;
     };
     /// Lights the room with its source, and finds its lamps without. Strongest first.
-    std::vector<Found> Recover(const std::string &lamps, std::string_view options = "") {
-        Compile(lamps);
+    std::vector<Found> Recover(const std::string &lamps, std::string_view options = "",
+                               const std::string &brushes = {}) {
+        Compile(lamps, {}, brushes);
         Light(options);
+        return FindLamps(options);
+    }
+    std::vector<Found> FindLamps(std::string_view options) {
         const Outcome outcome = RunWords(fmt::format("-recoverlights {}", options));
         EXPECT_EQ(outcome.status, 0) << outcome.text;
         std::vector<Found> found;
-        for (const Entity &entity : ParseMapEntities(ReadTextFile(maps_ / "room.lights.map"), "room.lights.map"))
+        for (const Entity &entity : LampEntities())
             if (IsLight(entity))
                 found.push_back({*entity.Vector({"origin"}), entity.Vector({"_color"}).value_or(Vec3f{1, 1, 1}),
                                  float(entity.Number({"light"}))});
         return found;
+    }
+    std::vector<Entity> LampEntities() const {
+        return ParseMapEntities(ReadTextFile(maps_ / "room.lights.map"), "room.lights.map");
+    }
+    /// The largest difference of a byte of lightmaps.
+    static int WorstDifference(const Bsp &a, const Bsp &b) {
+        EXPECT_EQ(a.lightmaps.size(), b.lightmaps.size());
+        int worst = 0;
+        for (std::size_t i = 0; i < std::min(a.lightmaps.size(), b.lightmaps.size()); ++i)
+            worst = std::max(worst, std::abs(int(a.lightmaps[i]) - int(b.lightmaps[i])));
+        return worst;
     }
     static void ExpectLamp(const Found &found, const Vec3f &origin, float light) {
         EXPECT_LT(Length(found.origin - origin), 2) << found.origin.x << " " << found.origin.y << " " << found.origin.z;
@@ -72,12 +89,92 @@ TEST_F(RecoverLightsTest, RoomIsRelit) {
     const Bsp lit = Load();
     std::filesystem::remove(maps_ / "room.map");
     EXPECT_TRUE(Light("").Printed("room.lights.map"));
-    const Bsp relit = Load();
-    ASSERT_EQ(relit.lightmaps.size(), lit.lightmaps.size());
-    int worst = 0;
-    for (std::size_t i = 0; i < lit.lightmaps.size(); ++i)
-        worst = std::max(worst, std::abs(int(relit.lightmaps[i]) - int(lit.lightmaps[i])));
-    EXPECT_LE(worst, 2);
+    EXPECT_LE(WorstDifference(Load(), lit), 2);
+}
+
+TEST_F(RecoverLightsTest, LampBehindAPillar) {
+    const auto found = Recover(Lamp({-100, 0, 60}, 120), "", BoxText({-40, -60, 0}, {-10, 60, 256}, "test/pillar"));
+    ASSERT_EQ(found.size(), 1u);
+    ExpectLamp(found[0], {-100, 0, 60}, 120);
+}
+
+/// A cone of 28.8 degrees, aimed 11.3 degrees off the vertical.
+TEST_F(RecoverLightsTest, Spotlight) {
+    const auto found = Recover(Lamp({0, 0, 200}, 300, {1, 1, 1}, {{"target", "aim"}, {"radius", "96"}}) +
+                               EntityText({{"classname", "info_null"}, {"targetname", "aim"}, {"origin", "40 0 0"}}));
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_LT(Length(found[0].origin - Vec3f{0, 0, 200}), 16);
+    const std::vector<Entity> entities = LampEntities();
+    const auto target = std::ranges::find_if(entities, [](const Entity &e) { return !e.Value("targetname").empty(); });
+    ASSERT_NE(target, entities.end()) << "no cone";
+    const Vec3f aim = *target->Vector({"origin"}) - found[0].origin;
+    constexpr float kDegree = std::numbers::pi_v<float> / 180;
+    EXPECT_GT(Dot(Normalize(aim), Normalize(Vec3f{40, 0, -200})), std::cos(5 * kDegree));
+    const auto light = std::ranges::find_if(entities, IsLight);
+    EXPECT_NEAR(std::atan((float(light->Number({"radius"})) + 16) / Length(aim)), 28.8f * kDegree, 5 * kDegree);
+    const Bsp lit = Load();
+    std::filesystem::remove(maps_ / "room.map");
+    Light("");
+    EXPECT_LE(WorstDifference(Load(), lit), 12) << "the target of the spotlight is in room.lights.map alone";
+}
+
+/// Light that a surface emits is known, so no lamp stands for it.
+TEST_F(RecoverLightsTest, NoLampsWhereSurfacesShine) {
+    folder_.Write("base/baseq3/scripts/shaderlist.txt", "test\nglow\n");
+    folder_.Write("base/baseq3/scripts/glow.shader", "textures/test/glow\n{\n\tq3map_surfacelight 2000\n}\n");
+    EXPECT_TRUE(Recover("", "", BoxText({-32, -32, 200}, {32, 32, 240}, "test/glow")).empty());
+}
+
+TEST_F(RecoverLightsTest, BouncedLightIsNoLamp) {
+    const auto found = Recover(Lamp({40, -56, 120}, 100), "-bounce 3");
+    ASSERT_GE(found.size(), 1u);
+    EXPECT_LT(Length(found[0].origin - Vec3f{40, -56, 120}), 4);
+    EXPECT_NEAR(found[0].light, 100, 3);
+    for (std::size_t i = 1; i < found.size(); ++i)
+        EXPECT_LT(found[i].light, 2);
+}
+
+/// The map records the light run, which -recoverlights without options repeats.
+TEST_F(RecoverLightsTest, OptionsThatTheMapRecords) {
+    Compile(Lamp({40, -56, 120}, 120));
+    Light("-gamma 1.3 -compensate 1.2");
+    const auto found = FindLamps("");
+    ASSERT_EQ(found.size(), 1u);
+    ExpectLamp(found[0], {40, -56, 120}, 120);
+}
+
+TEST_F(RecoverLightsTest, LampsAndLightInOneRun) {
+    Compile(Lamp({40, -56, 120}, 150));
+    Light("");
+    const Bsp lit = Load();
+    const Outcome withSource = RunWords("-light -nogrid -recoverlights");
+    EXPECT_EQ(withSource.status, 1);
+    EXPECT_TRUE(withSource.Printed("room.map has the lights of the map")) << withSource.text;
+    std::filesystem::remove(maps_ / "room.map");
+    const Outcome outcome = RunWords("-light -nogrid -recoverlights");
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    EXPECT_LE(WorstDifference(Load(), lit), 2);
+    EXPECT_TRUE(std::filesystem::exists(maps_ / "room.lights.map"));
+}
+
+TEST_F(RecoverLightsTest, InsertPutsLampsIntoTheMap) {
+    Compile(Lamp({40, -56, 120}, 150));
+    Light("");
+    const Bsp lit = Load();
+    EXPECT_EQ(RunWords("-recoverlights -insert").status, 0);
+    const Bsp inserted = Load();
+    EXPECT_EQ(inserted.lightmaps, lit.lightmaps);
+    EXPECT_EQ(std::ranges::count_if(StoredEntities(inserted.entities, "room"), IsLight), 1);
+}
+
+/// The file that the viewer shows: next to nothing is unexplained.
+TEST_F(RecoverLightsTest, UnexplainedLight) {
+    Recover(Lamp({40, -56, 120}, 150));
+    const auto json = nlohmann::json::parse(ReadTextFile(maps_ / "room.unexplained.json"));
+    EXPECT_EQ(json["format"], "q3map2-sh unexplained light");
+    ASSERT_GT(json["positions"].size(), 100u);
+    for (const auto &row : json["positions"])
+        EXPECT_LE(std::abs(row[3].get<float>()), 2) << row;
 }
 
 TEST_F(RecoverLightsTest, AnyNumberOfThreadsFindsTheSame) {
