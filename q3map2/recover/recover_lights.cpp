@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
 
@@ -25,6 +26,8 @@ constexpr double kLeastGainOfCone = 1000;
 constexpr std::array kRelativeNoises{0.06f, 0.02f};
 /// The same for the last short steps.
 constexpr float kFineNoise = 0.007f;
+/// How often factors of known sources are found, at most: bounced light follows them.
+constexpr int kSourcePasses = 2;
 /// Lamps nearer to each other than this become one. Game units.
 constexpr float kTwins = 24;
 /// Of the lamps that are dropped together, no two are nearer to each other. Game units.
@@ -186,21 +189,44 @@ void AddBounced(const RelitMap &relit, const std::vector<Lamp> &lamps, const std
         map.light[i].known = known[i] + Max(bounced[i], Vec3f{}) * factor;
 }
 
+/// Lights the map by what is known, and reads the light that it stores.
+std::unique_ptr<const LightSetup> Observe(const RecoverInputs &in, ObservedMap &map) {
+    auto setup = std::make_unique<const LightSetup>(in.bsp, in.inputs, in.options, SurfaceDefaultsOf(in.lightmap),
+                                                    in.library, in.log);
+    in.library.ReleaseImages(in.lightmap.bounces > 0 ? KeptImages::OfReflectors : KeptImages::SeeThrough, in.jobs);
+    SurfacePasses passes(*setup, in.lightmap, in.jobs, in.log, {.keepLuxels = true});
+    passes.Run();
+    GridStats stats;
+    map = ObserveLight(in.bsp, *setup, passes, LightLegacyGrid(*setup, passes.ForGrids(), in.jobs, in.log, stats));
+    return setup;
+}
+
+/// Sets factors of the light that shaders emit. Returns whether any is new.
+bool SetFactors(const RecoverInputs &in, const LightSetup &setup, const ObservedMap &map, TexLights &texLights) {
+    bool anyNew = false;
+    for (const KnownSource &source : FitKnownSources(map, setup, in.lightmap, in.jobs)) {
+        if (source.factor == 1)
+            continue;
+        const float factor = texLights.ScaleOf(source.shader) * source.factor;
+        in.log.Print("{}: {:.2f} of the light of its script\n", source.shader, factor);
+        texLights.SetScale(source.shader, factor);
+        anyNew = true;
+    }
+    return anyNew;
+}
+
 } // namespace
 
-RecoveredLights RecoverLights(const RecoverInputs &in) {
-    LightInputs inputs = in.inputs;
+RecoveredLights RecoverLights(const RecoverInputs &given) {
+    LightInputs inputs = given.inputs;
     inputs.mapEntities.reset();
-    const LightSetup setup(in.bsp, inputs, in.options, SurfaceDefaultsOf(in.lightmap), in.library, in.log);
-    in.library.ReleaseImages(in.lightmap.bounces > 0 ? KeptImages::OfReflectors : KeptImages::SeeThrough, in.jobs);
+    const RecoverInputs in{given.bsp, inputs, given.options, given.lightmap, given.library, given.jobs, given.log};
     RecoveredLights result;
-    {
-        SurfacePasses passes(setup, in.lightmap, in.jobs, in.log, {.keepLuxels = true});
-        passes.Run();
-        GridStats stats;
-        result.map =
-            ObserveLight(in.bsp, setup, passes, LightLegacyGrid(setup, passes.ForGrids(), in.jobs, in.log, stats));
-    }
+    std::unique_ptr<const LightSetup> known = Observe(in, result.map);
+    for (int pass = 0; pass < kSourcePasses && SetFactors(in, *known, result.map, inputs.texLights); ++pass)
+        known = Observe(in, result.map);
+    const LightSetup &setup = *known;
+    result.sources = inputs.texLights;
     const LampTracer tracer(result.map, setup, in.lightmap.fastPoint);
     in.log.Section("Lamps");
     in.log.Count(result.map.light.size(), "places with stored light");
@@ -212,12 +238,12 @@ RecoveredLights RecoverLights(const RecoverInputs &in) {
         TakeResult(recovery.Fit(), result);
     };
     if (in.lightmap.bounces > 0) { // what is known grows by the bounced light of lamps
-        std::vector<Vec3f> known;
+        std::vector<Vec3f> ofSources;
         for (const ObservedLight &light : result.map.light)
-            known.push_back(light.known);
+            ofSources.push_back(light.known);
         const auto addBounced = [&] {
             in.log.Section("Bounced light of these lamps");
-            AddBounced(Relight(in, result.map, result.lamps), result.lamps, known, tracer, result.map);
+            AddBounced(Relight(in, result.map, result.lamps), result.lamps, ofSources, tracer, result.map);
             in.log.Section("Lamps, with their bounced light");
         };
         search([](Recovery &recovery) { recovery.RunRoughly(); });

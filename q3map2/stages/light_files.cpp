@@ -61,12 +61,12 @@ void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &
     }
 }
 
-TexLights ReadTexLights(const MapFiles &files, const VirtualFileSystem &vfs, const std::vector<std::string> &given,
-                        bool hdr, Log &log) {
+TexLights ReadTexLights(const MapFiles &files, const VirtualFileSystem &vfs, const LightRun &run, bool recovers,
+                        Log &log) {
     TexLights lights;
     const auto read = [&](std::string_view text, const std::string &name, const std::string &location) {
         log.Print("Loading {}\n", location);
-        lights.Read(text, name, hdr, log);
+        lights.Read(text, name, run.lightmap.hdr, log);
     };
     // False: no such file among those of the game.
     const auto readFromGame = [&](const std::string &name) {
@@ -76,13 +76,14 @@ TexLights ReadTexLights(const MapFiles &files, const VirtualFileSystem &vfs, con
         return bytes.has_value();
     };
     readFromGame("lights.rad");
-    for (const std::string &name : given)
+    for (const std::string &name : run.options.texLightFiles)
         if (std::filesystem::exists(name))
             read(ReadTextFile(name), name, name);
         else if (!readFromGame(name))
             throw Error("-lights {}: no such file, neither by its path nor among the game's files", name);
-    if (std::filesystem::exists(files.rad))
-        read(ReadTextFile(files.rad), files.rad.filename().string(), files.rad.string());
+    for (const auto &path : {files.rad, WithExtension(files.bsp, kRecoveredSources)})
+        if (std::filesystem::exists(path) && !(recovers && path != files.rad))
+            read(ReadTextFile(path), path.filename().string(), path.string());
     return lights;
 }
 
@@ -325,8 +326,8 @@ LightRun TakeLightRun(Arguments &arguments, const Game &game, Log &log) {
 
 void DeclareInputs(const MapFiles &files, const LightOptions &options, FileGuard &guard) {
     guard.Needs(files.bsp);
-    for (const std::filesystem::path &file :
-         {files.map, WithExtension(files.bsp, kRecoveredLights), files.srf, files.rad})
+    for (const std::filesystem::path &file : {files.map, WithExtension(files.bsp, kRecoveredLights),
+                                              WithExtension(files.bsp, kRecoveredSources), files.srf, files.rad})
         guard.Reads(file);
     for (const std::string &file : options.texLightFiles)
         guard.Reads(file);

@@ -23,8 +23,10 @@
 
 namespace q3 {
 
-/// Ends of the names of files that -recoverlights writes, in place of .bsp: the lamps, and the light that they leave.
-inline constexpr std::string_view kRecoveredLights = ".lights.map", kUnexplainedLight = ".unexplained.json";
+/// Ends of the names of files that -recoverlights writes, in place of .bsp: the lamps, factors of the light that
+/// shaders emit, and light that both leave unexplained.
+inline constexpr std::string_view kRecoveredLights = ".lights.map", kRecoveredSources = ".lights.rad",
+                                  kUnexplainedLight = ".unexplained.json";
 
 /// The .map and the .srf of a map, if they exist; without a .map, the lights that -recoverlights found. Errors: Error,
 /// for files that cannot be read or parsed.
@@ -33,11 +35,6 @@ LightInputs ReadLightInputs(const MapFiles &files, Log &log);
 /// Warns of luxel sizes on the command line (`given`) that the .srf overrides, and removes them from the list of
 /// changed options.
 void WarnOfLuxelSizes(const std::vector<std::string> &given, const LightInputs &inputs, Arguments &arguments, Log &log);
-
-/// The texlights of a map: lights.rad among the game's files, `given` (-lights), and the .rad of the map, in this
-/// order. hdr: see TexLights::Read. Errors: Error, if one of `given` does not exist or a file cannot be read.
-TexLights ReadTexLights(const MapFiles &files, const VirtualFileSystem &vfs, const std::vector<std::string> &given,
-                        bool hdr, Log &log);
 
 /// The formats that the light stage stores: those of -gridformats, and the SH grid, uniform or sparse, if an option
 /// that includes it is given. None without -gridformats. Turns the legacy grid of the bake off if one of them replaces
@@ -89,6 +86,12 @@ struct LightRun {
     GridFormats gridFormats;
     LightmapOptions lightmap;
 };
+
+/// The texlights of a map: lights.rad among the game's files, the files of -lights, the .rad of the map, and, unless
+/// -recoverlights is about to write it, that of an earlier -recoverlights; in this order. hdr: see TexLights::Read.
+/// Errors: Error, if one of `given` does not exist or a file cannot be read.
+TexLights ReadTexLights(const MapFiles &files, const VirtualFileSystem &vfs, const LightRun &run, bool recovers,
+                        Log &log);
 
 /// Takes the options off `arguments`. Errors: those of their parsers.
 LightRun TakeLightRun(Arguments &arguments, const Game &game, Log &log);

@@ -59,6 +59,14 @@ void PrintLamps(const RecoveredLights &found, Log &log) {
         log.Print("\u00b1: standard errors of light and position, if the lamps are point lights and spotlights\n");
 }
 
+/// Lines of a .rad file.
+std::string ScalesText(const TexLights &sources) {
+    std::string text;
+    for (const auto &[name, factor] : sources.Scales())
+        text += fmt::format("lightscale textures/{} {:.3f}\n", name, factor);
+    return text;
+}
+
 void PrintDifference(const RecoveredLights &found, Log &log) {
     log.Print("Light on surfaces that known sources leave: {:.2f} bytes RMS; after {} lamps: {:.2f}\n", found.rmsBefore,
               found.lamps.size(), found.rmsAfter);
@@ -90,8 +98,8 @@ void GuardRecoveredLamps(const StageContext &context, const MapFiles &files, Fil
     const auto path = WithExtension(files.bsp, kRecoveredLights);
     if (std::filesystem::exists(path) && !context.options.force)
         throw Error("{} exists; -force replaces it", path.string());
-    guard.Writes(path);
-    guard.Writes(WithExtension(files.bsp, kUnexplainedLight));
+    for (const std::string_view extension : {kRecoveredLights, kRecoveredSources, kUnexplainedLight})
+        guard.Writes(WithExtension(files.bsp, extension));
 }
 
 LightRun RecordedLightRun(const Bsp &bsp, const StageContext &context) {
@@ -114,6 +122,10 @@ RecoveredLights FindLamps(const RecoverInputs &in, const MapFiles &files, FileSe
         written.AddLine(in.log, fmt::format("Wrote {}\n", path.string()));
     };
     add(kRecoveredLights, FormatEntities(SourceOfLamps(in, found.lamps)));
+    if (!found.sources.Scales().empty())
+        add(kRecoveredSources, ScalesText(found.sources));
+    else
+        written.AddRemoval(WithExtension(files.bsp, kRecoveredSources)); // of an earlier run
     add(kUnexplainedLight, UnexplainedText(found.map, found.difference, in.inputs.name));
     return found;
 }

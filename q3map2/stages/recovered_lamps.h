@@ -24,8 +24,9 @@ void GuardRecoveredLamps(const StageContext &context, const MapFiles &files, Fil
 /// The options of the last light run that the map records, or the defaults if it records none. Prints them.
 LightRun RecordedLightRun(const Bsp &bsp, const StageContext &context);
 
-/// Finds lamps, prints them with the difference of the map lit with them, and adds x.lights.map and x.unexplained.json
-/// to `written`. Errors: the map has no lightmaps; those of RecoverLights.
+/// Finds lamps, prints them with the difference of the map lit with them, and adds x.lights.map, x.lights.rad if
+/// shaders emit other light than their scripts say, and x.unexplained.json to `written`. Errors: the map has no
+/// lightmaps; those of RecoverLights.
 RecoveredLights FindLamps(const RecoverInputs &in, const MapFiles &files, FileSet &written);
 
 } // namespace q3

@@ -97,13 +97,15 @@ std::vector<std::filesystem::path> MoreOutputs(const std::filesystem::path &bspP
     return files;
 }
 
-/// -recoverlights: finds the lamps of a map, and sets the entities of `inputs` to them.
+/// -recoverlights: finds the lamps of a map, and sets the entities and texlights of `inputs` to what was found.
 void RecoverLamps(const StageContext &context, const Bsp &bsp, const MapFiles &files, ShaderLibrary &library,
                   const JobPool &jobs, LightInputs &inputs, FileSet &written) {
     const LightRun lit = RecordedLightRun(bsp, context);
     inputs.seeksLamps = true;
     const RecoverInputs in{bsp, inputs, lit.options, lit.lightmap, library, jobs, context.log};
-    inputs.mapEntities = SourceOfLamps(in, FindLamps(in, files, written).lamps);
+    const RecoveredLights found = FindLamps(in, files, written);
+    inputs.mapEntities = SourceOfLamps(in, found.lamps);
+    inputs.texLights = found.sources;
     context.log.Section("Light, with these lamps");
 }
 
@@ -174,7 +176,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
         guard.Writes(bspPath, SizeOfFile(bspPath) + EstimateGridSH(bsp, options));
     }
     inputs.vfs = &vfs;
-    inputs.texLights = ReadTexLights(files, vfs, options.texLightFiles, lightmap.hdr, log);
+    inputs.texLights = ReadTexLights(files, vfs, run, options.recoverLamps, log);
     const Entity world = StoredEntities(bsp.entities, inputs.name).front();
     PrintWorldKeys(world, log);
     if (!lightmap.onlyGrid)

@@ -248,7 +248,7 @@ std::string ExplainPlaces(Bsp bsp, const MapFiles &files, const LightRun &run, c
     LightInputs inputs = ReadLightInputs(files, log);
     RemoveMipmapHints(inputs.name, bsp); // as in the light stage: the .srf numbers surfaces without them
     inputs.vfs = &vfs;
-    inputs.texLights = ReadTexLights(files, vfs, run.options.texLightFiles, run.lightmap.hdr, log);
+    inputs.texLights = ReadTexLights(files, vfs, run, false, log);
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
     std::string text;
     WithExplainer(bsp, files, inputs, run, library, context, [&](const Explainer &explainer, const JobPool &jobs) {

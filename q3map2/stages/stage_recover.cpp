@@ -64,7 +64,7 @@ int RecoverStage(const StageContext &context, Arguments arguments) {
     LightInputs inputs = ReadLightInputs(files, log);
     inputs.seeksLamps = true;
     inputs.vfs = &vfs;
-    inputs.texLights = ReadTexLights(files, vfs, run.options.texLightFiles, run.lightmap.hdr, log);
+    inputs.texLights = ReadTexLights(files, vfs, run, true, log);
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
     const JobPool jobs = context.report.Workers(context.options.threads);
     log.Count(jobs.Threads(), "threads");

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 namespace q3::test {
 
@@ -123,6 +124,33 @@ TEST_F(RecoverLightsTest, NoLampsWhereSurfacesShine) {
     folder_.Write("base/baseq3/scripts/shaderlist.txt", "test\nglow\n");
     folder_.Write("base/baseq3/scripts/glow.shader", "textures/test/glow\n{\n\tq3map_surfacelight 2000\n}\n");
     EXPECT_TRUE(Recover("", "", BoxText({-32, -32, 200}, {32, 32, 240}, "test/glow")).empty());
+}
+
+/// The map was lit when the script said less: its factor, and the lamp, are found.
+TEST_F(RecoverLightsTest, SurfacesThatEmitLessThanTheirScriptSays) {
+    const auto setScript = [this](int light) {
+        folder_.Write("base/baseq3/scripts/glow.shader",
+                      fmt::format("textures/test/glow\n{{\n\tq3map_surfacelight {}\n}}\n", light));
+    };
+    folder_.Write("base/baseq3/scripts/shaderlist.txt", "test\nglow\n");
+    setScript(1000);
+    Compile(Lamp({150, 150, 80}, 60), {}, BoxText({-64, -64, 200}, {64, 64, 240}, "test/glow"));
+    Light("");
+    const Bsp lit = Load();
+    setScript(2000);
+    const auto found = FindLamps("");
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_LT(Length(found[0].origin - Vec3f{150, 150, 80}), 8);
+    EXPECT_NEAR(found[0].light, 60, 6);
+    std::istringstream factors(ReadTextFile(maps_ / "room.lights.rad"));
+    std::string word, name;
+    float factor = 0;
+    factors >> word >> name >> factor;
+    EXPECT_EQ(word + " " + name, "lightscale textures/test/glow");
+    EXPECT_NEAR(factor, 0.5f, 0.03f);
+    std::filesystem::remove(maps_ / "room.map");
+    Light("");
+    EXPECT_LE(WorstDifference(Load(), lit), 12);
 }
 
 TEST_F(RecoverLightsTest, BouncedLightIsNoLamp) {

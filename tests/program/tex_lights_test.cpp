@@ -47,6 +47,16 @@ TEST_F(TexLightFilesTest, FormFactorOnTheFloor) {
     EXPECT_NEAR(FloorAt({0, 0, 0}), wanted(63), 0.02);
 }
 
+TEST_F(TexLightFilesTest, LightScale) {
+    folder_.Write("base/baseq3/lights.rad", "test/lamp 255 255 255 100\n");
+    const float one = FloorAt({0, 0, 0});
+    folder_.Write("base/baseq3/maps/room.rad", "lightscale textures/test/lamp 0.25\n");
+    EXPECT_NEAR(FloorAt({0, 0, 0}), one / 4, 1e-3f * one);
+    folder_.Write("base/baseq3/maps/room.rad", "lightscale textures/test/lamp -1\n");
+    EXPECT_NEAR(FloorAt({0, 0, 0}), one, 1e-3f * one);
+    EXPECT_TRUE(Printed("room.rad:1: lightscale: expected the name of a material and a factor")) << printed_;
+}
+
 TEST_F(TexLightFilesTest, LaterFilesWin) {
     folder_.Write("base/baseq3/lights.rad", "test/lamp 255 255 255 100\n");
     const float one = FloorAt({0, 0, 0});

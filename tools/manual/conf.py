@@ -11,7 +11,7 @@ copyright = "the q3map2-sh developers"  # noqa: A001 (a name that Sphinx asks fo
 extensions = ["myst_parser"]
 root_doc = "docs/README"
 include_patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "docs/README.md",
-                    "docs/reliability.md", "docs/guide/*.md", "docs/reference/*.md", "docs/engines/*.md",
+                    "docs/recover_lights.md", "docs/reliability.md", "docs/guide/*.md", "docs/reference/*.md", "docs/engines/*.md",
                     "docs/internals/*.md", "tools/engines/README.md", "tools/engines/ioquake3/README.md",
                     "tools/viewer/README.md"]
 myst_heading_anchors = 5
@@ -37,10 +37,10 @@ PARTS = {
                                 "shader_directives", "glossary", "bsp_format", "json", "report", "game_files"]),
     "For engines": ("engines", ["quick_start", "tone", "textures", "named_lights", "grid_formats", "directional",
                                 "props_and_hdr", "ioquake3", "conformance"]),
-    "Internals": ("internals", ["architecture", "bsp", "vis", "lightmaps", "sh_grid", "sh_math", "recover_lights", "scaling",
+    "Internals": ("internals", ["architecture", "bsp", "vis", "lightmaps", "sh_grid", "sh_math", "scaling",
                                 "differences", "results", "shbench", "windows", "arm64"]),
 }
-ABOUT = ["/README", "/docs/reliability", "/SECURITY", "/CHANGELOG", "/CONTRIBUTING", "/tools/engines/README",
+ABOUT = ["/README", "/docs/recover_lights", "/docs/reliability", "/SECURITY", "/CHANGELOG", "/CONTRIBUTING", "/tools/engines/README",
          "/tools/engines/ioquake3/README", "/tools/viewer/README"]
 
 

@@ -47,6 +47,7 @@ struct SurfaceEntry {
     /// Light that it emits in place of q3map_surfaceLight, on a receiver whose hemisphere it fills; set by
     /// ApplyTexLights. Byte scale.
     std::optional<Vec3f> texLight{};
+    float lightScale = 1; ///< factor of the light that its shader emits, of skies too; set by ApplyTexLights
 };
 
 /// One entry per draw surface.

@@ -114,6 +114,8 @@ void TexLights::ReadLine(const Line &line, bool hdr, Log &log) {
         }
     if (word.empty())
         return;
+    if (EqualNoCase(word, "lightscale"))
+        return ReadScale({rest, line.file, line.number}, log);
     const bool noShadow = EqualNoCase(word, "noshadow"), textureShadow = EqualNoCase(word, "forcetextureshadow");
     if (!noShadow && !textureShadow)
         return ReadLight({rest, line.file, line.number}, word, hdr, log);
@@ -157,6 +159,27 @@ void TexLights::ReadLight(const Line &line, std::string_view name, bool hdr, Log
     entry = {Vec3f(light), line.Where()};
 }
 
+void TexLights::ReadScale(const Line &line, Log &log) {
+    std::string_view rest = line.text;
+    const std::string_view name = TakeWord(rest);
+    const std::optional<double> factor = StrictNumber(TakeWord(rest));
+    if (name.empty() || !factor || *factor < 0 || *factor > keys::kMaxIntensity)
+        log.Warn("line of a .rad file",
+                 "{}: lightscale: expected the name of a material and a factor of at least 0; the line is not used",
+                 line.Where());
+    else
+        SetScale(name, float(*factor));
+}
+
+float TexLights::ScaleOf(std::string_view shader) const {
+    const auto found = scales_.find(MaterialName(shader));
+    return found != scales_.end() ? found->second : 1;
+}
+
+void TexLights::SetScale(std::string_view shader, float scale) {
+    scales_[MaterialName(shader)] = scale;
+}
+
 const TexLight *TexLights::Find(std::string_view shader) const {
     const std::string name = MaterialName(shader);
     auto found = lights_.find(name);
@@ -181,6 +204,7 @@ void ApplyTexLights(const TexLights &lights, SurfaceTable &table, Log &log) {
         const ShaderInfo &shader = *entry.shader;
         if (lights.CastsNoShadow(shader.name))
             entry.castShadows = 0;
+        entry.lightScale = lights.ScaleOf(shader.name);
         const TexLight *light = lights.Find(shader.name);
         if (!light)
             continue;
@@ -224,10 +248,10 @@ struct SurfaceEmission {
 SurfaceEmission EmissionOf(const SurfaceEntry &entry) {
     const ShaderInfo &shader = *entry.shader;
     if (!entry.texLight)
-        return {std::min(shader.surfaceLight, kMaxSurfaceLight), shader.color,
+        return {std::min(shader.surfaceLight * entry.lightScale, kMaxSurfaceLight), shader.color,
                 shader.backsplashFraction > 0 && (shader.compileFlags & C_SKY) == 0};
     const float largest = MaxComponent(*entry.texLight);
-    return {std::min(largest / kDefaultRadiosityOfOne, kMaxSurfaceLight),
+    return {std::min(largest / kDefaultRadiosityOfOne * entry.lightScale, kMaxSurfaceLight),
             largest > 0 ? *entry.texLight / largest : Vec3f{1, 1, 1}, false};
 }
 
@@ -461,7 +485,8 @@ class SkyLights {
         : options_(options), world_(world), library_(library), lights_(lights), counts_(counts), log_(log) {}
 
     /// Number of the sky; -1, under -onesky: its suns shine through any sky.
-    int Add(const ShaderInfo &shader) {
+    int Add(const SurfaceEntry &entry) {
+        const ShaderInfo &shader = *entry.shader;
         const auto known = numbers_.find(&shader);
         if (known != numbers_.end())
             return known->second;
@@ -469,9 +494,9 @@ class SkyLights {
         numbers_[&shader] = number;
         if (!world_.noShaderSun)
             for (const SunDirective &sun : shader.suns)
-                AddSuns(shader, MakeSuns(sun, number, options_));
+                AddSuns(entry, MakeSuns(sun, number, options_));
         for (const SkyLightDirective &sky : shader.skyLights)
-            AddSuns(shader, MakeSky(SkyLightSuns(sky, shader, library_, log_), number));
+            AddSuns(entry, MakeSky(SkyLightSuns(sky, shader, library_, log_), number));
         return number;
     }
 
@@ -486,10 +511,11 @@ class SkyLights {
             }
         return sky;
     }
-    void AddSuns(const ShaderInfo &shader, std::vector<Light> suns) {
+    void AddSuns(const SurfaceEntry &entry, std::vector<Light> suns) {
         for (Light &light : suns) {
+            light.photons *= entry.lightScale;
             if (light.style != 0)
-                light.label = "sun or sky of shader " + shader.name;
+                light.label = "sun or sky of shader " + entry.shader->name;
             lights_.push_back(std::move(light));
             ++counts_.skyLights;
         }
@@ -529,7 +555,7 @@ std::vector<Light> SurfaceLights(const BspSpace &space, SurfaceTable &table, con
         SurfaceEntry &entry = table[i];
         const ShaderInfo &shader = *entry.shader;
         if (!shader.suns.empty() || !shader.skyLights.empty())
-            entry.skyIndex = skies.Add(shader);
+            entry.skyIndex = skies.Add(entry);
         const SurfaceEmission emission = EmissionOf(entry);
         if (!(emission.value > 0) || IsCollisionOnly(bsp, table, i, options.noDrawSurfaceFlags))
             continue;

@@ -32,6 +32,11 @@ class TexLights {
     const TexLight *Find(std::string_view shader) const;
     /// Whether a line "noshadow" names the shader or a part of its name: it casts no shadow.
     bool CastsNoShadow(std::string_view shader) const;
+    /// Factor of the light that a shader emits, from a line "lightscale"; 1 without one.
+    float ScaleOf(std::string_view shader) const;
+    void SetScale(std::string_view shader, float scale);
+    /// By lower-case name without "textures/".
+    const std::map<std::string, float> &Scales() const { return scales_; }
     /// Whether a line "forcetextureshadow" names the model ("models/x/y.mdl"): its images cast shadows by their alpha.
     bool CastsTextureShadow(std::string_view model) const;
     const std::map<std::string, TexLight> &All() const { return lights_; }
@@ -40,14 +45,16 @@ class TexLights {
     struct Line;
     void ReadLine(const Line &line, bool hdr, Log &log);
     void ReadLight(const Line &line, std::string_view name, bool hdr, Log &log);
+    void ReadScale(const Line &line, Log &log);
 
     std::map<std::string, TexLight> lights_; ///< by lower-case name without "textures/"
     std::vector<std::string> noShadow_;      ///< parts of names, likewise, without extension
+    std::map<std::string, float> scales_;    ///< by name as in lights_
     std::set<std::string> textureShadow_;    ///< lower case, with '/', without extension
 };
 
-/// Sets texLight of the surfaces whose shader has one, and castShadows of those that cast no shadow to 0. Prints which
-/// shaders have a q3map_surfaceLight that no longer counts.
+/// Sets texLight and lightScale of the surfaces whose shader has one, and castShadows of those that cast no shadow to
+/// 0. Prints which shaders have a q3map_surfaceLight that no longer counts.
 void ApplyTexLights(const TexLights &lights, SurfaceTable &table, Log &log);
 
 /// Whether a curve is there for collision only, beside the triangles that -patchmeta made from it: its shader record

@@ -162,6 +162,7 @@ complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o grid
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o backsplash -x -d 'Sets how much light surface lights throw back on their own wall, and from what distance'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o backsplasharea -x -d 'Multiplies the light that surface lights throw back on their own wall'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o lights -r -F -d 'Reads one more file of texlights, after lights.rad and before that of the map'
+complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o recoverlights -d 'First finds the lamps of a map whose source is lost, and lights it with them'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o griddirectionality -x -d 'Sets the fraction of light from the main direction that the legacy grid stores as directed'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o gridambientdirectionality -x -d 'Sets the fraction of light from the opposite side that the legacy grid stores as directed'
 complete -c q3map2 -n 'string match -q -- "* -light *" (commandline)" "' -o extradist -x -d 'Softens point lights and spotlights close to them, as if they were farther away'
@@ -405,3 +406,4 @@ complete -c q3map2 -n 'string match -q -- "* -scale *" (commandline)" "' -o tex 
 complete -c q3map2 -n 'string match -q -- "* -scale *" (commandline)" "' -o spawn_ref -x -d 'Sets minus the height of info_player_ entities over the floor, which is not scaled'
 complete -c q3map2 -n 'string match -q -- "* -mergebsp *" (commandline)" "' -o fixnames -d 'Renames targets of the second map that the first one has too'
 complete -c q3map2 -n 'string match -q -- "* -mergebsp *" (commandline)" "' -o world -d 'Merges the world of the second map too, and not only its entities'
+complete -c q3map2 -n 'string match -q -- "* -recoverlights *" (commandline)" "' -o insert -d 'Also puts the lamps among the entities of the map'
