@@ -101,7 +101,7 @@ std::vector<KnownSource> FitKnownSources(const ObservedMap &map, const LightSetu
                 if (own < kLeastLight || own < kDominant * (known[place] - ofSource + own))
                     continue;
                 const float ratio = (MeanOfChannels(map.light[place].stored) - known[place] + ofSource) / own;
-                ratios.push_back(map.light[place].isBound ? std::max(ratio, 1.0f) : ratio);
+                ratios.push_back(map.light[place].as == StoredAs::AtLeast ? std::max(ratio, 1.0f) : ratio);
             }
             if (ratios.size() < kFewestPlaces)
                 continue;

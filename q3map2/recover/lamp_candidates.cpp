@@ -16,8 +16,10 @@ constexpr float kCandidateIntensity = 150;
 /// which bounds the memory of large maps.
 constexpr float kLattice = 64, kCoarser = 1.25f;
 constexpr std::int64_t kMostCandidates = 1 << 18;
-/// Candidates are traced to each so many batches of places.
-constexpr std::size_t kEvery = 6;
+/// Candidates are traced to each so many batches of places, or to fewer so that there are about kMostPairs pairs of
+/// candidates and places at most, which take 8 bytes each. Each candidate in kSample serves to estimate their number.
+constexpr std::size_t kEvery = 6, kSample = 61;
+constexpr double kMostPairs = 2e8;
 /// Clearance of candidates in the open from solids. Game units.
 constexpr float kClear = 4;
 /// New lamps are at least this far from each other. Game units.
@@ -83,11 +85,19 @@ std::optional<ConeGuess> GuessCone(std::vector<ConeSample> samples) {
 
 LampCandidates::LampCandidates(const ObservedMap &map, const LightSetup &setup, const LampTracer &tracer,
                                const JobPool &jobs, Log &log)
-    : map_(map), setup_(setup), tracer_(tracer), jobs_(jobs), fixed_(Lattice()) {
+    : map_(map), setup_(setup), tracer_(tracer), jobs_(jobs), every_(kEvery), fixed_(Lattice()) {
     log.Count(fixed_.size(), "candidates in the open");
     std::vector<Candidate> crossings = Crossings();
     log.Count(crossings.size(), "places where directions of the light grid meet");
     std::ranges::move(crossings, std::back_inserter(fixed_));
+    std::vector<Candidate> sample;
+    for (std::size_t i = 0; i < fixed_.size(); i += kSample)
+        sample.push_back(fixed_[i]);
+    Trace(sample);
+    double expected = 0;
+    for (const Candidate &one : sample)
+        expected += double(one.column.size() * kSample);
+    every_ = kEvery * std::size_t(std::max(1.0, std::ceil(expected / kMostPairs)));
     Trace(fixed_);
     std::size_t pairs = 0;
     for (const Candidate &one : fixed_)
@@ -98,7 +108,7 @@ LampCandidates::LampCandidates(const ObservedMap &map, const LightSetup &setup, 
 void LampCandidates::Trace(std::vector<Candidate> &candidates) const {
     jobs_.For(std::int64_t(candidates.size()), [&](std::int64_t i, int) {
         Candidate &one = candidates[std::size_t(i)];
-        one.column = tracer_.Trace({one.origin, Vec3f{1, 1, 1} * kCandidateIntensity}, kEvery);
+        one.column = tracer_.Trace({one.origin, Vec3f{1, 1, 1} * kCandidateIntensity}, every_);
         one.column.shrink_to_fit();
     });
 }
@@ -174,7 +184,7 @@ std::vector<LampCandidates::Candidate> LampCandidates::Crossings() const {
     return candidates;
 }
 
-/// Candidates in front of the places that are most too dark, along their normals.
+/// Candidates in front of the places that are lighter than explained by most, along their normals.
 std::vector<LampCandidates::Candidate> LampCandidates::InFrontOfPeaks(const LampFit &fit) const {
     constexpr std::size_t kMost = 96;
     constexpr float kPeaksApart = 64, kLeastPeak = 4; // game units; byte scale

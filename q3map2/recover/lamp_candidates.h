@@ -42,6 +42,7 @@ class LampCandidates {
     const LightSetup &setup_;
     const LampTracer &tracer_;
     const JobPool &jobs_;
+    std::size_t every_;            ///< of LampTracer::Trace
     std::vector<Candidate> fixed_; ///< lattice and crossings
 };
 

@@ -78,13 +78,11 @@ void LampFit::AddToResiduals(const LampColumn &column, const Vec3f &intensity) {
 }
 
 Vec3f LampFit::EffectiveResidual(std::size_t place) const {
-    const Vec3f &r = residuals_[place];
-    return map_.light[place].isBound ? Max(r, Vec3f{}) : r;
+    return map_.light[place].Contradiction(residuals_[place]);
 }
 
 Vec3f LampFit::ResidualWithout(std::size_t j, const LampEntry &g) const {
-    const Vec3f r = residuals_[g.place] + lamps_[j].intensity * g.light;
-    return map_.light[g.place].isBound ? Max(r, Vec3f{}) : r;
+    return map_.light[g.place].Contradiction(residuals_[g.place] + lamps_[j].intensity * g.light);
 }
 
 void LampFit::UpdateWeights() {
@@ -177,20 +175,20 @@ void LampFit::Prune(double leastGain) {
 }
 
 void LampFit::Merge(float distance) {
-    std::vector<std::size_t> changed;
     for (std::size_t j = 0; j < lamps_.size(); ++j)
         for (std::size_t k = j + 1; k < lamps_.size(); ++k) {
             if (Length(lamps_[j].origin - lamps_[k].origin) > distance || !(lamps_[k].Strength() > 0) ||
                 lamps_[j].cone || lamps_[k].cone)
                 continue;
             const float a = lamps_[j].Strength(), b = lamps_[k].Strength();
-            lamps_[j].origin = (lamps_[j].origin * a + lamps_[k].origin * b) / (a + b);
-            lamps_[j].intensity += lamps_[k].intensity;
+            const Lamp mean{(lamps_[j].origin * a + lamps_[k].origin * b) / (a + b),
+                            lamps_[j].intensity + lamps_[k].intensity};
+            LampColumn column = Traced(mean);
+            if (column.empty()) // it would be in a solid
+                continue;
+            lamps_[j] = mean, columns_[j] = std::move(column);
             lamps_[k].intensity = {};
-            if (changed.empty() || changed.back() != j)
-                changed.push_back(j);
         }
-    TraceAll(changed);
     UpdateResiduals();
 }
 

@@ -18,10 +18,9 @@ namespace q3 {
 ///
 ///     r = y - sum over j of I(j) g(j)
 ///
-/// and counts as 0 where the light is a bound and r < 0: stored light at its limit says only that there is at least so
-/// much. The weight of a place is w = u / (1 + (s c)^2) with the relative noise s and the greatest light c around, u
-/// falling with the residual (Huber), so that shadow edges, which this program does not place exactly where others do,
-/// do not count much.
+/// and counts as 0 where stored light is a bound that it does not contradict. The weight of a place is w = u / (1 + (s
+/// c)^2) with the relative noise s and the greatest light c around, u falling with the residual (Huber), so that shadow
+/// edges, which this program does not place exactly where others do, do not count much.
 class LampFit {
   public:
     LampFit(const ObservedMap &map, const LampTracer &tracer, const JobPool &jobs);
@@ -57,7 +56,7 @@ class LampFit {
         float noise = 1; ///< mean of w r^2 over the places and channels, at least 1
     };
     Slope SlopeOf(const LampColumn &column) const;
-    /// The residual of a place, 0 where that of a bound is below 0. Byte scale.
+    /// The residual of a place, 0 where it does not contradict a bound. Byte scale.
     Vec3f EffectiveResidual(std::size_t place) const;
     /// The same without the lamp of number j, if the place has its light `g` for intensity 1.
     Vec3f ResidualWithout(std::size_t j, const LampEntry &g) const;
@@ -101,9 +100,9 @@ class LampFit {
     std::vector<std::size_t> Step(const std::vector<float> &step);
     /// For noise 1, with all other lamps free to move and change.
     struct Variance {
-        double position;       ///< sum over the axes, in units of the step
-        double strength;       ///< of the logarithm
-        double strengthAtRest; ///< the same if the lamp itself stays in place
+        double position = 0;       ///< sum over the axes, in units of the step
+        double strength = 0;       ///< of the logarithm
+        double strengthAtRest = 0; ///< the same if the lamp itself stays in place
     };
     std::vector<Variance> Variances() const;
     std::vector<Lamp> TrialsOf(std::size_t j, float step) const;

@@ -60,7 +60,8 @@ std::vector<Entity> LampEntities(std::span<const Lamp> lamps, std::size_t first)
 }
 
 float LampTracer::ReachOf(float strength, float least) const {
-    return std::sqrt(std::max(0.0f, setup_.options.pointScale * strength / least));
+    const float scale = std::max(setup_.options.pointScale, setup_.options.spotScale);
+    return std::sqrt(std::max(0.0f, scale * strength / least));
 }
 
 Light LampTracer::LightOf(const Lamp &lamp, float reach, int cluster) const {

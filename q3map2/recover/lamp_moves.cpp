@@ -54,7 +54,7 @@ std::vector<LampFit::Term> LampFit::Derivatives() const {
     for (std::size_t j = 0; j < lamps_.size(); ++j) {
         const float strength = lamps_[j].Strength();
         for (const auto &[place, light] : columns_[j]) {
-            if (map_.light[place].isBound && Mean(residuals_[place]) < 0)
+            if (!map_.light[place].Contradicts(Mean(residuals_[place])))
                 continue;
             // light = c (n . D) / |D|^3 for D from the place to the lamp; c / |D|^2 at grid points.
             const Vec3f offset = lamps_[j].origin - map_.positions[place];
@@ -305,7 +305,7 @@ bool LampFit::MoveCone(std::size_t j) {
     Matrix normal = Matrix::Zero();
     Vector right = Vector::Zero();
     for (const auto &[place, row] : rows) {
-        if (map_.light[place].isBound && Mean(residuals_[place]) < 0)
+        if (!map_.light[place].Contradicts(Mean(residuals_[place])))
             continue;
         const Vector derivatives = Eigen::Map<const Eigen::Vector<float, kParameters>>(row.data()).cast<double>() *
                                    double(lamps_[j].Strength());
@@ -369,7 +369,10 @@ std::vector<LampFit::Variance> LampFit::Variances() const {
                 part(row, column) = double(normal.coeff(Eigen::Index(4 * lamps[std::size_t(row / 4)]) + row % 4,
                                                         Eigen::Index(4 * lamps[std::size_t(column / 4)]) + column % 4));
         part.diagonal() = part.diagonal() * (1 + kRidge) + Eigen::VectorXd::Constant(size, 1e-3);
-        const Eigen::MatrixXd inverse = part.llt().solve(Eigen::MatrixXd::Identity(size, 4));
+        const Eigen::LLT<Eigen::MatrixXd> factors(part);
+        if (factors.info() != Eigen::Success)
+            return; // not known, so it counts as needed
+        const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(size, 4));
         const Eigen::Index rest = size - 3; // without the position of the lamp itself
         const Eigen::MatrixXd atRest =
             part.bottomRightCorner(rest, rest).llt().solve(Eigen::MatrixXd::Identity(rest, 1));

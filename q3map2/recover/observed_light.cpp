@@ -14,16 +14,13 @@ namespace q3 {
 
 namespace {
 
-/// Least byte that stands for light at its limit: colors above it are scaled down to just under 255, and cut off.
-constexpr float kFullByte = 254;
-
 /// Stored bytes of luxels, found by the texture coordinates of lightmaps.
 class PageReader {
   public:
     explicit PageReader(const Bsp &bsp) : bsp_(bsp), side_(bsp.lightmapSide) {}
 
-    /// Bytes at a place of a page, blended from the four texels around it; `isFull`: one of them is at its limit.
-    bool Read(int page, const std::array<float, 2> &at, Vec3f &bytes, bool &isFull) const {
+    /// Bytes at a place of a page, blended from the four texels around it; `greatest`: the greatest byte of these.
+    bool Read(int page, const std::array<float, 2> &at, Vec3f &bytes, float &greatest) const {
         const std::size_t first = std::size_t(page) * LightmapPageBytes(side_);
         if (page < 0 || first + LightmapPageBytes(side_) > bsp_.lightmaps.size())
             return false;
@@ -31,7 +28,7 @@ class PageReader {
         if (!(x > -1 && y > -1 && x < float(side_) && y < float(side_)))
             return false;
         const float left = std::floor(x), top = std::floor(y), u = x - left, v = y - top;
-        bytes = {}, isFull = false;
+        bytes = {}, greatest = 0;
         for (int dy = 0; dy < 2; ++dy)
             for (int dx = 0; dx < 2; ++dx) {
                 const float weight = (dx == 0 ? 1 - u : u) * (dy == 0 ? 1 - v : v);
@@ -42,7 +39,7 @@ class PageReader {
                     &bsp_.lightmaps[first + 3 * (std::size_t(ty) * std::size_t(side_) + std::size_t(tx))];
                 const Vec3f one{float(texel[0]), float(texel[1]), float(texel[2])};
                 bytes += one * weight;
-                isFull |= MaxComponent(one) >= kFullByte;
+                greatest = std::max(greatest, MaxComponent(one));
             }
         return true;
     }
@@ -80,6 +77,32 @@ Vec3f MiddleOf(const Vec3f &bytes) {
     return middle;
 }
 
+/// How light of a surface or of the grid is stored.
+class Storing {
+  public:
+    /// least: the minimum light.
+    Storing(float scale, float brightness, const Vec3f &least, const ToneOptions &tone)
+        : mapper_(scale, brightness, tone) {
+        constexpr float kBright = 1e6f;
+        full_ = Greatest(Vec3f{kBright, kBright, kBright}) - 1; // just under the limit it is cut off
+        least_ = MaxComponent(least) > 0 ? Greatest(least) : -1;
+    }
+    Vec3f LightOf(const Vec3f &bytes) const { return mapper_.LightOf(MiddleOf(bytes)); }
+    /// What bytes say of which this is the greatest.
+    StoredAs As(float greatest) const {
+        return greatest >= full_ ? StoredAs::AtLeast : greatest <= least_ ? StoredAs::AtMost : StoredAs::Value;
+    }
+
+  private:
+    float Greatest(const Vec3f &light) const {
+        const std::array<std::uint8_t, 3> bytes = mapper_.Bytes(light);
+        return float(std::max({bytes[0], bytes[1], bytes[2]}));
+    }
+
+    ToneMapper mapper_;
+    float full_ = 0, least_ = 0; ///< bytes from which, and up to which, the light is a bound
+};
+
 class Observer {
   public:
     Observer(const Bsp &bsp, const SurfacePasses &passes, ObservedMap &map)
@@ -98,7 +121,8 @@ class Observer {
         ObservedSurface luxels;
         luxels.settings = LuxelPassOf(in_, {}, raw).settings;
         luxels.settings.faint = 0, luxels.settings.directional = false;
-        luxels.lightmap = int(number), luxels.brightness = raw.brightness;
+        luxels.lightmap = int(number), luxels.brightness = raw.brightness, luxels.least = in_.world.minLight;
+        const Storing storing(1, raw.brightness, luxels.least, map_.tone);
         luxels.first = map_.light.size();
         const int stride = std::max(1, int(std::lround(kLuxelSpacing / std::max(1.0f, raw.actualSampleSize))));
         std::vector<std::uint8_t> done(std::size_t(raw.width) * std::size_t(raw.height));
@@ -106,7 +130,7 @@ class Observer {
             const int page = bsp_.drawSurfaces[std::size_t(surface)].lightmapNum[0];
             for (const Face &face : FacesOf(in_, onPages_, std::size_t(surface)))
                 for (std::size_t k = 2; k < face.size(); ++k)
-                    AddTriangle(raw, {&face[0], &face[k - 1], &face[k]}, page, stride, done, luxels);
+                    AddTriangle(raw, {&face[0], &face[k - 1], &face[k]}, page, stride, storing, done, luxels);
         }
         if (!luxels.batches.empty())
             map_.surfaces.push_back(std::move(luxels));
@@ -126,15 +150,16 @@ class Observer {
         vertices.settings = VertexSettings(in_, lit_, surface);
         vertices.scale = VertexScale(in_, *entry.shader);
         vertices.first = map_.light.size();
-        const ToneMapper mapper(vertices.scale, 1, map_.tone);
+        vertices.least = in_.world.minVertex;
+        const Storing storing(vertices.scale, 1, vertices.least, map_.tone);
         for (std::size_t v = 0; v < count; ++v) {
             const int cluster = places.ClusterAt(v, {});
             if (cluster < 0)
                 continue;
             const auto &color = bsp_.drawVerts[first + v].color[0];
             const Vec3f bytes{float(color[0]), float(color[1]), float(color[2])};
-            const ObservedLight light{mapper.LightOf(MiddleOf(bytes)), lit_.vertex.sum[0][first + v],
-                                      MaxComponent(bytes) >= kFullByte};
+            const ObservedLight light{storing.LightOf(bytes), lit_.vertex.sum[0][first + v],
+                                      storing.As(MaxComponent(bytes))};
             vertices.at.push_back(std::uint32_t(first + v));
             Add(light, places.RayOrigin(v), verts[v].normal, cluster, entry.shader->twoSided, vertices);
         }
@@ -144,7 +169,7 @@ class Observer {
 
   private:
     void AddTriangle(const RawLightmap &raw, const std::array<const FaceCorner *, 3> &corners, int page, int stride,
-                     std::vector<std::uint8_t> &done, ObservedSurface &luxels) {
+                     const Storing &storing, std::vector<std::uint8_t> &done, ObservedSurface &luxels) {
         LuxelTriangle triangle;
         std::array<float, 2> low{1e30f, 1e30f}, high{-1e30f, -1e30f};
         for (std::size_t i = 0; i < 3; ++i) {
@@ -165,20 +190,20 @@ class Observer {
                     continue;
                 std::array<float, 2> at{};
                 if (triangle.PageAt((float(x) + 0.5f) * super, (float(y) + 0.5f) * super, at) &&
-                    AddLuxel(raw, x, y, page, at, luxels))
+                    AddLuxel(raw, x, y, page, at, storing, luxels))
                     done[raw.Index(x, y)] = 1;
             }
     }
 
     bool AddLuxel(const RawLightmap &raw, int x, int y, int page, const std::array<float, 2> &at,
-                  ObservedSurface &luxels) {
+                  const Storing &storing, ObservedSurface &luxels) {
         const std::size_t middle = raw.SuperIndex(x * raw.super + raw.super / 2, y * raw.super + raw.super / 2);
         const Vec3f &known = raw.result[0][raw.Index(x, y)];
         Vec3f bytes;
-        ObservedLight light;
-        if (!raw.Mapped(middle) || known.x < 0 || !pages_.Read(page, at, bytes, light.isBound))
+        float greatest = 0;
+        if (!raw.Mapped(middle) || known.x < 0 || !pages_.Read(page, at, bytes, greatest))
             return false;
-        light.stored = ToneMapper(1, raw.brightness, map_.tone).LightOf(MiddleOf(bytes)), light.known = known;
+        const ObservedLight light{storing.LightOf(bytes), known, storing.As(greatest)};
         luxels.at.push_back(std::uint32_t(raw.Index(x, y)));
         if (!raw.dirt.empty())
             luxels.dirt.push_back(raw.dirt[middle]);
@@ -206,19 +231,32 @@ class Observer {
     ObservedMap &map_;
 };
 
-/// Light of a grid point: what is stored as directed, and four times the ambient part (light_grid.cpp, kMeanCosine).
-Vec3f TotalLight(const bspGridPoint_t &point, bool &isFull) {
-    Vec3f sum;
-    for (std::size_t i = 0; i < 3; ++i) {
-        sum[i] = float(point.directed[0][i]) + 4 * float(point.ambient[0][i]);
-        isFull |= std::max(point.directed[0][i], point.ambient[0][i]) >= kFullByte;
-    }
-    return sum;
+Vec3f BytesOf(const std::array<std::uint8_t, 3> &bytes) {
+    return {float(bytes[0]), float(bytes[1]), float(bytes[2])};
 }
+
+/// How the legacy grid is stored.
+struct GridStoring {
+    explicit GridStoring(const LightSetup &setup)
+        : ambient(setup.options.gridScale * setup.options.gridAmbientScale, 1, setup.world.minGrid, setup.options.tone),
+          directed(setup.options.gridScale, 1, {}, setup.options.tone) {}
+
+    /// Light of a point: what is stored as directed, and four times the ambient part (light_grid.cpp, kMeanCosine).
+    Vec3f LightOf(const bspGridPoint_t &point) const {
+        return directed.LightOf(BytesOf(point.directed[0])) + ambient.LightOf(BytesOf(point.ambient[0])) * 4;
+    }
+    StoredAs As(const bspGridPoint_t &point) const {
+        const StoredAs ofAmbient = ambient.As(MaxComponent(BytesOf(point.ambient[0])));
+        return ofAmbient != StoredAs::Value ? ofAmbient : directed.As(MaxComponent(BytesOf(point.directed[0])));
+    }
+
+    Storing ambient, directed;
+};
 
 void ObserveGrid(const Bsp &bsp, const LightSetup &setup, const std::vector<bspGridPoint_t> &known, ObservedMap &map) {
     if (bsp.gridPoints.size() != std::size_t(setup.layout.Count()) || known.size() != bsp.gridPoints.size())
         return;
+    const GridStoring storing(setup);
     for (std::int64_t i = 0; i < setup.layout.Count(); ++i) {
         const bspGridPoint_t &point = bsp.gridPoints[std::size_t(i)];
         const Int3 at = setup.layout.Coordinates(i);
@@ -226,10 +264,7 @@ void ObserveGrid(const Bsp &bsp, const LightSetup &setup, const std::vector<bspG
             PlaceLegacyPoint(setup.space, setup.layout, Vec3f(setup.layout.Position(at[0], at[1], at[2])));
         if (place.cluster == kSolidCluster)
             continue;
-        ObservedLight light;
-        bool knownIsFull = false;
-        light.stored = TotalLight(point, light.isBound), light.known = TotalLight(known[std::size_t(i)], knownIsFull);
-        map.light.push_back(light);
+        map.light.push_back({storing.LightOf(point), storing.LightOf(known[std::size_t(i)]), storing.As(point)});
         map.positions.push_back(place.position);
         map.normals.push_back(DirectionTowardsLight(point));
         map.gridNumbers.push_back(std::uint32_t(i));
@@ -255,7 +290,7 @@ ObservedMap ObserveLight(const Bsp &bsp, const LightSetup &setup, const SurfaceP
     return map;
 }
 
-std::vector<Vec3f> LightAtPlaces(const ObservedMap &map, const SurfacePasses &passes,
+std::vector<Vec3f> LightAtPlaces(const ObservedMap &map, const LightSetup &setup, const SurfacePasses &passes,
                                  const std::vector<bspGridPoint_t> &grid) {
     const SurfaceLight &lit = passes.Surfaces();
     std::vector<Vec3f> light(map.light.size());
@@ -264,9 +299,9 @@ std::vector<Vec3f> LightAtPlaces(const ObservedMap &map, const SurfacePasses &pa
             light[surface.first + i] = surface.lightmap < 0
                                            ? lit.vertex.sum[0][surface.at[i]]
                                            : lit.lightmaps[std::size_t(surface.lightmap)].result[0][surface.at[i]];
-    bool isFull = false;
+    const GridStoring storing(setup);
     for (std::size_t i = 0; i < map.gridNumbers.size() && !grid.empty(); ++i)
-        light[map.firstGrid + i] = TotalLight(grid[map.gridNumbers[i]], isFull);
+        light[map.firstGrid + i] = storing.LightOf(grid[map.gridNumbers[i]]);
     return light;
 }
 

@@ -10,11 +10,29 @@
 
 namespace q3 {
 
+/// What stored light says about the light itself.
+enum class StoredAs {
+    Value,
+    AtLeast, ///< a byte is at its limit: there is at least so much light
+    AtMost   ///< it is the minimum light (_minlight): there is at most so much
+};
+
 /// Stored light at one place, the tone of storing undone, and the part of it that known sources give. Byte scale.
 struct ObservedLight {
     Vec3f stored;
-    Vec3f known;          ///< of surfaces, skies, suns and ambient light, and bounced light
-    bool isBound = false; ///< a byte was at its limit: the light is at least `stored`
+    Vec3f known; ///< of surfaces, skies, suns and ambient light, and bounced light
+    StoredAs as = StoredAs::Value;
+
+    /// The part of a residual, stored less explained light, that contradicts what is stored.
+    Vec3f Contradiction(const Vec3f &residual) const {
+        return as == StoredAs::AtLeast  ? Max(residual, Vec3f{})
+               : as == StoredAs::AtMost ? Min(residual, Vec3f{})
+                                        : residual;
+    }
+    /// Whether a residual of that sign contradicts it.
+    bool Contradicts(float residual) const {
+        return as == StoredAs::Value || (as == StoredAs::AtLeast) == (residual > 0);
+    }
 };
 
 /// Places of one surface that are lit alike: luxels of a raw lightmap, or vertices of a surface without one.
@@ -27,6 +45,7 @@ struct ObservedSurface {
     int lightmap = -1;               ///< number of the raw lightmap; -1: vertices
     std::vector<std::uint32_t> at;   ///< by receiver: luxel of the lightmap, or draw vertex
     float scale = 1, brightness = 1; ///< of its ToneMapper
+    Vec3f least;                     ///< minimum light; byte scale
 };
 
 /// All places of a map whose stored light is read.
@@ -51,7 +70,7 @@ ObservedMap ObserveLight(const Bsp &bsp, const LightSetup &setup, const SurfaceP
                          const std::vector<bspGridPoint_t> &knownGrid);
 
 /// The light that another run has at the places of `map`: of the same options, by other lights. Byte scale.
-std::vector<Vec3f> LightAtPlaces(const ObservedMap &map, const SurfacePasses &passes,
+std::vector<Vec3f> LightAtPlaces(const ObservedMap &map, const LightSetup &setup, const SurfacePasses &passes,
                                  const std::vector<bspGridPoint_t> &grid);
 
 } // namespace q3

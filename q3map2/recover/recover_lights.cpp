@@ -1,6 +1,8 @@
 // GPL-2.0-or-later. The lamps of a lit map whose light entities are gone, from the light that it stores.
 #include "q3map2/recover/recover_lights.h"
 
+#include "common/error.h"
+
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "q3map2/recover/lamp_candidates.h"
 
@@ -153,6 +155,9 @@ class Recovery {
     LampFit fit_;
 };
 
+/// Weaker lamps light nothing, and light entities of intensity 0 count as 300.
+constexpr float kFaintest = 0.1f;
+
 void TakeResult(const LampFit &fit, RecoveredLights &result) {
     const std::vector<LampFit::Spread> spreads = fit.Spreads();
     std::vector<std::size_t> order(fit.Lamps().size());
@@ -160,7 +165,8 @@ void TakeResult(const LampFit &fit, RecoveredLights &result) {
     std::ranges::stable_sort(order, std::greater(), [&](std::size_t j) { return fit.Lamps()[j].Strength(); });
     result.lamps.clear(), result.spreads.clear();
     for (const std::size_t j : order)
-        result.lamps.push_back(fit.Lamps()[j]), result.spreads.push_back(spreads[j]);
+        if (fit.Lamps()[j].Intensity() >= kFaintest)
+            result.lamps.push_back(fit.Lamps()[j]), result.spreads.push_back(spreads[j]);
     result.rmsAfter = fit.RmsOfSurfaces();
 }
 
@@ -175,7 +181,7 @@ void AddBounced(const RelitMap &relit, const std::vector<Lamp> &lamps, const std
         const ObservedLight &light = map.light[i];
         const Vec3f ofLamps = relit.light[i] - known[i];
         bounced[i] = ofLamps;
-        if (light.isBound || i >= map.firstGrid)
+        if (light.as != StoredAs::Value || i >= map.firstGrid)
             continue;
         const double weight = 1 / (1 + double(Dot(light.stored, light.stored)));
         product += weight * double(Dot(ofLamps, light.stored - known[i]));
@@ -193,7 +199,7 @@ void AddBounced(const RelitMap &relit, const std::vector<Lamp> &lamps, const std
 std::unique_ptr<const LightSetup> Observe(const RecoverInputs &in, ObservedMap &map) {
     auto setup = std::make_unique<const LightSetup>(in.bsp, in.inputs, in.options, SurfaceDefaultsOf(in.lightmap),
                                                     in.library, in.log);
-    in.library.ReleaseImages(in.lightmap.bounces > 0 ? KeptImages::OfReflectors : KeptImages::SeeThrough, in.jobs);
+    in.library.ReleaseImages(in.images, in.jobs);
     SurfacePasses passes(*setup, in.lightmap, in.jobs, in.log, {.keepLuxels = true});
     passes.Run();
     GridStats stats;
@@ -220,12 +226,15 @@ bool SetFactors(const RecoverInputs &in, const LightSetup &setup, const Observed
 RecoveredLights RecoverLights(const RecoverInputs &given) {
     LightInputs inputs = given.inputs;
     inputs.mapEntities.reset();
-    const RecoverInputs in{given.bsp, inputs, given.options, given.lightmap, given.library, given.jobs, given.log};
+    const RecoverInputs in{given.bsp,     inputs,       given.options, given.lightmap,
+                           given.library, given.images, given.jobs,    given.log};
     RecoveredLights result;
     std::unique_ptr<const LightSetup> known = Observe(in, result.map);
     for (int pass = 0; pass < kSourcePasses && SetFactors(in, *known, result.map, inputs.texLights); ++pass)
         known = Observe(in, result.map);
     const LightSetup &setup = *known;
+    if (result.map.firstGrid == 0)
+        throw Error("{}: none of its lightmaps can be read, so no lamps can be found", given.inputs.name);
     result.sources = inputs.texLights;
     const LampTracer tracer(result.map, setup, in.lightmap.fastPoint);
     in.log.Section("Lamps");

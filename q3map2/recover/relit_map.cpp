@@ -45,7 +45,7 @@ RelitMap Relight(const RecoverInputs &in, const ObservedMap &map, std::span<cons
     RelitMap relit;
     if (!map.gridNumbers.empty())
         relit.grid = LightLegacyGrid(setup, passes.ForGrids(), in.jobs, in.log, stats);
-    relit.light = LightAtPlaces(map, passes, relit.grid);
+    relit.light = LightAtPlaces(map, setup, passes, relit.grid);
     return relit;
 }
 
@@ -56,7 +56,8 @@ RelitDifference Compare(const Bsp &bsp, const ObservedMap &map, const RelitMap &
     for (const ObservedSurface &surface : map.surfaces) {
         const ToneMapper mapper(surface.scale, surface.brightness, map.tone);
         for (std::size_t i = surface.first; i < surface.first + surface.at.size(); ++i) {
-            const auto stored = mapper.Bytes(map.light[i].stored), now = mapper.Bytes(relit.light[i]);
+            const auto stored = mapper.Bytes(map.light[i].stored);
+            const auto now = mapper.Bytes(Max(relit.light[i], surface.least));
             for (std::size_t channel = 0; channel < 3; ++channel) {
                 const int d = int(stored[channel]) - int(now[channel]);
                 difference.unexplained[i] += float(d) / 3;

@@ -17,6 +17,7 @@ struct RecoverInputs {
     const LightOptions &options;
     const LightmapOptions &lightmap;
     ShaderLibrary &library;
+    KeptImages images; ///< that bounced light needs, of this and of later runs
     const JobPool &jobs;
     Log &log;
 };

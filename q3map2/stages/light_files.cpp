@@ -205,15 +205,16 @@ constexpr LostGrid kLostGrids[] = {
 
 LostLightCheck::LostLightCheck(const Bsp &bsp) : before_(MeanLight(bsp)) {}
 
-void LostLightCheck::Report(const Bsp &bsp, bool force, Log &log) const {
+void LostLightCheck::Report(const Bsp &bsp, bool recovered, bool force, Log &log) const {
     const double after = MeanLight(bsp);
     const bool lostAThird = 3 * after < 2 * before_, lostHalf = 2 * after < before_;
-    if (log.WarningTotals().count("no light entities") == 0 || !lostAThird)
+    if ((!recovered && log.WarningTotals().count("no light entities") == 0) || !lostAThird)
         return;
     const std::string text = fmt::format(
-        "the light grid has {:.0f} % of the light that it had: the map was lit by light entities, which its .bsp "
-        "does not have; put its .map next to it, find its lamps with -recoverlights, or keep the map as it was",
-        after * 100 / before_);
+        "the light grid has {:.0f} % of the light that it had: {}", after * 100 / before_,
+        recovered ? "the lamps that were found do not explain its light; keep the map as it was"
+                  : "the map was lit by light entities, which its .bsp does not have; put its .map next to it, find "
+                    "its lamps with -recoverlights, or keep the map as it was");
     if (lostHalf && !force)
         throw Error("{}. Nothing is written; -force writes the map anyway", text);
     log.Warn("light entities lost", "{}", text);

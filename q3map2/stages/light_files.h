@@ -56,9 +56,9 @@ void AddGridFiles(const std::filesystem::path &folder, const std::vector<GridFil
 class LostLightCheck {
   public:
     explicit LostLightCheck(const Bsp &bsp);
-    /// After lighting: warns if the map has no light entities and its grid less than 2/3 of the light before. Errors:
-    /// less than 1/2; with `force` (-force), that is a warning too.
-    void Report(const Bsp &bsp, bool force, Log &log) const;
+    /// After lighting: warns if the map has no light entities, or those that were `recovered`, and its grid less than
+    /// 2/3 of the light before. Errors: less than 1/2; with `force` (-force), that is a warning too.
+    void Report(const Bsp &bsp, bool recovered, bool force, Log &log) const;
 
   private:
     double before_; ///< mean light of the grid before

@@ -3,6 +3,7 @@
 
 #include "common/error.h"
 #include "q3map2/bspfile/entities.h"
+#include "q3map2/bspfile/light_keys.h"
 #include "q3map2/cli/global_options.h"
 #include "q3map2/report/run_report.h"
 
@@ -95,11 +96,16 @@ std::vector<SettingGroup<RecoverOptions>> RecoverSettings() {
 }
 
 void GuardRecoveredLamps(const StageContext &context, const MapFiles &files, FileGuard &guard) {
-    const auto path = WithExtension(files.bsp, kRecoveredLights);
-    if (std::filesystem::exists(path) && !context.options.force)
-        throw Error("{} exists; -force replaces it", path.string());
+    for (const std::string_view extension : {kRecoveredLights, kRecoveredSources})
+        if (const auto path = WithExtension(files.bsp, extension);
+            std::filesystem::exists(path) && !context.options.force)
+            throw Error("{} exists; -force replaces it", path.string());
     for (const std::string_view extension : {kRecoveredLights, kRecoveredSources, kUnexplainedLight})
         guard.Writes(WithExtension(files.bsp, extension));
+}
+
+KeptImages ImagesFor(const LightRun &run) {
+    return run.lightmap.bounces > 0 ? KeptImages::OfReflectors : KeptImages::SeeThrough;
 }
 
 LightRun RecordedLightRun(const Bsp &bsp, const StageContext &context) {
@@ -113,6 +119,9 @@ LightRun RecordedLightRun(const Bsp &bsp, const StageContext &context) {
 RecoveredLights FindLamps(const RecoverInputs &in, const MapFiles &files, FileSet &written) {
     if (in.bsp.lightmaps.empty())
         throw Error("{}: it has no lightmaps, from which lamps could be found", files.bsp.string());
+    if (keys::kKeepLights.Flag(StoredWorld(in.bsp.entities)))
+        in.log.Warn("kept lights", "worldspawn has _keepLights, so -light reads only the lights that the .bsp has; "
+                                   "-recoverlights -insert puts the lamps there");
     RecoveredLights found = RecoverLights(in);
     PrintLamps(found, in.log);
     PrintDifference(found, in.log);

@@ -17,9 +17,12 @@ struct RecoverOptions {
 };
 std::vector<SettingGroup<RecoverOptions>> RecoverSettings();
 
-/// Before lamps are sought: declares the files that are written then. Errors: x.lights.map exists, without -force; the
-/// map has no lightmaps.
+/// Before lamps are sought: declares the files that are written then. Errors: x.lights.map or x.lights.rad exists,
+/// without -force.
 void GuardRecoveredLamps(const StageContext &context, const MapFiles &files, FileGuard &guard);
+
+/// Images that the bounced light of a run needs.
+KeptImages ImagesFor(const LightRun &run);
 
 /// The options of the last light run that the map records, or the defaults if it records none. Prints them.
 LightRun RecordedLightRun(const Bsp &bsp, const StageContext &context);

@@ -98,14 +98,16 @@ std::vector<std::filesystem::path> MoreOutputs(const std::filesystem::path &bspP
 }
 
 /// -recoverlights: finds the lamps of a map, and sets the entities and texlights of `inputs` to what was found.
-void RecoverLamps(const StageContext &context, const Bsp &bsp, const MapFiles &files, ShaderLibrary &library,
-                  const JobPool &jobs, LightInputs &inputs, FileSet &written) {
+void RecoverLamps(const StageContext &context, const Bsp &bsp, const MapFiles &files, const LightRun &run,
+                  ShaderLibrary &library, const JobPool &jobs, LightInputs &inputs, FileSet &written) {
     const LightRun lit = RecordedLightRun(bsp, context);
     inputs.seeksLamps = true;
-    const RecoverInputs in{bsp, inputs, lit.options, lit.lightmap, library, jobs, context.log};
+    const RecoverInputs in{
+        bsp, inputs, lit.options, lit.lightmap, library, std::max(ImagesFor(lit), ImagesFor(run)), jobs, context.log};
     const RecoveredLights found = FindLamps(in, files, written);
     inputs.mapEntities = SourceOfLamps(in, found.lamps);
     inputs.texLights = found.sources;
+    inputs.seeksLamps = false;
     context.log.Section("Light, with these lamps");
 }
 
@@ -192,7 +194,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const LostLightCheck lostLight(bsp);
     FileSet written; // together: a map never has the images or the lamps of another run
     if (options.recoverLamps)
-        RecoverLamps(context, bsp, files, library, jobs, inputs, written);
+        RecoverLamps(context, bsp, files, run, library, jobs, inputs, written);
     inputs.units = units.Store();
     LightResult result = LightWorld(bsp, inputs, options, lightmap, library, jobs, log);
     if (parts.part) {
@@ -200,7 +202,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
         WritePartFile(parts, *inputs.units, "-light", bspPath.string(), log);
         return 0;
     }
-    lostLight.Report(bsp, context.options.force, log);
+    lostLight.Report(bsp, options.recoverLamps, context.options.force, log);
     guard.CheckUnchanged();
     const auto folder = WithExtension(bspPath, "");
     StoreBakedGrids(gridFormats, options, folder, bsp, jobs, written, log);

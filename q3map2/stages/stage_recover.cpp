@@ -68,7 +68,7 @@ int RecoverStage(const StageContext &context, Arguments arguments) {
     ShaderLibrary library = ShadersOfMap(bsp, run.options, vfs, *context.options.game, log);
     const JobPool jobs = context.report.Workers(context.options.threads);
     log.Count(jobs.Threads(), "threads");
-    const RecoverInputs in{bsp, inputs, run.options, run.lightmap, library, jobs, log};
+    const RecoverInputs in{bsp, inputs, run.options, run.lightmap, library, ImagesFor(run), jobs, log};
     FileSet written;
     const RecoveredLights found = FindLamps(in, files, written);
     guard.CheckUnchanged();

@@ -171,6 +171,26 @@ TEST_F(RecoverLightsTest, OptionsThatTheMapRecords) {
     ExpectLamp(found[0], {40, -56, 120}, 120);
 }
 
+/// The light grid has the same tone, and minimum light is no lamp.
+TEST_F(RecoverLightsTest, GridAndMinimumLight) {
+    Compile(Lamp({-100, 0, 60}, 30), {{"_minlight", "20"}}, BoxText({-40, -256, 0}, {-10, 200, 256}, "test/pillar"));
+    ASSERT_EQ(RunWords("-light -gamma 1.3").status, 0);
+    const auto found = FindLamps("");
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_LT(Length(found[0].origin - Vec3f{-100, 0, 60}), 4);
+    EXPECT_NEAR(found[0].light, 30, 1);
+    const Outcome again = RunWords("-force -recoverlights");
+    const std::string text = again.text.substr(again.text.find("Lit with these lamps"));
+    float surfaces = 9, grid = 9;
+    EXPECT_EQ(std::sscanf(text.c_str(),
+                          "Lit with these lamps, the map differs from the file by %f bytes RMS on surfaces and %f",
+                          &surfaces, &grid),
+              2)
+        << text;
+    EXPECT_LT(surfaces, 1);
+    EXPECT_LT(grid, 2);
+}
+
 TEST_F(RecoverLightsTest, LampsAndLightInOneRun) {
     Compile(Lamp({40, -56, 120}, 150));
     Light("");
