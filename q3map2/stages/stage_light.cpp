@@ -111,13 +111,17 @@ void RecoverLamps(const StageContext &context, const Bsp &bsp, const MapFiles &f
     context.log.Section("Light, with these lamps");
 }
 
-void CheckRecovery(const LightOptions &options, const PartOptions &parts, const MapFiles &files) {
+/// With the map source there are no lamps to find.
+void CheckRecovery(const PartOptions &parts, const MapFiles &files, LightOptions &options, Log &log) {
     if (!options.recoverLamps)
         return;
     if (parts.Any() || !options.explain.empty())
-        throw Error("-recoverlights does not go with -part, -joinparts and -explain; run it as a stage first");
-    if (std::filesystem::exists(files.map))
-        throw Error("{} has the lights of the map; leave -recoverlights out", files.map.string());
+        throw Error("-recoverlights does not go with -part, -join and -explain; run it as a stage first");
+    if (!std::filesystem::exists(files.map))
+        return;
+    log.Warn("source next to the map", "{} has the lights of the map, so -recoverlights has no effect",
+             files.map.string());
+    options.recoverLamps = false;
 }
 
 void PrintWorldKeys(const Entity &world, Log &log) {
@@ -140,7 +144,7 @@ int LightStage(const StageContext &context, Arguments arguments) {
     const auto folders = GameFolders(context.options, context.words, context.program);
     const MapFiles files = FilesOfBsp(file.file, places, folders);
     const std::filesystem::path &bspPath = files.bsp;
-    CheckRecovery(options, parts, files);
+    CheckRecovery(parts, files, run.options, log);
     FileGuard guard = GuardLight(files, options, lightmap, parts, context);
     if (options.recoverLamps)
         GuardRecoveredLamps(context, files, guard);

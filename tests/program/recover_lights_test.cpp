@@ -196,8 +196,9 @@ TEST_F(RecoverLightsTest, LampsAndLightInOneRun) {
     Light("");
     const Bsp lit = Load();
     const Outcome withSource = RunWords("-light -nogrid -recoverlights");
-    EXPECT_EQ(withSource.status, 1);
+    EXPECT_EQ(withSource.status, 0);
     EXPECT_TRUE(withSource.Printed("room.map has the lights of the map")) << withSource.text;
+    EXPECT_FALSE(std::filesystem::exists(maps_ / "room.lights.map"));
     std::filesystem::remove(maps_ / "room.map");
     const Outcome outcome = RunWords("-light -nogrid -recoverlights");
     EXPECT_EQ(outcome.status, 0) << outcome.text;
