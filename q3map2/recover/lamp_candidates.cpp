@@ -25,7 +25,7 @@ constexpr float kClear = 4;
 /// New lamps are at least this far from each other. Game units.
 constexpr float kApart = 96;
 /// Of the candidates with the greatest gain, so many are tried as spotlights too. A cone must multiply the gain.
-constexpr std::size_t kTriedCones = 512;
+constexpr std::size_t kTriedCones = 128;
 constexpr double kConeGain = 1.5;
 
 ConeSample SampleOf(const Vec3f &origin, const ObservedMap &map, const LampFit &fit, const LampEntry &entry) {

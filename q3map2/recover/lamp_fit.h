@@ -86,7 +86,6 @@ class LampFit {
     std::vector<Spread> Spreads() const;
 
   private:
-    using Term = Eigen::Triplet<float, int>;
     LampColumn Traced(const Lamp &lamp) const;
     void TraceAll(std::span<const std::size_t> which);
     void FindContrast();
@@ -95,7 +94,7 @@ class LampFit {
     double ErrorAt(const LampColumn &column) const;
     void AddToResiduals(const LampColumn &column, const Vec3f &intensity);
 
-    std::vector<Term> Derivatives() const;
+    Eigen::SparseMatrix<float> Jacobian() const;
     std::vector<float> BestStep() const;
     std::vector<std::size_t> Step(const std::vector<float> &step);
     /// For noise 1, with all other lamps free to move and change.

@@ -49,8 +49,12 @@ Vec3f SideOf(const Vec3f &axis) {
 
 /// Derivatives of the weighted light of places by the positions of lamps, in steps of kStep, and by the logarithms of
 /// their strengths: four unknowns a lamp. Visibility and cones count as constant.
-std::vector<LampFit::Term> LampFit::Derivatives() const {
-    std::vector<Term> terms;
+Eigen::SparseMatrix<float> LampFit::Jacobian() const {
+    Eigen::SparseMatrix<float> jacobian(Eigen::Index(residuals_.size()), Eigen::Index(4 * lamps_.size()));
+    Eigen::VectorXi sizes(jacobian.cols());
+    for (Eigen::Index k = 0; k < sizes.size(); ++k)
+        sizes[k] = int(columns_[std::size_t(k / 4)].size());
+    jacobian.reserve(sizes);
     for (std::size_t j = 0; j < lamps_.size(); ++j) {
         const float strength = lamps_[j].Strength();
         for (const auto &[place, light] : columns_[j]) {
@@ -69,35 +73,34 @@ std::vector<LampFit::Term> LampFit::Derivatives() const {
             const float factor = light * strength * std::sqrt(weights_[place]);
             gradient *= factor * kStep;
             for (std::size_t axis = 0; axis < 3; ++axis)
-                terms.emplace_back(int(place), int(4 * j + axis), gradient[axis]);
-            terms.emplace_back(int(place), int(4 * j + 3), factor);
+                jacobian.insert(Eigen::Index(place), Eigen::Index(4 * j + axis)) = gradient[axis];
+            jacobian.insert(Eigen::Index(place), Eigen::Index(4 * j + 3)) = factor;
         }
     }
-    return terms;
+    jacobian.makeCompressed();
+    return jacobian;
 }
 
 // ---- Levenberg-Marquardt ----
 
-/// The damped Gauss-Newton step of all unknowns.
+/// The damped Gauss-Newton step of all unknowns, by the normal equations.
 std::vector<float> LampFit::BestStep() const {
-    const std::size_t places = residuals_.size(), unknowns = 4 * lamps_.size();
-    std::vector<Term> terms = Derivatives();
-    Eigen::VectorXf right = Eigen::VectorXf::Zero(Eigen::Index(places + unknowns));
-    for (std::size_t i = 0; i < places; ++i)
+    const auto jacobian = Jacobian();
+    Eigen::VectorXf right(Eigen::Index(residuals_.size()));
+    for (std::size_t i = 0; i < residuals_.size(); ++i)
         right[Eigen::Index(i)] = Mean(EffectiveResidual(i)) * std::sqrt(weights_[i]);
+    const Eigen::VectorXd gradient = (jacobian.transpose() * right).cast<double>();
+    Eigen::SparseMatrix<double> normal = Eigen::SparseMatrix<float>(jacobian.transpose() * jacobian).cast<double>();
     // Damping in proportion to the curvature of each unknown (Marquardt).
-    std::vector<double> curvature(unknowns);
-    for (const Term &term : terms)
-        curvature[std::size_t(term.col())] += double(term.value()) * double(term.value());
-    for (std::size_t k = 0; k < unknowns; ++k)
-        terms.emplace_back(int(places + k), int(k), std::sqrt(damping_[k / 4] * float(curvature[k] + 1)));
-    Eigen::SparseMatrix<float> matrix(Eigen::Index(places + unknowns), Eigen::Index(unknowns));
-    matrix.setFromTriplets(terms.begin(), terms.end());
-    Eigen::LeastSquaresConjugateGradient<Eigen::SparseMatrix<float>> solver;
+    for (Eigen::Index k = 0; k < normal.rows(); ++k) {
+        double &curvature = normal.coeffRef(k, k);
+        curvature += double(damping_[std::size_t(k / 4)]) * (curvature + 1);
+    }
+    Eigen::ConjugateGradient<Eigen::SparseMatrix<double>, Eigen::Lower | Eigen::Upper> solver;
     solver.setMaxIterations(200);
-    solver.setTolerance(1e-4f);
-    solver.compute(matrix);
-    const Eigen::VectorXf step = solver.solve(right);
+    solver.setTolerance(1e-4);
+    solver.compute(normal);
+    const Eigen::VectorXd step = solver.solve(gradient);
     return {step.begin(), step.end()};
 }
 
@@ -343,10 +346,7 @@ std::size_t LampFit::Search(float step) {
 
 /// Elements of the inverse of the normal matrix, by lamp.
 std::vector<LampFit::Variance> LampFit::Variances() const {
-    const std::vector<Term> terms = Derivatives();
-    const auto unknowns = Eigen::Index(4 * lamps_.size());
-    Eigen::SparseMatrix<float> jacobian(Eigen::Index(residuals_.size()), unknowns);
-    jacobian.setFromTriplets(terms.begin(), terms.end());
+    const auto jacobian = Jacobian();
     const Eigen::SparseMatrix<float> normal = jacobian.transpose() * jacobian;
     // How much light two lamps share: the element of their strengths.
     std::vector<std::vector<std::pair<float, std::size_t>>> shared(lamps_.size());
