@@ -69,9 +69,9 @@ std::optional<ConeGuess> GuessCone(std::vector<ConeSample> samples) {
                 continue;
             bestGain = gain, bestInside = inside;
             if (gain > best.gain && gain > kExplained * squares) {
-                const float c = std::min(cosine, 0.9998f);
+                const float tangent = std::sqrt(std::max(0.0f, 1 - cosine * cosine)) / cosine;
                 best.gain = gain;
-                best.cone = {axis, std::sqrt(1 - c * c) / c};
+                best.cone = {axis, std::max(tangent, kLeastRadiusByDist)};
                 best.intensity = positive * float(1 / a);
             }
         }

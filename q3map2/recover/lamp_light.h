@@ -17,6 +17,9 @@ struct LampCone {
     float radiusByDist = 1;
 };
 
+/// Cones are at least this wide, 5 degrees of half angle: narrower ones would stand for single luxels.
+inline constexpr float kLeastRadiusByDist = 0.0875f;
+
 /// A point light or spotlight that falls off with the square of the distance, which counts as at least 16 units.
 struct Lamp {
     Vec3f origin;

@@ -240,7 +240,7 @@ std::vector<Lamp> LampFit::TrialsOf(std::size_t j, float step) const {
         }
     for (const float factor : {1 + share, 1 / (1 + share)}) {
         trials.push_back(lamp);
-        trials.back().cone->radiusByDist *= factor;
+        trials.back().cone->radiusByDist = std::max(lamp.cone->radiusByDist * factor, kLeastRadiusByDist);
     }
     return trials;
 }
@@ -277,7 +277,8 @@ Lamp LampFit::Changed(const Lamp &lamp, const std::array<float, 6> &by) {
     const Vec3f &axis = lamp.cone->axis;
     const Vec3f side = SideOf(axis), up = Cross(side, axis);
     changed.cone->axis = Normalize(axis + side * by[3] + up * by[4]);
-    changed.cone->radiusByDist *= std::exp(std::clamp(by[5], -1.0f, 1.0f));
+    const float width = lamp.cone->radiusByDist * std::exp(std::clamp(by[5], -1.0f, 1.0f));
+    changed.cone->radiusByDist = std::max(width, kLeastRadiusByDist);
     return changed;
 }
 
