@@ -30,10 +30,6 @@ struct ColoredEntry {
 };
 using ColoredColumn = std::vector<ColoredEntry>;
 
-float MeanOfChannels(const Vec3f &v) {
-    return (v.x + v.y + v.z) / 3;
-}
-
 /// The direct light of some lights at luxels and vertices.
 ColoredColumn LightOf(const std::vector<const Light *> &lights, const ObservedMap &map, const LightSetup &setup,
                       const JobPool &jobs) {

@@ -65,11 +65,11 @@ class LampFit {
     // ---- Positions and cones: lamp_moves.cpp ----
 
     /// One damped Gauss-Newton step of positions and strengths of all lamps together (Levenberg-Marquardt); each lamp
-    /// stays where it is if its move would raise the error. Returns whether any moved.
-    bool MoveLamps();
-    /// Moves each lamp by `step` along an axis if the error falls, or tilts, widens or narrows its cone. Returns how
-    /// many changed. Unlike MoveLamps it does not need visibility to be constant.
-    std::size_t Search(float step);
+    /// stays where it is if its move would raise the error.
+    void MoveLamps();
+    /// Moves each lamp by `step` along an axis if the error falls, or tilts, widens or narrows its cone.
+    /// Unlike MoveLamps it does not need visibility to be constant.
+    void Search(float step);
     /// Puts a lamp in the place of number j, unless the error would fall by less than `leastGain` times the noise
     /// there; a negative gain allows that it rises. Returns whether it did.
     bool Replace(std::size_t j, const Lamp &lamp, double leastGain);
@@ -105,7 +105,7 @@ class LampFit {
     };
     std::vector<Variance> Variances() const;
     std::vector<Lamp> TrialsOf(std::size_t j, float step) const;
-    bool TryAround(std::size_t j, float step);
+    void TryAround(std::size_t j, float step);
     static Lamp Changed(const Lamp &lamp, const std::array<float, 6> &by);
     bool MoveCone(std::size_t j);
     bool KeepIfBetter(std::size_t j, const Lamp &oldLamp, LampColumn &oldColumn, double leastGain);

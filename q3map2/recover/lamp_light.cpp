@@ -17,8 +17,7 @@ namespace {
 float MeanTint(const IncidentLight &incident, std::size_t lane) {
     if (!incident.tinted)
         return 1;
-    const Vec3f tint = incident.tint[lane];
-    return (tint.x + tint.y + tint.z) / 3;
+    return MeanOfChannels(incident.tint[lane]);
 }
 
 /// Appends the light of the live receivers of a batch, times `scale`. Their numbers follow `first`.

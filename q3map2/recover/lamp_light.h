@@ -30,11 +30,11 @@ struct Lamp {
     float Intensity() const { return MaxComponent(intensity); }
     Vec3f Color() const { return Intensity() > 0 ? intensity * (1 / Intensity()) : Vec3f{1, 1, 1}; }
     /// Mean of the channels.
-    float Strength() const { return (intensity.x + intensity.y + intensity.z) / 3; }
+    float Strength() const { return MeanOfChannels(intensity); }
 };
 
 /// A light entity for each lamp, and a target for each spotlight. first: number of the first target.
-std::vector<Entity> LampEntities(std::span<const Lamp> lamps, std::size_t first = 1);
+std::vector<Entity> LampEntities(std::span<const Lamp> lamps, std::size_t first);
 
 /// What a lamp of intensity 1 gives to a place. Byte scale.
 struct LampEntry {

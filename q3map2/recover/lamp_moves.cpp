@@ -17,7 +17,8 @@ namespace q3 {
 
 namespace {
 
-/// Damping: a step of this many units, or by its whole strength, of one lamp costs as much as it may gain.
+/// Unit of positions in the least-squares problem, so that they and logarithms of strengths are about equally large.
+/// Game units.
 constexpr float kStep = 24;
 /// Damping after a step that was taken, and after one that was not: factors, and limits.
 constexpr float kEase = 1 / 3.0f, kTighten = 10, kLeastDamping = 1e-3f, kMostDamping = 1e4f;
@@ -35,10 +36,6 @@ constexpr float kTiltUnits = 96;
 constexpr int kTurnsOfCones = 8;
 /// Of each lamp, the normal matrix of so many others that it shares most light with is inverted.
 constexpr std::size_t kNeighbors = 48;
-
-float Mean(const Vec3f &v) {
-    return (v.x + v.y + v.z) / 3;
-}
 
 /// A unit vector at a right angle to the axis.
 Vec3f SideOf(const Vec3f &axis) {
@@ -58,7 +55,7 @@ Eigen::SparseMatrix<float> LampFit::Jacobian() const {
     for (std::size_t j = 0; j < lamps_.size(); ++j) {
         const float strength = lamps_[j].Strength();
         for (const auto &[place, light] : columns_[j]) {
-            if (!map_.light[place].Contradicts(Mean(residuals_[place])))
+            if (!map_.light[place].Contradicts(MeanOfChannels(residuals_[place])))
                 continue;
             // light = c (n . D) / |D|^3 for D from the place to the lamp; c / |D|^2 at grid points.
             const Vec3f offset = lamps_[j].origin - map_.positions[place];
@@ -88,7 +85,7 @@ std::vector<float> LampFit::BestStep() const {
     const auto jacobian = Jacobian();
     Eigen::VectorXf right(Eigen::Index(residuals_.size()));
     for (std::size_t i = 0; i < residuals_.size(); ++i)
-        right[Eigen::Index(i)] = Mean(EffectiveResidual(i)) * std::sqrt(weights_[i]);
+        right[Eigen::Index(i)] = MeanOfChannels(EffectiveResidual(i)) * std::sqrt(weights_[i]);
     const Eigen::VectorXd gradient = (jacobian.transpose() * right).cast<double>();
     Eigen::SparseMatrix<double> normal = Eigen::SparseMatrix<float>(jacobian.transpose() * jacobian).cast<double>();
     // Damping in proportion to the curvature of each unknown (Marquardt).
@@ -124,9 +121,9 @@ std::vector<std::size_t> LampFit::Step(const std::vector<float> &step) {
     return moved;
 }
 
-bool LampFit::MoveLamps() {
+void LampFit::MoveLamps() {
     if (lamps_.empty())
-        return false;
+        return;
     const std::vector<Lamp> oldLamps = lamps_;
     const std::vector<std::size_t> moved = Step(BestStep());
     std::vector<LampColumn> oldColumns(lamps_.size()); // of those that move
@@ -147,20 +144,18 @@ bool LampFit::MoveLamps() {
         for (const std::size_t j : moved)
             ease(j);
         UpdateWeights();
-        return true;
+        return;
     }
     // Not all together: each by itself.
     const std::vector<Lamp> movedLamps = lamps_;
     lamps_ = oldLamps, residuals_ = oldResiduals;
-    bool anyKept = false;
     for (const std::size_t j : moved) {
         lamps_[j].origin = movedLamps[j].origin;
         if (KeepIfBetter(j, oldLamps[j], oldColumns[j], 0))
-            ease(j), anyKept = true;
+            ease(j);
         else
             damping_[j] = std::min(kMostDamping, damping_[j] * kTighten);
     }
-    return anyKept;
 }
 
 // ---- One lamp at a time ----
@@ -245,8 +240,8 @@ std::vector<Lamp> LampFit::TrialsOf(std::size_t j, float step) const {
     return trials;
 }
 
-/// Puts the first of TrialsOf in the place of lamp number j for which the error falls. Returns whether there is one.
-bool LampFit::TryAround(std::size_t j, float step) {
+/// Puts the first of TrialsOf in the place of lamp number j for which the error falls.
+void LampFit::TryAround(std::size_t j, float step) {
     const std::vector<Lamp> trials = TrialsOf(j, step);
     std::vector<LampColumn> columns(trials.size());
     jobs_.For(std::int64_t(trials.size()),
@@ -257,16 +252,15 @@ bool LampFit::TryAround(std::size_t j, float step) {
             continue;
         if (isFarReaching) {
             if (KeepIfBetterForAll(j, trials[i], std::move(columns[i])))
-                return true;
+                return;
             continue;
         }
         const Lamp oldLamp = lamps_[j];
         LampColumn oldColumn = std::move(columns_[j]);
         lamps_[j] = trials[i], columns_[j] = std::move(columns[i]);
         if (KeepIfBetter(j, oldLamp, oldColumn, 0))
-            return true;
+            return;
     }
-    return false;
 }
 
 /// A spotlight changed in its six parameters: position in units of kStep, tilts to two sides in radians, and the
@@ -309,14 +303,15 @@ bool LampFit::MoveCone(std::size_t j) {
     Matrix normal = Matrix::Zero();
     Vector right = Vector::Zero();
     for (const auto &[place, row] : rows) {
-        if (!map_.light[place].Contradicts(Mean(residuals_[place])))
+        if (!map_.light[place].Contradicts(MeanOfChannels(residuals_[place])))
             continue;
         const Vector derivatives = Eigen::Map<const Eigen::Vector<float, kParameters>>(row.data()).cast<double>() *
                                    double(lamps_[j].Strength());
         normal += double(weights_[place]) * derivatives * derivatives.transpose();
-        right += double(weights_[place]) * double(Mean(EffectiveResidual(place))) * derivatives;
+        right += double(weights_[place]) * double(MeanOfChannels(EffectiveResidual(place))) * derivatives;
     }
-    for (double damping = 1e-3; damping < std::pow(10.0, kTries - 3); damping *= 10) {
+    double damping = 1e-3;
+    for (int attempt = 0; attempt < kTries; ++attempt, damping *= 10) {
         Matrix damped = normal;
         damped.diagonal() += damping * normal.diagonal() + Vector::Constant(1e-6);
         const Vector step = damped.ldlt().solve(right);
@@ -329,18 +324,16 @@ bool LampFit::MoveCone(std::size_t j) {
     return false;
 }
 
-std::size_t LampFit::Search(float step) {
+void LampFit::Search(float step) {
     std::vector<std::size_t> order(lamps_.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::ranges::stable_sort(order, std::greater(), [&](std::size_t j) { return lamps_[j].Strength(); });
-    std::size_t changed = 0;
     for (const std::size_t j : order)
-        changed += TryAround(j, step);
+        TryAround(j, step);
     for (const std::size_t j : order)
-        for (int turn = 0; lamps_[j].cone && turn < kTurnsOfCones && MoveCone(j); ++turn)
-            ++changed;
+        for (int turn = 0; lamps_[j].cone && turn < kTurnsOfCones && MoveCone(j); ++turn) {
+        }
     UpdateWeights();
-    return changed;
 }
 
 // ---- How well each lamp is known ----

@@ -10,6 +10,10 @@
 
 namespace q3 {
 
+inline float MeanOfChannels(const Vec3f &light) {
+    return (light.x + light.y + light.z) / 3;
+}
+
 /// What stored light says about the light itself.
 enum class StoredAs {
     Value,

@@ -45,6 +45,7 @@ class Recovery {
     /// Adds lamps for the first relative noise: enough for their bounced light.
     void RunRoughly() { AddAll(kRelativeNoises.front()); }
 
+    /// Finds and fits all lamps.
     void Run() {
         for (const float noise : kRelativeNoises)
             AddAll(noise);
@@ -53,7 +54,7 @@ class Recovery {
         Settle();
     }
 
-    /// The same from lamps that were found, after what is known has changed.
+    /// Fits lamps that were found once more, after what is known has changed.
     void Refine(std::span<const Lamp> lamps) {
         fit_.SetRelativeNoise(kRelativeNoises.back());
         fit_.Add(lamps);
