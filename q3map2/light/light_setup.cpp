@@ -68,7 +68,8 @@ NumberedEntities EntitiesWithLights(const std::vector<Entity> &entities, const L
     }
     if (!inputs.seeksLamps && std::none_of(result.entities.begin(), result.entities.end(), IsLight))
         log.Warn("no light entities", "{}: no light entities, {}; surface, sun and sky lights still count", inputs.name,
-                 inputs.mapEntities ? "neither in the .map nor in the .bsp" : "there is no .map next to the .bsp");
+                 inputs.mapEntities ? "neither in the .map nor in the .bsp"
+                                    : "there is no .map next to the .bsp (if it is lost, -recoverlights finds lamps)");
     return result;
 }
 

@@ -68,7 +68,8 @@ struct ObservedMap {
 inline constexpr float kLuxelSpacing = 32;
 
 /// Reads the light of `bsp`, whose surfaces are those of `passes`; SurfacePasses::Run has lit these by the known
-/// sources. knownGrid: the legacy grid lit by them. Luxels are thinned out to about kLuxelSpacing. Vertices are left
+/// sources. knownGrid: the legacy grid lit by them;
+/// empty: that of the map is not read. Luxels are thinned out to about kLuxelSpacing. Vertices are left
 /// out with ambient occlusion (-dirty).
 ObservedMap ObserveLight(const Bsp &bsp, const LightSetup &setup, const SurfacePasses &passes,
                          const std::vector<bspGridPoint_t> &knownGrid);

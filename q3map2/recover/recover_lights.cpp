@@ -204,7 +204,10 @@ std::unique_ptr<const LightSetup> Observe(const RecoverInputs &in, ObservedMap &
     SurfacePasses passes(*setup, in.lightmap, in.jobs, in.log, {.keepLuxels = true});
     passes.Run();
     GridStats stats;
-    map = ObserveLight(in.bsp, *setup, passes, LightLegacyGrid(*setup, passes.ForGrids(), in.jobs, in.log, stats));
+    std::vector<bspGridPoint_t> grid;
+    if (in.readsGrid)
+        grid = LightLegacyGrid(*setup, passes.ForGrids(), in.jobs, in.log, stats);
+    map = ObserveLight(in.bsp, *setup, passes, grid);
     return setup;
 }
 
@@ -227,8 +230,8 @@ bool SetFactors(const RecoverInputs &in, const LightSetup &setup, const Observed
 RecoveredLights RecoverLights(const RecoverInputs &given) {
     LightInputs inputs = given.inputs;
     inputs.mapEntities.reset();
-    const RecoverInputs in{given.bsp,     inputs,       given.options, given.lightmap,
-                           given.library, given.images, given.jobs,    given.log};
+    const RecoverInputs in{given.bsp,    inputs,     given.options, given.lightmap, given.library,
+                           given.images, given.jobs, given.log,     given.readsGrid};
     RecoveredLights result;
     std::unique_ptr<const LightSetup> known = Observe(in, result.map);
     for (int pass = 0; pass < kSourcePasses && SetFactors(in, *known, result.map, inputs.texLights); ++pass)

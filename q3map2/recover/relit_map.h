@@ -20,6 +20,7 @@ struct RecoverInputs {
     KeptImages images; ///< that bounced light needs, of this and of later runs
     const JobPool &jobs;
     Log &log;
+    bool readsGrid = true; ///< the legacy grid is of the same light run as surfaces
 };
 
 /// Entities of the .bsp, and lamps after them.

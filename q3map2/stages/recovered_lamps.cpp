@@ -25,18 +25,29 @@ constexpr std::size_t kListed = 32;
 /// A larger difference of the relit map is a warning. Bytes, root mean square.
 constexpr double kMuchUnexplained = 6;
 
-/// The words of the last light run in worldspawn's record of commands, without the stage word.
-std::vector<std::string> WordsOfLightRun(std::string_view record) {
-    std::vector<std::string> words;
+/// What worldspawn's record of commands says about the light in the map.
+struct LightRecord {
+    std::vector<std::string> words; ///< of the last run that lit surfaces, without the stage word
+    bool hasOtherGrid = false;      ///< a later run has lit the light grid only
+};
+
+LightRecord ReadLightRecord(const Bsp &bsp) {
+    const Entity world = StoredWorld(bsp.entities);
+    std::string_view record = world.Value("_q3map2_cmdline");
+    LightRecord read;
     while (!record.empty()) {
         const std::size_t end = std::min(record.find(';'), record.size());
         std::istringstream text{std::string(record.substr(0, end))};
         const std::vector<std::string> command{std::istream_iterator<std::string>(text), {}};
         record.remove_prefix(std::min(end + 1, record.size()));
-        if (!command.empty() && EqualNoCase(command.front(), "-light"))
-            words.assign(command.begin() + 1, command.end());
+        if (command.empty() || !EqualNoCase(command.front(), "-light"))
+            continue;
+        read.hasOtherGrid =
+            std::ranges::any_of(command, [](const std::string &word) { return EqualNoCase(word, "-onlygrid"); });
+        if (!read.hasOtherGrid)
+            read.words.assign(command.begin() + 1, command.end());
     }
-    return words;
+    return read;
 }
 
 /// Of the cone's half angle.
@@ -109,7 +120,7 @@ KeptImages ImagesFor(const LightRun &run) {
 }
 
 LightRun RecordedLightRun(const Bsp &bsp, const StageContext &context) {
-    const std::vector<std::string> words = WordsOfLightRun(StoredWorld(bsp.entities).Value("_q3map2_cmdline"));
+    const std::vector<std::string> words = ReadLightRecord(bsp).words;
     Arguments arguments(words);
     if (!words.empty())
         context.log.Print("The map records the light run {}\n", fmt::join(words, " "));
@@ -122,7 +133,11 @@ RecoveredLights FindLamps(const RecoverInputs &in, const MapFiles &files, FileSe
     if (keys::kKeepLights.Flag(StoredWorld(in.bsp.entities)))
         in.log.Warn("kept lights", "worldspawn has _keepLights, so -light reads only the lights that the .bsp has; "
                                    "-recoverlights -insert puts the lamps there");
-    RecoveredLights found = RecoverLights(in);
+    RecoverInputs own = in;
+    own.readsGrid = !ReadLightRecord(in.bsp).hasOtherGrid;
+    if (!own.readsGrid)
+        in.log.Print("The light grid is of a later run with -onlygrid, so it is not read\n");
+    RecoveredLights found = RecoverLights(own);
     PrintLamps(found, in.log);
     PrintDifference(found, in.log);
     const auto add = [&](std::string_view extension, std::string_view text) {

@@ -206,6 +206,18 @@ TEST_F(RecoverLightsTest, LampsAndLightInOneRun) {
     EXPECT_TRUE(std::filesystem::exists(maps_ / "room.lights.map"));
 }
 
+/// A grid that was lit later, without the lamps, says nothing about them; nor do the options of that run.
+TEST_F(RecoverLightsTest, GridOfALaterRunIsNotRead) {
+    Compile(Lamp({40, -56, 120}, 120));
+    ASSERT_EQ(RunWords("-light -gamma 1.3").status, 0);
+    std::filesystem::remove(maps_ / "room.map");
+    const Outcome dark = RunWords("-force -light -onlygrid -gamma 2");
+    EXPECT_TRUE(dark.Printed("-recoverlights finds lamps")) << dark.text;
+    const auto found = FindLamps("");
+    ASSERT_EQ(found.size(), 1u);
+    ExpectLamp(found[0], {40, -56, 120}, 120);
+}
+
 TEST_F(RecoverLightsTest, InsertPutsLampsIntoTheMap) {
     Compile(Lamp({40, -56, 120}, 150));
     Light("");
