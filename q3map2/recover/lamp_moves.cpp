@@ -340,6 +340,8 @@ void LampFit::Search(float step) {
 
 /// Elements of the inverse of the normal matrix, by lamp.
 std::vector<LampFit::Variance> LampFit::Variances() const {
+    if (lamps_.empty()) // Eigen compresses no matrix without columns
+        return {};
     const auto jacobian = Jacobian();
     const Eigen::SparseMatrix<float> normal = jacobian.transpose() * jacobian;
     // How much light two lamps share: the element of their strengths.
