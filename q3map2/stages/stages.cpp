@@ -180,9 +180,10 @@ std::vector<Stage> EditingStages() {
              "Find the lamps of a lit map whose source is lost",
              "Finds point lights and spotlights that explain the lightmaps, vertex colors and the legacy light grid, "
              "and writes them as light entities to `x.lights.map`. The light stage reads that file if there is no "
-             "`x.map`. It does not replace an `x.lights.map` unless `-force` is given. What the lamps leave "
-             "unexplained goes to `x.unexplained.json`, which [the viewer](../guide/viewer.md) shows. See [Lamps of "
-             "lit maps](../recover_lights.md).",
+             "`x.map`, and also `x.lights.rad`, which has factors for shaders that emit less light than their "
+             "scripts say. Neither file is replaced unless `-force` is given. What the lamps leave unexplained goes to "
+             "`x.unexplained.json`, which [the viewer](../guide/viewer.md) shows. See [Lamps of lit "
+             "maps](../recover_lights.md).",
              RecoverStage, [] { return Describe(RecoverSettings()); }},
             {"-fixaas", "-fixaas maps/x.bsp", "Make the bot files of a map valid again after relighting",
              "A bot file names its map by a checksum of all bytes, so engines refuse it after the map is lit. This "
