@@ -28,14 +28,14 @@ constexpr float kApart = 96;
 constexpr std::size_t kTriedCones = 128;
 constexpr double kConeGain = 1.5;
 
-ConeSample SampleOf(const Vec3f &origin, const ObservedMap &map, const LampFit &fit, const LampEntry &entry) {
-    return {Normalize(map.positions[entry.place] - origin), entry.light, fit.WeightOf(entry.place),
-            fit.EffectiveResidual(entry.place)};
-}
-
 } // namespace
 
 // ---- Cones ----
+
+ConeSample ConeSampleOf(const Vec3f &origin, const ObservedMap &map, const LampFit &fit, const LampEntry &entry,
+                        const Vec3f &residual) {
+    return {Normalize(map.positions[entry.place] - origin), entry.light, fit.WeightOf(entry.place), residual};
+}
 
 std::optional<ConeGuess> GuessCone(std::vector<ConeSample> samples) {
     constexpr int kPasses = 3;
@@ -242,7 +242,7 @@ std::vector<Lamp> LampCandidates::Best(const LampFit &fit, std::size_t most, dou
             return;
         std::vector<ConeSample> samples;
         for (const LampEntry &entry : one.at->column)
-            samples.push_back(SampleOf(one.at->origin, map_, fit, entry));
+            samples.push_back(ConeSampleOf(one.at->origin, map_, fit, entry, fit.EffectiveResidual(entry.place)));
         if (const auto guess = GuessCone(std::move(samples)); guess && guess->gain > kConeGain * guess->gainOfAll) {
             one.gain = guess->gain;
             one.lamp = {one.at->origin, guess->intensity, guess->cone};

@@ -60,6 +60,9 @@ struct ConeGuess {
     double gainOfAll = 0; ///< the same without
     Vec3f intensity;      ///< of the lamp with the cone
 };
+/// What a lamp at `origin` gives to a place; residual: of that place without the lamp.
+ConeSample ConeSampleOf(const Vec3f &origin, const ObservedMap &map, const LampFit &fit, const LampEntry &entry,
+                        const Vec3f &residual);
 /// The best cone, of half angles under 80 degrees, of those in which the lamp explains nearly all light that is left;
 /// nothing if there is none.
 std::optional<ConeGuess> GuessCone(std::vector<ConeSample> samples);

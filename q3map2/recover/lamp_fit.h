@@ -8,6 +8,7 @@
 #include <Eigen/SparseCore>
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -99,9 +100,10 @@ class LampFit {
     std::vector<std::size_t> Step(const std::vector<float> &step);
     /// For noise 1, with all other lamps free to move and change.
     struct Variance {
-        double position = 0;       ///< sum over the axes, in units of the step
-        double strength = 0;       ///< of the logarithm
-        double strengthAtRest = 0; ///< the same if the lamp itself stays in place
+        static constexpr double kUnknown = std::numeric_limits<double>::infinity();
+        double position = kUnknown; ///< sum over the axes, in units of the step
+        double strength = kUnknown; ///< of the logarithm
+        double strengthAtRest = 0;  ///< the same if the lamp itself stays in place
     };
     std::vector<Variance> Variances() const;
     std::vector<Lamp> TrialsOf(std::size_t j, float step) const;

@@ -367,7 +367,7 @@ std::vector<LampFit::Variance> LampFit::Variances() const {
         part.diagonal() = part.diagonal() * (1 + kRidge) + Eigen::VectorXd::Constant(size, 1e-3);
         const Eigen::LLT<Eigen::MatrixXd> factors(part);
         if (factors.info() != Eigen::Success)
-            return; // not known, so it counts as needed
+            return; // unknown, so the lamp counts as needed
         const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(size, 4));
         const Eigen::Index rest = size - 3; // without the position of the lamp itself
         const Eigen::MatrixXd atRest =

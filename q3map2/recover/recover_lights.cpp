@@ -2,7 +2,6 @@
 #include "q3map2/recover/recover_lights.h"
 
 #include "common/error.h"
-
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 #include "q3map2/recover/lamp_candidates.h"
 
@@ -11,7 +10,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
-#include <optional>
+#include <span>
 
 namespace q3 {
 
@@ -34,6 +33,9 @@ constexpr int kSourcePasses = 2;
 constexpr float kTwins = 24;
 /// Of the lamps that are dropped together, no two are nearer to each other. Game units.
 constexpr float kDroppedApart = 256;
+
+/// Weaker lamps are left out: they light nothing, and light entities of intensity 0 count as 300.
+constexpr float kFaintest = 0.1f;
 
 /// One search for lamps.
 class Recovery {
@@ -67,6 +69,7 @@ class Recovery {
     const LampFit &Fit() const { return fit_; }
 
   private:
+    /// Moves lamps by ever shorter steps.
     void Settle() {
         constexpr float kFine = 4;
         for (const float step : {32.0f, 16.0f, 8.0f, kFine, 2.0f, 1.0f, 0.5f}) {
@@ -125,8 +128,7 @@ class Recovery {
                 continue;
             std::vector<ConeSample> samples;
             for (const LampEntry &entry : fit_.ColumnOf(j))
-                samples.push_back({Normalize(map_.positions[entry.place] - lamp.origin), entry.light,
-                                   fit_.WeightOf(entry.place), fit_.ResidualWithout(j, entry)});
+                samples.push_back(ConeSampleOf(lamp.origin, map_, fit_, entry, fit_.ResidualWithout(j, entry)));
             const auto guess = GuessCone(std::move(samples));
             const double noise = double(fit_.SlopeOf(fit_.ColumnOf(j)).noise);
             if (guess && guess->gain > guess->gainOfAll + kLeastGainOfCone * noise)
@@ -155,9 +157,6 @@ class Recovery {
     Log &log_;
     LampFit fit_;
 };
-
-/// Weaker lamps light nothing, and light entities of intensity 0 count as 300.
-constexpr float kFaintest = 0.1f;
 
 void TakeResult(const LampFit &fit, RecoveredLights &result) {
     const std::vector<LampFit::Spread> spreads = fit.Spreads();

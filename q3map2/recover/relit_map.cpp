@@ -5,6 +5,7 @@
 #include "q3map2/lightmap/raw/lightmap_setup.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -82,8 +83,8 @@ RelitDifference Compare(const Bsp &bsp, const ObservedMap &map, const RelitMap &
 
 std::string UnexplainedText(const ObservedMap &map, const RelitDifference &difference, const std::string &name) {
     std::string text = fmt::format("{{\"format\": \"q3map2-sh unexplained light\", \"version\": 1, "
-                                   "\"map\": \"maps/{}.bsp\", \"unit\": \"bytes\", \"positions\": [",
-                                   name);
+                                   "\"map\": {}, \"unit\": \"bytes\", \"positions\": [",
+                                   nlohmann::json(fmt::format("maps/{}.bsp", name)).dump());
     for (std::size_t i = 0; i < difference.unexplained.size(); ++i) {
         const Vec3f &p = map.positions[i];
         text += fmt::format("{}\n[{:.1f}, {:.1f}, {:.1f}, {:.1f}]", i == 0 ? "" : ",", p.x, p.y, p.z,

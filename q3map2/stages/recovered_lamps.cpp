@@ -5,8 +5,6 @@
 #include "q3map2/bspfile/entities.h"
 #include "q3map2/bspfile/light_keys.h"
 #include "q3map2/cli/global_options.h"
-#include "q3map2/report/run_report.h"
-
 #include "q3map2/light/options/light_options.h"
 
 #include <algorithm>
@@ -56,7 +54,7 @@ float Degrees(const LampCone &cone) {
 }
 
 void PrintLamps(const RecoveredLights &found, Log &log) {
-    log.Print("{:>8} {:>8} {:>8}  {:>8}  {:>5}  {:>5}  color\n", "x", "y", "z", "light", "\u00b1 %", "\u00b1 qu");
+    log.Print("{:>8} {:>8} {:>8}  {:>8}  {:>5}  {:>5}  color\n", "x", "y", "z", "light", "err %", "err");
     for (std::size_t i = 0; i < std::min(kListed, found.lamps.size()); ++i) {
         const Lamp &lamp = found.lamps[i];
         const Vec3f color = lamp.Color();
@@ -68,7 +66,9 @@ void PrintLamps(const RecoveredLights &found, Log &log) {
     if (found.lamps.size() > kListed)
         log.Print("and {} weaker ones\n", found.lamps.size() - kListed);
     if (!found.lamps.empty())
-        log.Print("\u00b1: standard errors of light and position, if the lamps are point lights and spotlights\n");
+        log.Print(
+            "err: standard errors of the light, and of the position in game units, if all lamps are point lights and "
+            "spotlights\n");
 }
 
 /// Lines of a .rad file.

@@ -1,8 +1,6 @@
 // GPL-2.0-or-later. q3map2 -recoverlights: the lamps of a lit map whose light entities are gone.
-#include "common/error.h"
 #include "q3map2/cli/global_options.h"
 #include "q3map2/cli/stage_files.h"
-#include "q3map2/edit/bot_files.h"
 #include "q3map2/stages/light_files.h"
 #include "q3map2/stages/recovered_lamps.h"
 #include "q3map2/stages/stages.h"
